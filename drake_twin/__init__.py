@@ -1,0 +1,1 @@
+"""Digital twins of ROS 2 robots in one Drake simulation."""

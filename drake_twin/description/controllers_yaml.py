@@ -1,0 +1,175 @@
+"""Controllers' parameters files, read for one robot: which controllers there are, their types and parameters."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.errors import InputError
+
+DEFAULT_UPDATE_RATE = 100.0  # Hz, controller_manager's default in Jazzy
+
+_PLACEHOLDER = re.compile(r"\$\(var\s+([\w.]+)\s*\)|\$\{(\w+)\}")
+
+
+@dataclass(frozen=True)
+class ControllerParameters:
+    """One controller's entry in a parameters file.
+
+    Attributes:
+        name: the controller's name; its topics stand below it.
+        type: the plugin's name, for example ``forward_command_controller/ForwardCommandController``.
+        parameters: its ``ros__parameters``.
+    """
+
+    name: str
+    type: str
+    parameters: Mapping[str, Any]
+    document: YamlDocument | None = None
+    path: ValuePath = ()
+
+    def names(self, parameter: str) -> tuple[str, ...]:
+        """A parameter that is a list of names; empty when it is not given."""
+        value = self.parameters.get(parameter, [])
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self.error(f"{value!r} is not a list of names", parameter)
+        return tuple(value)
+
+    def text(self, parameter: str, default: str) -> str:
+        """A parameter that is text."""
+        value = self.parameters.get(parameter, default)
+        if not isinstance(value, str):
+            raise self.error(f"{value!r} is not text", parameter)
+        return value
+
+    def error(self, message: str, *path: str | int, **more: Any) -> InputError:
+        """An error that points at a parameter of this controller."""
+        if self.document is None:
+            return InputError(f"controller {self.name!r}: {message}", **more)
+        return self.document.error((*self.path, *path), message, **more)
+
+
+@dataclass(frozen=True)
+class ControllerManagerParameters:
+    """What a robot's parameters files say to its controller manager."""
+
+    update_rate: float = DEFAULT_UPDATE_RATE
+    controllers: tuple[ControllerParameters, ...] = ()
+
+
+def read_controllers(file: Path, namespace: str, placeholders: Mapping[str, str]) -> ControllerManagerParameters:
+    """Reads a parameters file as the nodes in one namespace see it.
+
+    All forms in use are understood: ``controller_manager:`` at the top, below ``/**:``, below a namespace
+    (``robot_1:``), and ``/ns/controller_manager`` in one word. An entry for another namespace is not seen.
+
+    Args:
+        file: the YAML file.
+        namespace: the robot's namespace, for example ``/robot_1``.
+        placeholders: values of ``$(var name)`` and ``${name}`` in the file.
+
+    Raises:
+        InputError: not YAML, a placeholder without a value, or an entry of the wrong shape.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"the parameters file cannot be read ({error})", file=file) from None
+    document = YamlDocument(_with_placeholders(text, file, placeholders), file)
+    nodes = _nodes(document, namespace)
+    update_rate = DEFAULT_UPDATE_RATE
+    types: dict[str, str] = {}
+    for path, parameters in nodes.get("controller_manager", []):
+        update_rate = _update_rate(document, path, parameters, update_rate)
+        for name, value in parameters.items():
+            if isinstance(value, dict) and isinstance(value.get("type"), str):
+                types[name] = value["type"]
+            elif name.endswith(".type") and isinstance(value, str):
+                types[name.removesuffix(".type")] = value
+    for name, entries in nodes.items():
+        for _, parameters in entries:
+            if isinstance(parameters.get("type"), str):
+                types.setdefault(name, parameters["type"])
+    controllers = []
+    for name, kind in types.items():
+        merged: dict[str, Any] = {}
+        path: ValuePath = ()
+        for path, parameters in nodes.get(name, []):
+            merged.update(parameters)
+        controllers.append(ControllerParameters(name, kind, merged, document, path))
+    return ControllerManagerParameters(update_rate, tuple(controllers))
+
+
+def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
+    rate = parameters.get("update_rate", default)
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not rate > 0:
+        raise document.error((*path, "update_rate"), f"{rate!r} is not a rate above zero (Hz)")
+    return float(rate)
+
+
+def _with_placeholders(text: str, file: Path, placeholders: Mapping[str, str]) -> str:
+    if "$" not in text:
+        return text
+    lines = []
+    for number, line in enumerate(text.splitlines(keepends=True), start=1):
+        start = line.find("#")  # a comment may mention $(var …) without meaning it
+        code, comment = (line, "") if start < 0 else (line[:start], line[start:])
+        for match in _PLACEHOLDER.finditer(code):
+            name = match[1] or match[2]
+            if name not in placeholders:
+                raise InputError(
+                    f"{match[0]} has no value here", file=file, line=number, valid=sorted(placeholders), value=name
+                )
+        lines.append(_PLACEHOLDER.sub(lambda match: placeholders[match[1] or match[2]], code) + comment)
+    return "".join(lines)
+
+
+def _nodes(document: YamlDocument, namespace: str) -> dict[str, list[tuple[ValuePath, Mapping[str, Any]]]]:
+    """Node name → the ``ros__parameters`` mappings that apply to it in ``namespace``, general ones first."""
+    data = document.data
+    if data is None:
+        return {}
+    if not isinstance(data, dict):
+        raise document.error((), "a parameters file is a mapping of node names")
+    found: list[tuple[int, str, ValuePath, Mapping[str, Any]]] = []
+
+    def walk(value: Any, path: ValuePath) -> None:
+        for key, below in value.items():
+            if not isinstance(key, str) or not isinstance(below, dict):
+                continue
+            here = (*path, key)
+            if "ros__parameters" in below:
+                parameters = below["ros__parameters"]
+                if parameters is None:
+                    parameters = {}
+                if not isinstance(parameters, dict):
+                    raise document.error((*here, "ros__parameters"), "the parameters of a node are a mapping")
+                rank_and_name = _match("/".join(str(part) for part in here), namespace)
+                if rank_and_name is not None:
+                    found.append((*rank_and_name, (*here, "ros__parameters"), parameters))
+            else:
+                walk(below, here)
+
+    walk(data, ())
+    names = {name for _, name, _, _ in found if name != "*"}
+    nodes: dict[str, list[tuple[ValuePath, Mapping[str, Any]]]] = {}
+    for _, name, path, parameters in sorted(found, key=lambda entry: entry[0]):
+        for each in names | {"controller_manager"} if name == "*" else {name}:
+            nodes.setdefault(each, []).append((path, parameters))
+    return nodes
+
+
+def _match(pattern: str, namespace: str) -> tuple[int, str] | None:
+    """How well a node pattern fits the namespace (higher is closer), and the node's name; None when it does not."""
+    parts = [part for part in pattern.split("/") if part]
+    *places, name = parts
+    own = [part for part in namespace.split("/") if part]
+    if name == "**":
+        return 0, "*"
+    if places in (["**"], []):
+        return (1 if places else 2), name
+    if places == own:
+        return 3, name
+    return None

@@ -1,0 +1,179 @@
+"""Where ROS packages are, and which file a ``package://``, ``model://`` or ``file://`` address names."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.errors import InputError
+
+# Folders that hold no source packages, or copies of them.
+_SKIPPED_FOLDERS = {"build", "log", "node_modules", "site-packages", "__pycache__"}
+_SEARCH_DEPTH = 6
+
+_PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
+_FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
+
+
+class PackageIndex:
+    """Finds packages by name, the closest source first.
+
+    In this order: the folders given, the workspace of the file at hand (its package's neighbours), the packages
+    installed under ``AMENT_PREFIX_PATH`` and ``COLCON_PREFIX_PATH``, the folders of ``ROS_PACKAGE_PATH``,
+    ``GZ_SIM_RESOURCE_PATH``, ``IGN_GAZEBO_RESOURCE_PATH`` and ``GAZEBO_MODEL_PATH``, and the twin's own models. Each
+    is looked at only when those before it do not have the package.
+
+    Args:
+        folders: folders of packages (or packages themselves) to look in first.
+        environment: the environment variables; the process's own by default.
+    """
+
+    def __init__(self, folders: Iterable[str | Path] = (), environment: Mapping[str, str] | None = None):
+        environment = os.environ if environment is None else environment
+        self._folders = [Path(folder).expanduser().absolute() for folder in folders]
+        for folder in self._folders:
+            if not folder.is_dir():
+                raise InputError("the package folder does not exist", file=folder)
+        self._prefixes = [
+            Path(prefix)
+            for variable in _PREFIX_VARIABLES
+            for prefix in environment.get(variable, "").split(os.pathsep)
+            if prefix
+        ]
+        self._resource_folders = [
+            Path(folder)
+            for variable in _FOLDER_VARIABLES
+            for folder in environment.get(variable, "").split(os.pathsep)
+            if folder
+        ]
+
+    def find(self, package: str, near: str | Path | None = None) -> Path:
+        """The share folder of a package.
+
+        Args:
+            package: the package's name.
+            near: a file of the workspace to look in first.
+
+        Raises:
+            InputError: no such package; the text lists where it was looked for.
+        """
+        for folder in self._candidates(package, near):
+            if folder.is_dir():
+                return folder
+        looked_in = [str(folder) for folder in self._source_folders(near)]
+        looked_in += [f"{prefix}/share" for prefix in self._prefixes]
+        raise InputError(
+            f"package {package!r} is in none of: {', '.join(looked_in)}. Name the folder that holds it with"
+            " --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+        )
+
+    def resolve(self, address: str, base: str | Path | None = None) -> Path:
+        """The file that an address names: ``package://``, ``model://``, ``file://``, or a path relative to ``base``.
+
+        Args:
+            address: the address.
+            base: the file that holds the address.
+
+        Raises:
+            InputError: the package or the file does not exist.
+        """
+        scheme, separator, rest = address.partition("://")
+        if not separator:
+            scheme, rest = "file", address
+        if scheme in ("package", "model"):
+            package, _, inside = rest.partition("/")
+            path = self.find(package, base) / inside
+        elif scheme == "file":
+            path = Path(rest).expanduser()
+            if not path.is_absolute():
+                path = (Path.cwd() if base is None else Path(base).absolute().parent) / path
+        else:
+            raise InputError(
+                f"{address!r} has a scheme that is not understood", valid=["package://", "model://", "file://"]
+            )
+        if not path.exists():
+            raise InputError("there is no such file", file=path)
+        return Path(os.path.abspath(path))
+
+    def _candidates(self, package: str, near: str | Path | None) -> Iterator[Path]:
+        for folder in self._folders:
+            yield from _in_folder(folder, package)
+        if near is not None:
+            own_package = containing_package(near)
+            if own_package is not None:
+                if package_name(own_package) == package:
+                    yield own_package
+                yield from _in_folder(_workspace(own_package), package)
+        for prefix in self._prefixes:
+            yield prefix / "share" / package
+        for folder in self._resource_folders:
+            yield from _in_folder(folder, package)
+        yield from _in_folder(share_folder("models"), package)
+
+    def _source_folders(self, near: str | Path | None) -> list[Path]:
+        own_package = None if near is None else containing_package(near)
+        workspace = [] if own_package is None else [_workspace(own_package)]
+        return [*self._folders, *workspace, *self._resource_folders, share_folder("models")]
+
+
+def share_folder(name: str) -> Path:
+    """The twin's own ``models`` or ``diagrams``: inside an installed wheel, or at the top of the source tree."""
+    package = Path(__file__).resolve().parent.parent
+    installed = package / "share" / name
+    return installed if installed.is_dir() else package.parent / name
+
+
+def containing_package(file: str | Path) -> Path | None:
+    """The innermost folder above a file that holds a ``package.xml``."""
+    for folder in Path(file).absolute().parents:
+        if (folder / "package.xml").is_file():
+            return folder
+    return None
+
+
+@lru_cache(maxsize=4096)
+def package_name(folder: Path) -> str:
+    """The ``<name>`` in a folder's ``package.xml``, or the folder's own name."""
+    try:
+        return (etree.parse(folder / "package.xml").findtext("name") or folder.name).strip()
+    except (etree.XMLSyntaxError, OSError):
+        return folder.name
+
+
+def _in_folder(folder: Path, package: str) -> Iterator[Path]:
+    """Places for a package at or below a folder: by the folder's name, then by the name in its package.xml."""
+    for place in (folder / package, folder):
+        if (place / "package.xml").is_file() and package_name(place) == package:
+            yield place
+    if (folder / package).is_dir():  # a Gazebo model folder, or a package without its package.xml
+        yield folder / package
+    yield from (place for place in _packages_below(folder) if package_name(place) == package)
+
+
+def _workspace(package: Path) -> Path:
+    """The folder whose packages a package sees: its colcon workspace's ``src``, or the folder it stands in."""
+    for folder in list(package.parents)[:_SEARCH_DEPTH]:
+        if folder.name == "src":
+            return folder
+    return package.parent
+
+
+@lru_cache(maxsize=256)
+def _packages_below(folder: Path, depth: int = _SEARCH_DEPTH) -> tuple[Path, ...]:
+    """Folders with a package.xml, as colcon finds them: not inside another package, not where COLCON_IGNORE stands."""
+    found: list[Path] = []
+    try:
+        names = sorted(entry.name for entry in os.scandir(folder) if entry.is_dir())
+    except OSError:
+        return ()
+    for name in names:
+        place = folder / name
+        if name.startswith(".") or name in _SKIPPED_FOLDERS or (place / "COLCON_IGNORE").exists():
+            continue
+        if (place / "package.xml").is_file():
+            found.append(place)
+        elif depth > 1:
+            found.extend(_packages_below(place, depth - 1))
+    return tuple(found)

@@ -1,0 +1,205 @@
+"""A robot as plain, frozen data: what a URDF or SDF file says, before any simulator is involved.
+
+Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed x, y, z axes, as in URDF.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import inf
+from pathlib import Path
+
+Vector3 = tuple[float, float, float]
+
+MOVABLE_JOINT_TYPES = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A frame in another: translation (m) and roll, pitch, yaw (rad)."""
+
+    xyz: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A follower joint's position: ``multiplier`` · (position of ``joint``) + ``offset``."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """Position (rad or m), velocity (rad/s or m/s) and effort (N·m or N) bounds; infinite where the file has none."""
+
+    lower: float = -inf
+    upper: float = inf
+    velocity: float = inf
+    effort: float = inf
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint between two links.
+
+    ``origin`` is the joint frame in the parent link, ``axis`` is a unit vector in the joint frame. ``child_origin`` is
+    the child link in the moved joint frame: the identity in URDF, something else in some SDF files.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: Pose = Pose()
+    axis: Vector3 = (1.0, 0.0, 0.0)
+    limits: JointLimits = JointLimits()
+    damping: float = 0.0
+    friction: float = 0.0
+    mimic: Mimic | None = None
+    child_origin: Pose = Pose()
+
+    @property
+    def is_movable(self) -> bool:
+        """Whether the joint has one position: revolute, continuous or prismatic."""
+        return self.type in MOVABLE_JOINT_TYPES
+
+
+@dataclass(frozen=True)
+class CommandInterface:
+    """What a controller may command at a joint: ``position``, ``velocity`` or ``effort``, within min and max."""
+
+    name: str
+    min: float = -inf
+    max: float = inf
+
+
+@dataclass(frozen=True)
+class StateInterface:
+    """What a joint reports: ``position``, ``velocity`` or ``effort``, and where it starts."""
+
+    name: str
+    initial_value: float | None = None
+
+
+@dataclass(frozen=True)
+class ControlledJoint:
+    """A ``<joint>`` of a ``<ros2_control>`` tag."""
+
+    name: str
+    command_interfaces: tuple[CommandInterface, ...] = ()
+    state_interfaces: tuple[StateInterface, ...] = ()
+    parameters: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class HardwareSystem:
+    """A ``<ros2_control>`` tag: one hardware component and its joints."""
+
+    name: str
+    type: str
+    plugin: str
+    joints: tuple[ControlledJoint, ...] = ()
+
+
+@dataclass(frozen=True)
+class GazeboPlugin:
+    """A ``<plugin>`` of a ``<gazebo>`` tag; ``parameters`` are the controllers' YAML files it names."""
+
+    filename: str
+    name: str
+    parameters: tuple[str, ...] = ()
+    namespace: str | None = None
+
+
+@dataclass(frozen=True)
+class LinkSurface:
+    """Contact properties that a ``<gazebo reference="link">`` tag gives; friction coefficients, no unit."""
+
+    mu1: float | None = None
+    mu2: float | None = None
+    self_collide: bool | None = None
+
+
+@dataclass(frozen=True)
+class RobotDescription:
+    """One robot as its file describes it.
+
+    Attributes:
+        name: the robot's name in the file.
+        links: the links' names, in file order.
+        joints: the joints, in file order.
+        systems: its ``<ros2_control>`` tags.
+        plugins: the plugins of its ``<gazebo>`` tags.
+        surfaces: link name → what ``<gazebo reference>`` says of its surface.
+        text: the expanded URDF (or the SDF), which is also published as ``robot_description``.
+        file: the file it was read from.
+    """
+
+    name: str
+    links: tuple[str, ...]
+    joints: tuple[Joint, ...]
+    systems: tuple[HardwareSystem, ...] = ()
+    plugins: tuple[GazeboPlugin, ...] = ()
+    surfaces: Mapping[str, LinkSurface] = field(default_factory=dict)
+    text: str = field(default="", repr=False)
+    file: Path | None = None
+
+    @cached_property
+    def root_link(self) -> str:
+        """The link that is no joint's child."""
+        children = {joint.child for joint in self.joints}
+        return next(link for link in self.links if link not in children)
+
+    @cached_property
+    def joints_by_name(self) -> dict[str, Joint]:
+        """Joint name → joint."""
+        return {joint.name: joint for joint in self.joints}
+
+    @property
+    def movable_joints(self) -> tuple[Joint, ...]:
+        """The joints that have a position, in file order."""
+        return tuple(joint for joint in self.joints if joint.is_movable)
+
+    @cached_property
+    def controlled_joints(self) -> dict[str, ControlledJoint]:
+        """Joint name → what ``<ros2_control>`` says of it, in file order; joints that the robot lacks are left out."""
+        return {
+            joint.name: joint for system in self.systems for joint in system.joints if joint.name in self.joints_by_name
+        }
+
+    @property
+    def actuated_joints(self) -> tuple[Joint, ...]:
+        """The movable joints with a command interface, in the order of ``<ros2_control>``; followers have none."""
+        return tuple(
+            self.joints_by_name[name]
+            for name, controlled in self.controlled_joints.items()
+            if controlled.command_interfaces
+            and self.joints_by_name[name].is_movable
+            and self.joints_by_name[name].mimic is None
+        )
+
+    @property
+    def controller_files(self) -> tuple[str, ...]:
+        """The controllers' YAML files that the ros2_control plugins of the ``<gazebo>`` tags name."""
+        return tuple(file for plugin in self.plugins for file in plugin.parameters)
+
+    def limits_of_command(self, joint: str, interface: str) -> tuple[float, float]:
+        """The tightest bounds on a command: those of the URDF joint and of its ``<ros2_control>`` interface.
+
+        Args:
+            joint: the joint's name.
+            interface: ``position`` (rad or m), ``velocity`` (rad/s or m/s) or ``effort`` (N·m or N).
+        """
+        limits = self.joints_by_name[joint].limits
+        lower, upper = {
+            "position": (limits.lower, limits.upper),
+            "velocity": (-limits.velocity, limits.velocity),
+            "effort": (-limits.effort, limits.effort),
+        }[interface]
+        for command in self.controlled_joints[joint].command_interfaces:
+            if command.name == interface:
+                lower, upper = max(lower, command.min), min(upper, command.max)
+        return lower, upper

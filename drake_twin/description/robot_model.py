@@ -1,0 +1,101 @@
+"""A robot file of any kind (xacro, URDF, SDF) → its description and the text that Drake is given."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from drake_twin.description.drake_urdf import drake_link_name, prepare_urdf
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.urdf import parse_urdf
+from drake_twin.description.xacro_file import expand_xacro
+from drake_twin.errors import InputError
+
+
+@dataclass(frozen=True)
+class RobotModel:
+    """A robot's description, and the same robot as Drake's parser takes it.
+
+    Attributes:
+        description: the robot as its file describes it.
+        drake_text: the model for Drake's parser; its model instance has the robot's name in the twin.
+        drake_format: ``urdf`` or ``sdf``.
+        is_fixed: whether the root link is welded to the world where the robot is spawned.
+        warnings: what was given up on the way.
+    """
+
+    description: RobotDescription
+    drake_text: str
+    drake_format: str
+    is_fixed: bool
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def root_body(self) -> str:
+        """The name of the root link's body in the Drake model."""
+        return drake_link_name(self.description.root_link)
+
+
+def load_robot_model(
+    address: str, packages: PackageIndex, *, name: str | None = None, xacro_args: Mapping[str, str] | None = None
+) -> RobotModel:
+    """Loads a robot.
+
+    Args:
+        address: its file: a path, or ``package://``, ``model://``, ``file://``.
+        packages: resolves it and what it refers to.
+        name: its name in the twin; by default the name that the file gives.
+        xacro_args: values for the ``<xacro:arg>``s of a xacro file.
+
+    Raises:
+        InputError: a file that is missing or wrong; see the functions of this package that read it.
+    """
+    file = packages.resolve(address)
+    text = read_robot_file(file)
+    arguments = dict(xacro_args or {})
+    if "<sdf" in text:
+        from drake_twin.description.sdf import describe_sdf, prepare_sdf
+
+        _refuse_arguments(arguments, file)
+        name = name or file.stem
+        prepared, is_fixed = prepare_sdf(text, file, name, packages)
+        return RobotModel(describe_sdf(prepared, text, file, name), prepared, "sdf", is_fixed)
+    warnings: list[str] = []
+    is_xacro = is_xacro_text(text)
+    if is_xacro:
+        text, warnings = expand_xacro(file, arguments, packages)
+    else:
+        _refuse_arguments(arguments, file)
+    description = parse_urdf(text, file, lines_are_the_files=not is_xacro)
+    prepared, more_warnings = prepare_urdf(
+        description, name or description.name, packages, lines_are_the_files=not is_xacro
+    )
+    return RobotModel(description, prepared, "urdf", description.root_link == "world", (*warnings, *more_warnings))
+
+
+def read_robot_file(file: Path) -> str:
+    """A robot file's text.
+
+    Raises:
+        InputError: the file cannot be read as text, or its kind is not understood.
+    """
+    try:
+        text = file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"the robot file cannot be read ({error.strerror})", file=file) from None
+    except UnicodeDecodeError:
+        raise InputError("the robot file is not UTF-8 text", file=file) from None
+    if "<robot" not in text and "<sdf" not in text:
+        raise InputError("a robot file is a xacro or URDF (<robot>) or an SDF (<sdf>), and this is neither", file=file)
+    return text
+
+
+def is_xacro_text(text: str) -> bool:
+    """Whether a robot file needs xacro: it declares xacro's namespace, whatever its suffix."""
+    return "ros.org/wiki/xacro" in text or "wiki.ros.org/xacro" in text
+
+
+def _refuse_arguments(arguments: Mapping[str, str], file: Path) -> None:
+    if arguments:
+        given = ", ".join(f"{name}:={value}" for name, value in arguments.items())
+        raise InputError(f"{given} cannot be used: only a xacro file takes arguments, and this is none", file=file)

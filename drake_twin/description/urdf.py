@@ -1,0 +1,265 @@
+"""URDF text → ``RobotDescription``, with its ``<ros2_control>`` and ``<gazebo>`` tags."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import hypot, inf
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.description.robot_description import (
+    CommandInterface,
+    ControlledJoint,
+    GazeboPlugin,
+    HardwareSystem,
+    Joint,
+    JointLimits,
+    LinkSurface,
+    Mimic,
+    Pose,
+    RobotDescription,
+    StateInterface,
+)
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
+
+_JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
+
+
+def parse_urdf(text: str, file: Path | None = None, *, lines_are_the_files: bool = True) -> RobotDescription:
+    """Parses URDF text.
+
+    Args:
+        text: URDF, xacro already expanded.
+        file: where it came from, for error messages.
+        lines_are_the_files: false for text that xacro made.
+
+    Raises:
+        InputError: not a URDF, a wrong value, a link or joint that is missing, double or not part of one tree.
+    """
+    reader = XmlReader(text, file, lines_are_the_files=lines_are_the_files)
+    root = reader.root
+    if root.tag != "robot":
+        raise reader.error(root, "a URDF's outermost element is <robot>")
+    systems = tuple(_hardware_system(reader, element) for element in root.iterfind("ros2_control"))
+    links = [reader.text(element, "name") for element in root.iterfind("link")]
+    joints = [_joint(reader, element) for element in root.iterfind("joint")]
+    _check_tree(reader, links, joints)
+    return RobotDescription(
+        name=root.get("name") or "robot",
+        links=tuple(links),
+        joints=tuple(_with_mimic_of_ros2_control(joints, systems)),
+        systems=systems,
+        plugins=tuple(_plugins(root)),
+        surfaces=_surfaces(reader),
+        text=text,
+        file=file,
+    )
+
+
+def _joint(reader: XmlReader, element: etree._Element) -> Joint:
+    name = reader.text(element, "name")
+    kind = reader.text(element, "type")
+    if kind not in _JOINT_TYPES:
+        raise reader.error(element, f"joint type {kind!r} is none of {', '.join(_JOINT_TYPES)}")
+    return Joint(
+        name=name,
+        type=kind,
+        parent=_linked(reader, element, "parent"),
+        child=_linked(reader, element, "child"),
+        origin=_pose(reader, element),
+        axis=_axis(reader, element, kind),
+        limits=_limits(reader, element, kind),
+        damping=_child_number(reader, element, "dynamics", "damping"),
+        friction=_child_number(reader, element, "dynamics", "friction"),
+        mimic=_mimic(reader, element),
+    )
+
+
+def _linked(reader: XmlReader, element: etree._Element, tag: str) -> str:
+    child = element.find(tag)
+    if child is None:
+        raise reader.error(element, f"<{tag}> is missing")
+    return reader.text(child, "link")
+
+
+def _pose(reader: XmlReader, element: etree._Element) -> Pose:
+    origin = element.find("origin")
+    if origin is None:
+        return Pose()
+    zero = (0.0, 0.0, 0.0)
+    return Pose(reader.vector3(origin, "xyz", zero), reader.vector3(origin, "rpy", zero))
+
+
+def _axis(reader: XmlReader, element: etree._Element, kind: str) -> tuple[float, float, float]:
+    axis = element.find("axis")
+    default = (1.0, 0.0, 0.0)
+    if axis is None or kind in ("fixed", "floating"):  # a fixed joint's axis is often 0 0 0
+        return default
+    x, y, z = reader.vector3(axis, "xyz", default)
+    length = hypot(x, y, z)
+    if length < 1e-9:
+        raise reader.error(axis, "the axis has no direction (its length is zero)")
+    return x / length, y / length, z / length
+
+
+def _limits(reader: XmlReader, element: etree._Element, kind: str) -> JointLimits:
+    limit = element.find("limit")
+    if limit is None:
+        if kind in ("revolute", "prismatic"):
+            raise reader.error(element, f"a {kind} joint needs <limit lower upper effort velocity>")
+        return JointLimits()
+    bounded = kind in ("revolute", "prismatic")
+    lower = reader.number(limit, "lower", 0.0) if bounded else -inf
+    upper = reader.number(limit, "upper", 0.0) if bounded else inf
+    if lower > upper:
+        raise reader.error(limit, f"lower ({lower:g}) is above upper ({upper:g})")
+    # Zero (or less) stands for "not known" in so many files that Gazebo's importers treat it as no bound.
+    velocity = reader.number(limit, "velocity", 0.0)
+    effort = reader.number(limit, "effort", 0.0)
+    return JointLimits(lower, upper, velocity if velocity > 0 else inf, effort if effort > 0 else inf)
+
+
+def _child_number(reader: XmlReader, element: etree._Element, tag: str, attribute: str) -> float:
+    child = element.find(tag)
+    return 0.0 if child is None else reader.number(child, attribute, 0.0)
+
+
+def _mimic(reader: XmlReader, element: etree._Element) -> Mimic | None:
+    mimic = element.find("mimic")
+    if mimic is None:
+        return None
+    return Mimic(
+        reader.text(mimic, "joint"), reader.number(mimic, "multiplier", 1.0), reader.number(mimic, "offset", 0.0)
+    )
+
+
+def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSystem:
+    joints = []
+    for joint in element.iterfind("joint"):
+        parameters = _parameters(joint)
+        joints.append(
+            ControlledJoint(
+                name=reader.text(joint, "name"),
+                command_interfaces=tuple(_command_interface(reader, item) for item in joint.iterfind("command_interface")),
+                state_interfaces=tuple(_state_interface(reader, item) for item in joint.iterfind("state_interface")),
+                parameters=parameters,
+            )
+        )
+    return HardwareSystem(
+        name=element.get("name", ""),
+        type=element.get("type", "system"),
+        plugin=(element.findtext("hardware/plugin") or "").strip(),
+        joints=tuple(joints),
+    )
+
+
+def _command_interface(reader: XmlReader, element: etree._Element) -> CommandInterface:
+    bounds = {
+        name: reader.parse_number(element, text, name)
+        for name, text in _parameters(element).items()
+        if name in ("min", "max")
+    }
+    lower, upper = bounds.get("min", -inf), bounds.get("max", inf)
+    if lower > upper:
+        raise reader.error(element, f"min ({lower:g}) is above max ({upper:g})")
+    return CommandInterface(reader.text(element, "name"), lower, upper)
+
+
+def _state_interface(reader: XmlReader, element: etree._Element) -> StateInterface:
+    initial = _parameters(element).get("initial_value")
+    value = None if initial is None else reader.parse_number(element, initial, "initial_value")
+    return StateInterface(reader.text(element, "name"), value)
+
+
+def _parameters(element: etree._Element) -> dict[str, str]:
+    return {item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")}
+
+
+def _with_mimic_of_ros2_control(joints: Iterable[Joint], systems: Iterable[HardwareSystem]) -> Iterable[Joint]:
+    """Followers that only ``<ros2_control>`` declares (``<param name="mimic">``, as before ROS 2 Jazzy)."""
+    followers = {
+        joint.name: joint.parameters for system in systems for joint in system.joints if "mimic" in joint.parameters
+    }
+    for joint in joints:
+        parameters = followers.get(joint.name)
+        if joint.mimic is None and parameters is not None:
+            multiplier, offset = parameters.get("multiplier", "1"), parameters.get("offset", "0")
+            try:
+                yield replace(joint, mimic=Mimic(parameters["mimic"], float(multiplier), float(offset)))
+            except ValueError:
+                raise InputError(
+                    f"joint {joint.name!r} of <ros2_control>: multiplier {multiplier!r} or offset {offset!r} is not a number"
+                ) from None
+        else:
+            yield joint
+
+
+def _plugins(root: etree._Element) -> Iterable[GazeboPlugin]:
+    for plugin in root.iterfind("gazebo/plugin"):
+        parameters = (item.text or "" for item in plugin.iterfind("parameters"))
+        namespace = plugin.findtext("ros/namespace")
+        yield GazeboPlugin(
+            filename=plugin.get("filename", ""),
+            name=plugin.get("name", ""),
+            parameters=tuple(text.strip() for text in parameters if text.strip()),
+            namespace=None if namespace is None else namespace.strip(),
+        )
+
+
+def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
+    surfaces: dict[str, LinkSurface] = {}
+    for element in reader.root.iterfind("gazebo"):
+        link = element.get("reference")
+        if link is None:
+            continue
+        found = surfaces.get(link, LinkSurface())
+        for tag in ("mu1", "mu2"):
+            text = _text_or_value(element, tag)
+            if text is not None:
+                found = replace(found, **{tag: reader.parse_number(element, text, tag)})
+        self_collide = _text_or_value(element, "selfCollide") or _text_or_value(element, "self_collide")
+        if self_collide is not None:
+            found = replace(found, self_collide=self_collide.lower() in ("1", "true"))
+        if found != LinkSurface():
+            surfaces[link] = found
+    return surfaces
+
+
+def _text_or_value(element: etree._Element, tag: str) -> str | None:
+    """``<mu1>0.9</mu1>`` or ``<mu1 value="0.9"/>``: both are in use."""
+    child = element.find(tag)
+    if child is None:
+        return None
+    return child.get("value") or (child.text or "").strip() or None
+
+
+def _check_tree(reader: XmlReader, links: list[str], joints: list[Joint]) -> None:
+    root = reader.root
+    if not links:
+        raise reader.error(root, "the robot has no <link>")
+    for tag, names in (("link", links), ("joint", [joint.name for joint in joints])):
+        for name in names:
+            if names.count(name) > 1:
+                twice = [element for element in root.iterfind(tag) if element.get("name") == name]
+                raise reader.error(twice[1], f"there are two {tag}s of this name")
+    parent_of: dict[str, str] = {}
+    known = set(links)
+    for element, joint in zip(root.iterfind("joint"), joints, strict=True):
+        for link in (joint.parent, joint.child):
+            if link not in known:
+                raise reader.error(element, f"there is no link {link!r}")
+        if joint.child in parent_of:
+            raise reader.error(element, f"link {joint.child!r} has two parents")
+        parent_of[joint.child] = joint.parent
+    roots = [link for link in links if link not in parent_of]
+    if len(roots) != 1:
+        what = f"several links without a parent: {', '.join(roots)}" if roots else "no link without a parent: a loop"
+        raise reader.error(root, f"the links must form one tree, but there are {what}" if roots else f"there is {what}")
+    for link in links:
+        seen = {link}
+        while link in parent_of:
+            link = parent_of[link]
+            if link in seen:
+                raise reader.error(root, f"the joints form a loop through link {link!r}")
+            seen.add(link)

@@ -1,0 +1,117 @@
+"""xacro files, expanded with the twin's own package index, so that ``$(find pkg)`` needs no ROS."""
+
+import contextlib
+import io
+import threading
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from xml.parsers.expat import ExpatError
+
+from lxml import etree
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.errors import InputError
+
+_XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
+
+# xacro keeps its state (file stack, symbols, the lookup of packages) in module globals.
+_XACRO_LOCK = threading.Lock()
+
+
+def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageIndex) -> tuple[str, list[str]]:
+    """Expands a xacro file to URDF text, as the ``xacro`` command does.
+
+    Args:
+        file: the xacro file.
+        arguments: values for its ``<xacro:arg>``s.
+        packages: resolves ``$(find pkg)``.
+
+    Returns:
+        The expanded XML, and the warnings that xacro printed.
+
+    Raises:
+        InputError: xacro refuses the file; the text holds xacro's reason and its chain of files.
+    """
+    import xacro
+
+    with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
+        try:
+            document = xacro.process_file(str(file), mappings=dict(arguments))
+        except InputError as error:
+            raise InputError(f"xacro: {error}", file=_file_at_fault(file)) from None
+        except (ExpatError, etree.XMLSyntaxError) as error:
+            raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
+        except OSError as error:
+            missing = error.filename or file
+            raise InputError(f"xacro cannot read {missing} ({error.strerror})", file=_file_at_fault(file)) from None
+        except Exception as error:  # expressions in the file are Python and raise whatever they like
+            raise InputError(f"xacro: {_reason(error)}{_chain()}", file=_file_at_fault(file)) from None
+    warnings = [line.removeprefix("warning: ") for line in printed.getvalue().splitlines() if line.strip()]
+    return document.toxml(), warnings
+
+
+def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:
+    """The names of the ``<xacro:arg>``s that a file and the files it includes declare.
+
+    Includes whose names need an expression other than ``$(find pkg)`` are left out.
+    """
+    names: set[str] = set()
+    seen: set[Path] = set()
+    todo = [file.absolute()]
+    while todo:
+        current = todo.pop()
+        if current in seen:
+            continue
+        seen.add(current)
+        try:
+            tree = etree.parse(current)
+        except (etree.XMLSyntaxError, OSError):
+            continue  # expanding the file tells the user what is wrong with it
+        for element in tree.iter(*(f"{{{namespace}}}*" for namespace in _XACRO_NAMESPACES)):
+            kind = etree.QName(element).localname
+            if kind == "arg":
+                names.add(element.get("name", ""))
+            elif kind == "include":
+                todo.extend(_included(element.get("filename", ""), current, packages))
+    return names
+
+
+def _included(name: str, includer: Path, packages: PackageIndex) -> Iterator[Path]:
+    if name.startswith("$(find "):
+        package, _, inside = name[len("$(find ") :].partition(")")
+        try:
+            name = str(packages.find(package.strip(), includer)) + inside
+        except InputError:
+            return
+    if "$" not in name:
+        yield (includer.parent / name).absolute()
+
+
+@contextlib.contextmanager
+def _packages_for_xacro(packages: PackageIndex, file: Path) -> Iterator[None]:
+    from xacro import substitution_args
+
+    original = substitution_args._eval_find
+    substitution_args._eval_find = lambda package: str(packages.find(package, file))
+    try:
+        yield
+    finally:
+        substitution_args._eval_find = original
+
+
+def _reason(error: Exception) -> str:
+    text = " ".join(str(error).split())
+    return text if text else type(error).__name__
+
+
+def _file_at_fault(file: Path) -> Path:
+    import xacro
+
+    return Path(xacro.filestack[-1]) if xacro.filestack else file
+
+
+def _chain() -> str:
+    import xacro
+
+    includers = (xacro.filestack or [])[:-1]
+    return f" (included from {', '.join(str(name) for name in reversed(includers))})" if includers else ""

@@ -1,0 +1,83 @@
+"""XML elements read with checks: a wrong value raises an error that names file, line, element and value."""
+
+from math import isfinite
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.errors import InputError
+
+# No network, no external entities, and libxml2's own bound on how far entities may expand.
+_PARSER = etree.XMLParser(resolve_entities="internal", no_network=True, huge_tree=False, remove_comments=True)
+
+
+class XmlReader:
+    """Reads values out of one XML document.
+
+    Args:
+        text: the document.
+        file: the file it came from, for error messages.
+        lines_are_the_files: false when the text was generated from the file, so its lines mean nothing to the user.
+
+    Raises:
+        InputError: not well-formed.
+    """
+
+    def __init__(self, text: str, file: Path | None = None, *, lines_are_the_files: bool = True):
+        self.file = file
+        self._show_lines = lines_are_the_files
+        try:
+            self.root = etree.fromstring(text.encode(), _PARSER)
+        except etree.XMLSyntaxError as error:
+            line = error.lineno if lines_are_the_files else None
+            raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
+
+    def error(self, element: etree._Element, message: str) -> InputError:
+        """An error that points at an element."""
+        line = element.sourceline if self._show_lines else None
+        return InputError(f"{described(element)}: {message}", file=self.file, line=line)
+
+    def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
+        """A required (or defaulted) attribute."""
+        value = element.get(attribute, default)
+        if value is None or (value == "" and default is None):
+            raise self.error(element, f"the attribute {attribute!r} is missing")
+        return value.strip()
+
+    def number(self, element: etree._Element, attribute: str, default: float) -> float:
+        """An attribute as a finite number."""
+        text = element.get(attribute)
+        return default if text is None else self.parse_number(element, text, attribute)
+
+    def parse_number(self, element: etree._Element, text: str, what: str) -> float:
+        """Text as a finite number."""
+        try:
+            value = float(text)
+        except ValueError:
+            raise self.error(element, f"{what} is {text!r}, which is not a number") from None
+        if not isfinite(value):
+            raise self.error(element, f"{what} is {text!r}, which is not finite")
+        return value
+
+    def vector3(
+        self, element: etree._Element, attribute: str, default: tuple[float, float, float]
+    ) -> tuple[float, float, float]:
+        """An attribute as three finite numbers."""
+        text = element.get(attribute)
+        if text is None:
+            return default
+        values = [self.parse_number(element, part, attribute) for part in text.split()]
+        if len(values) != 3:
+            raise self.error(element, f"{attribute} is {text!r}, where three numbers are needed")
+        return values[0], values[1], values[2]
+
+
+def described(element: etree._Element) -> str:
+    """An element as a person would point at it: ``<limit> of <joint name="elbow">``."""
+    text = f"<{etree.QName(element).localname}"
+    name = element.get("name") or element.get("reference")
+    text += f' name="{name}">' if name else ">"
+    parent = element.getparent()
+    if name is None and parent is not None and parent.getparent() is not None:
+        text += f" of {described(parent)}"
+    return text

@@ -1,0 +1,106 @@
+"""YAML files as plain data that still knows on which line each value stands."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from drake_twin.errors import InputError
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+# Aliases let a few lines stand for gigabytes; no scenario and no parameters file comes near this many values.
+_MOST_VALUES = 200_000
+_DEEPEST = 100
+
+Key = str | int
+ValuePath = tuple[Key, ...]
+
+
+class YamlDocument:
+    """A YAML file's data, with the line of every value.
+
+    Args:
+        text: the file's text.
+        file: its name, for error messages.
+
+    Attributes:
+        data: mappings as ``dict``, sequences as ``list``, scalars by YAML 1.1 as in PyYAML's safe loader.
+
+    Raises:
+        InputError: not YAML, a key twice in one mapping, or so many aliases that it would not fit in memory.
+    """
+
+    def __init__(self, text: str, file: str | Path):
+        self.file = Path(file)
+        self._lines: dict[ValuePath, int] = {}
+        self._constructor = yaml.constructor.SafeConstructor()
+        try:
+            root = yaml.compose(text, Loader=_LOADER)
+        except yaml.YAMLError as error:
+            mark = getattr(error, "problem_mark", None)
+            problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+            raise InputError(
+                f"this is not valid YAML: {problem}", file=file, line=None if mark is None else mark.line + 1
+            ) from None
+        self.data = None if root is None else self._plain(root, ())
+
+    @classmethod
+    def read(cls, file: str | Path) -> "YamlDocument":
+        """Reads a file.
+
+        Raises:
+            InputError: the file cannot be read, or is not usable YAML.
+        """
+        try:
+            return cls(Path(file).read_text(encoding="utf-8"), file)
+        except OSError as error:
+            raise InputError(f"the file cannot be read ({error.strerror})", file=file) from None
+        except UnicodeDecodeError:
+            raise InputError("the file is not UTF-8 text, so it is not YAML", file=file) from None
+
+    def line(self, path: ValuePath) -> int | None:
+        """The line (from 1) of the value at a path of keys and indices, or of the closest value above it."""
+        while path not in self._lines and path:
+            path = path[:-1]
+        return self._lines.get(path)
+
+    def error(self, path: ValuePath, message: str, **more: Any) -> InputError:
+        """An error that points at the value at ``path``."""
+        where = ".".join(str(key) for key in path)
+        return InputError(f"{where}: {message}" if where else message, file=self.file, line=self.line(path), **more)
+
+    def _plain(self, node: yaml.Node, path: ValuePath) -> Any:
+        self._lines[path] = node.start_mark.line + 1
+        if len(self._lines) > _MOST_VALUES:
+            raise InputError(f"the file holds more than {_MOST_VALUES} values", file=self.file)
+        if len(path) > _DEEPEST:
+            raise InputError(f"the values nest more than {_DEEPEST} deep", file=self.file, line=self._lines[path])
+        if isinstance(node, yaml.MappingNode):
+            self._refuse_double_keys(node)
+            self._constructor.flatten_mapping(node)  # "<<: *base"
+            return {
+                (key := self._scalar(key_node)): self._plain(value_node, (*path, key))
+                for key_node, value_node in node.value
+            }
+        if isinstance(node, yaml.SequenceNode):
+            return [self._plain(item, (*path, index)) for index, item in enumerate(node.value)]
+        return self._scalar(node)
+
+    def _refuse_double_keys(self, node: yaml.MappingNode) -> None:
+        seen = set()
+        for key_node, _ in node.value:
+            key = self._scalar(key_node)
+            if key in seen:
+                raise InputError(f"{key!r} stands twice", file=self.file, line=key_node.start_mark.line + 1)
+            seen.add(key)
+
+    def _scalar(self, node: yaml.Node) -> Any:
+        if not isinstance(node, yaml.ScalarNode):
+            raise InputError("a mapping's key must be text", file=self.file, line=node.start_mark.line + 1)
+        try:
+            return self._constructor.construct_object(node)
+        except (yaml.YAMLError, ValueError):
+            raise InputError(
+                f"{node.value!r} is not a value", file=self.file, line=node.start_mark.line + 1
+            ) from None

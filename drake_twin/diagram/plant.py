@@ -1,0 +1,158 @@
+"""The one MultibodyPlant and SceneGraph of a twin: the world, the robots, their actuators and where they start."""
+
+import logging
+from collections.abc import Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+from pydrake.geometry import (
+    CollisionFilterDeclaration,
+    GeometrySet,
+    HalfSpace,
+    SceneGraph,
+)
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlant, MultibodyPlantConfig
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_twin.description.robot_description import Pose
+from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.diagram.servo_gains import set_servo_gains
+from drake_twin.errors import InputError
+from drake_twin.scenario import Scenario
+from drake_twin.systems.state_layout import StateLayout
+
+
+@dataclass(frozen=True)
+class RobotInPlant:
+    """A robot's model instance and the layout of its state."""
+
+    instance: ModelInstanceIndex
+    layout: StateLayout
+
+
+@dataclass(frozen=True)
+class PlantOfTwin:
+    """The finalized plant and what is needed to wire robots to it."""
+
+    plant: MultibodyPlant
+    scene_graph: SceneGraph
+    robots: dict[str, RobotInPlant]
+
+
+def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan]) -> PlantOfTwin:
+    """Adds the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
+
+    Args:
+        builder: the root diagram's builder.
+        scenario: the world and the step.
+        plans: the robots, in the scenario's order.
+
+    Raises:
+        InputError: Drake refuses a robot; the text holds Drake's reason.
+    """
+    config = MultibodyPlantConfig(
+        time_step=scenario.time_step, discrete_contact_approximation=scenario.contact_approximation
+    )
+    plant, scene_graph = AddMultibodyPlant(config, builder)
+    plant.mutable_gravity_field().set_gravity_vector(np.array(scenario.world.gravity))
+    if scenario.world.ground:
+        _add_ground(plant, scenario.world.ground_friction)
+    instances = {plan.name: _add_robot(plant, scene_graph, plan) for plan in plans}
+    plant.Finalize()
+    robots = {}
+    for plan in plans:
+        layout = _state_layout(plant, instances[plan.name], plan)
+        _set_start(plant, instances[plan.name], plan, layout)
+        robots[plan.name] = RobotInPlant(instances[plan.name], layout)
+    set_servo_gains(plant, [(plan, robots[plan.name].instance, robots[plan.name].layout) for plan in plans])
+    return PlantOfTwin(plant, scene_graph, robots)
+
+
+def rigid_transform(pose: Pose) -> RigidTransform:
+    """A pose as Drake's transform."""
+    return RigidTransform(RollPitchYaw(*pose.rpy), np.array(pose.xyz))
+
+
+def _add_ground(plant: MultibodyPlant, friction: float) -> None:
+    with _without_message("half spaces are not currently supported for deformable contact"):
+        plant.RegisterCollisionGeometry(
+            plant.world_body(), RigidTransform(), HalfSpace(), "ground", CoulombFriction(friction, friction)
+        )
+
+
+def _add_robot(plant: MultibodyPlant, scene_graph: SceneGraph, plan: RobotPlan) -> ModelInstanceIndex:
+    try:
+        (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
+    except (RuntimeError, SystemExit) as error:  # a zero-size shape arrives as SystemExit
+        reason = " ".join(str(error).split()) or "Drake ended the parsing without a reason"
+        raise InputError(f"Drake refuses robot {plan.name!r}: {reason}", file=plan.description.file) from None
+    for joint in plan.description.actuated_joints:
+        limit = joint.limits.effort
+        plant.AddJointActuator(
+            joint.name,
+            plant.GetJointByName(joint.name, instance),
+            limit if isfinite(limit) else float("inf"),
+        )
+    if plan.model.is_fixed:
+        root = plant.GetBodyByName(plan.model.root_body, instance)
+        plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))
+    if not plan.robot.self_collision:
+        bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
+        geometries: GeometrySet = plant.CollectRegisteredGeometries(bodies)
+        scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(geometries))
+    return instance
+
+
+def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan) -> StateLayout:
+    positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).astype(int).tolist()
+    velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities())).astype(int).tolist()
+    joints = {joint.name: plant.GetJointByName(joint.name, instance) for joint in plan.description.movable_joints}
+    actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices(instance)]
+    root = plant.GetBodyByName(plan.model.root_body, instance)
+    floats = root.is_floating_base_body()
+    return StateLayout(
+        size=len(positions) + len(velocities),
+        positions={name: positions.index(joint.position_start()) for name, joint in joints.items()},
+        velocities={
+            name: len(positions) + velocities.index(joint.velocity_start()) for name, joint in joints.items()
+        },
+        efforts={actuator.joint().name(): index for index, actuator in enumerate(actuators)},
+        base_position=positions.index(root.floating_positions_start()) if floats else None,
+        base_velocity=(
+            len(positions) + velocities.index(root.floating_velocities_start_in_v()) if floats else None
+        ),
+    )
+
+
+def _set_start(
+    plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout
+) -> None:
+    """Makes the spawn pose and the start positions the defaults, so that every new context begins there."""
+    q = plant.GetDefaultPositions(instance)
+    for name, index in layout.positions.items():
+        q[index] = plan.start_positions[name]
+    if layout.base_position is not None:
+        pose = rigid_transform(plan.spawn_pose)
+        q[layout.base_position :][:4] = pose.rotation().ToQuaternion().wxyz()
+        q[layout.base_position :][4:7] = pose.translation()
+    plant.SetDefaultPositions(instance, q)
+
+
+@contextmanager
+def _without_message(text: str):  # type: ignore[no-untyped-def]
+    """Keeps a message of Drake's that does not concern the twin (it has no deformable bodies) from the user."""
+    logger = logging.getLogger("drake")
+
+    def keep(record: logging.LogRecord) -> bool:
+        return text not in record.getMessage()
+
+    logger.addFilter(keep)
+    try:
+        yield
+    finally:
+        logger.removeFilter(keep)

@@ -1,0 +1,266 @@
+"""What a scenario's robot amounts to once its files are read: its model, its controllers, its frames."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from drake_twin.description.controllers_yaml import (
+    ControllerManagerParameters,
+    ControllerParameters,
+    read_controllers,
+)
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_description import Pose, RobotDescription
+from drake_twin.description.robot_model import RobotModel, load_robot_model
+from drake_twin.description.xacro_file import xacro_arguments
+from drake_twin.errors import InputError
+from drake_twin.scenario import Robot
+
+JOINT_STATE_BROADCASTER = "joint_state_broadcaster/JointStateBroadcaster"
+
+# Controller type → the command interface it forwards to; None where the parameter interface_name says it.
+_FORWARD_CONTROLLERS: Mapping[str, str | None] = {
+    "forward_command_controller/ForwardCommandController": None,
+    "velocity_controllers/JointGroupVelocityController": "velocity",
+    "position_controllers/JointGroupPositionController": "position",
+    "effort_controllers/JointGroupEffortController": "effort",
+}
+
+
+@dataclass(frozen=True)
+class ControllerPlan:
+    """An active forward velocity controller: its joints in the parameters file's order, and their limits."""
+
+    name: str
+    type: str
+    joints: tuple[str, ...]
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class RobotPlan:
+    """A robot, ready to be built.
+
+    Attributes:
+        robot: the scenario's entry.
+        model: its description and its text for Drake.
+        controllers: the controllers that are active from the start.
+        update_rate: its controller manager's rate (Hz).
+        frame_prefix: put before its link names in tf messages.
+        start_positions: movable joint → position at the start (rad or m).
+        not_started: controllers that are not active, each with the reason.
+        warnings: what was given up or changed.
+    """
+
+    robot: Robot
+    model: RobotModel
+    controllers: tuple[ControllerPlan, ...]
+    update_rate: float
+    frame_prefix: str
+    start_positions: Mapping[str, float]
+    not_started: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The robot's name in the twin."""
+        return self.robot.name
+
+    @property
+    def description(self) -> RobotDescription:
+        """The robot as its file describes it."""
+        return self.model.description
+
+    @property
+    def spawn_pose(self) -> Pose:
+        """Where the root link starts, in the world."""
+        return Pose(self.robot.xyz, self.robot.rpy)
+
+    @property
+    def base_frame(self) -> str:
+        """The root link's frame."""
+        return self.frame_prefix + self.description.root_link
+
+
+def plan_robot(robot: Robot, packages: PackageIndex) -> RobotPlan:
+    """Reads a robot's files and decides what of them the twin starts.
+
+    Raises:
+        InputError: a file, a joint or a controller that is missing or wrong.
+    """
+    xacro_args = dict(robot.xacro_args)
+    file = packages.resolve(robot.model)
+    if "robot_name" not in xacro_args and "robot_name" in xacro_arguments(file, packages):
+        xacro_args["robot_name"] = robot.name
+    model = load_robot_model(robot.model, packages, name=robot.name, xacro_args=xacro_args)
+    description = model.description
+    warnings = [f"{robot.name}: {warning}" for warning in model.warnings]
+    manager = _controller_manager(robot, description, packages, xacro_args)
+    controllers, not_started = _plan_controllers(robot, description, manager, xacro_args.get("prefix", ""))
+    positions, position_warnings = _start_positions(robot, description)
+    return RobotPlan(
+        robot=robot,
+        model=model,
+        controllers=controllers,
+        update_rate=manager.update_rate,
+        frame_prefix=_frame_prefix(robot, description),
+        start_positions=positions,
+        not_started=tuple(f"{robot.name}: {reason}" for reason in not_started),
+        warnings=(*warnings, *(f"{robot.name}: {warning}" for warning in position_warnings)),
+    )
+
+
+def _controller_manager(
+    robot: Robot, description: RobotDescription, packages: PackageIndex, xacro_args: Mapping[str, str]
+) -> ControllerManagerParameters:
+    files = robot.controllers or description.controller_files
+    placeholders = {"robot_name": robot.name, **xacro_args}
+    merged = ControllerManagerParameters()
+    for file in files:
+        path = packages.resolve(file, description.file)
+        found = read_controllers(path, robot.topic_namespace, placeholders)
+        known = {controller.name for controller in found.controllers}
+        kept = tuple(controller for controller in merged.controllers if controller.name not in known)
+        merged = replace(found, controllers=kept + found.controllers)
+    if not files:
+        merged = _default_controllers(description)
+    return merged
+
+
+def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:
+    """For a robot that names no parameters file: every velocity interface can be commanded all the same."""
+    joints = [
+        joint.name
+        for joint in description.actuated_joints
+        if any(item.name == "velocity" for item in description.controlled_joints[joint.name].command_interfaces)
+    ]
+    if not joints:
+        return ControllerManagerParameters()
+    parameters = {"joints": joints, "interface_name": "velocity"}
+    kind = "forward_command_controller/ForwardCommandController"
+    return ControllerManagerParameters(
+        controllers=(
+            ControllerParameters("joint_state_broadcaster", JOINT_STATE_BROADCASTER, {}),
+            ControllerParameters("forward_velocity_controller", kind, parameters),
+        )
+    )
+
+
+def _plan_controllers(
+    robot: Robot, description: RobotDescription, manager: ControllerManagerParameters, prefix: str
+) -> tuple[tuple[ControllerPlan, ...], list[str]]:
+    by_name = {controller.name: controller for controller in manager.controllers}
+    for name in robot.active_controllers or ():
+        if name not in by_name:
+            raise InputError(
+                f"robot {robot.name!r} has no controller {name!r} in its parameters files", value=name, valid=by_name
+            )
+    chosen = by_name if robot.active_controllers is None else robot.active_controllers
+    plans: list[ControllerPlan] = []
+    not_started: list[str] = []
+    claimed_by: dict[str, str] = {}
+    for name in chosen:
+        parameters = by_name[name]
+        if parameters.type == JOINT_STATE_BROADCASTER:
+            continue  # the robot's joint states are there without it
+        interface = _interface(parameters)
+        if interface != "velocity":
+            what = f"type {parameters.type}" if interface is None else f"interface {interface!r} (type {parameters.type})"
+            not_started.append(f"controller {name}: {what} is not supported yet; its joints hold their position")
+            continue
+        plan = _velocity_plan(parameters, description, prefix)
+        if isinstance(plan, str):
+            not_started.append(f"controller {name}: {plan}")
+            continue
+        taken = next((joint for joint in plan.joints if joint in claimed_by), None)
+        if taken is not None:
+            not_started.append(
+                f"controller {name}: resource conflict, {taken}/velocity is already claimed by {claimed_by[taken]}"
+            )
+            continue
+        claimed_by.update(dict.fromkeys(plan.joints, name))
+        plans.append(plan)
+    return tuple(plans), not_started
+
+
+def _interface(parameters: ControllerParameters) -> str | None:
+    """The command interface of a forward controller; None for any other type."""
+    if parameters.type not in _FORWARD_CONTROLLERS:
+        return None
+    return _FORWARD_CONTROLLERS[parameters.type] or parameters.text("interface_name", "")
+
+
+def _velocity_plan(
+    parameters: ControllerParameters, description: RobotDescription, prefix: str
+) -> ControllerPlan | str:
+    """The plan of a forward velocity controller, or why it cannot be activated."""
+    joints: list[str] = []
+    for index, name in enumerate(parameters.names("joints")):
+        joint = name if name in description.joints_by_name else prefix + name
+        if joint not in description.joints_by_name:
+            valid = [item.name for item in description.movable_joints]
+            raise parameters.error(f"the robot has no joint {name!r}", "joints", index, value=name, valid=valid)
+        if joint in joints:
+            raise parameters.error(f"joint {name!r} stands twice", "joints", index)
+        joints.append(joint)
+    if not joints:
+        raise parameters.error("the parameter 'joints' is missing or empty")
+    for joint in joints:
+        controlled = description.controlled_joints.get(joint)
+        interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
+        if "velocity" not in interfaces:
+            has = f"it has {', '.join(interfaces)}" if interfaces else "it has none"
+            return f"joint {joint} has no velocity command interface in <ros2_control> ({has})"
+        if description.joints_by_name[joint].mimic is not None:
+            return f"joint {joint} follows another joint (mimic) and cannot be commanded"
+    limits = [description.limits_of_command(joint, "velocity") for joint in joints]
+    lower, upper = zip(*limits, strict=True)
+    return ControllerPlan(parameters.name, parameters.type, tuple(joints), lower, upper)
+
+
+def _frame_prefix(robot: Robot, description: RobotDescription) -> str:
+    if robot.frame_prefix is not None:
+        return robot.frame_prefix
+    named_after_robot = all(link == "world" or link.startswith(robot.name) for link in description.links)
+    return "" if named_after_robot else f"{robot.name}/"
+
+
+def _start_positions(robot: Robot, description: RobotDescription) -> tuple[dict[str, float], list[str]]:
+    """Positions from the scenario, else ``initial_value``, else zero; within limits; followers where they belong."""
+    joints = {joint.name: joint for joint in description.movable_joints}
+    warnings = []
+    for name in robot.initial_positions:
+        if name not in joints:
+            raise InputError(
+                f"robot {robot.name!r} has no movable joint {name!r} to give an initial position",
+                value=name,
+                valid=joints,
+            )
+    positions: dict[str, float] = {}
+    for name, joint in joints.items():
+        value = robot.initial_positions.get(name)
+        if value is None:
+            controlled = description.controlled_joints.get(name)
+            interfaces = controlled.state_interfaces if controlled else ()
+            initial = [item.initial_value for item in interfaces if item.name == "position"]
+            value = next((item for item in initial if item is not None), 0.0)
+        clamped = min(max(value, joint.limits.lower), joint.limits.upper)
+        if clamped != value:
+            warnings.append(f"joint {name} starts at its limit {clamped:g} instead of {value:g}")
+        positions[name] = clamped
+    for name, joint in joints.items():
+        positions[name] = _follow(joint.name, description, positions)
+    return positions, warnings
+
+
+def _follow(name: str, description: RobotDescription, positions: Mapping[str, float], depth: int = 0) -> float:
+    mimic = description.joints_by_name[name].mimic
+    if mimic is None:
+        return positions[name]
+    if mimic.joint not in positions or depth > len(positions):
+        raise InputError(
+            f"joint {name!r} mimics {mimic.joint!r}, which is no movable joint that it could follow",
+            file=Path(description.file) if description.file else None,
+        )
+    return mimic.multiplier * _follow(mimic.joint, description, positions, depth + 1) + mimic.offset

@@ -1,0 +1,124 @@
+"""Gains of the implicit PD servo that Drake applies at each actuated joint.
+
+They follow from the joint's own inertia and load over its range, so that a robot needs no tuning and one robot's gains
+never depend on another's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
+
+from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.systems.state_layout import StateLayout
+
+# A velocity servo reaches its command with this time constant where nothing but inertia resists (s).
+_VELOCITY_TIME_CONSTANT = 0.005
+# It yields by this much under the joint's largest gravity load, and under its share of the robot's weight (rad/s, m/s).
+_VELOCITY_ERROR_UNDER_GRAVITY = 2.5e-4
+_VELOCITY_ERROR_UNDER_CONTACT = 1e-2
+
+# A position servo settles in about this time without overshoot (s), and sags by this much under gravity (rad or m).
+_SETTLING_TIME = 0.2
+_SAG_UNDER_GRAVITY = 5e-4
+_YIELD_UNDER_CONTACT = 1e-2
+
+_SAMPLES = 16
+_LEAST_INERTIA = 1e-9  # keeps the damping above zero: Drake ends the process when both gains are zero
+
+
+@dataclass(frozen=True)
+class JointLoad:
+    """What resists a joint: inertia (kg·m² or kg), gravity and contact loads (N·m or N)."""
+
+    inertia: float
+    gravity: float
+    contact: float
+
+
+def velocity_gains(load: JointLoad) -> PdControllerGains:
+    """Gains of a joint that follows a velocity."""
+    damping = max(
+        load.inertia / _VELOCITY_TIME_CONSTANT,
+        load.gravity / _VELOCITY_ERROR_UNDER_GRAVITY,
+        load.contact / _VELOCITY_ERROR_UNDER_CONTACT,
+    )
+    return PdControllerGains(p=0.0, d=damping)
+
+
+def position_gains(load: JointLoad) -> PdControllerGains:
+    """Gains of a joint that holds a position.
+
+    With Kd = Kp · T the servo is overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia.
+    """
+    stiffness = max(
+        16.0 * load.inertia / _SETTLING_TIME**2, load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT
+    )
+    return PdControllerGains(p=stiffness, d=stiffness * _SETTLING_TIME)
+
+
+def set_servo_gains(plant: MultibodyPlant, robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]]) -> None:
+    """Gives every actuator its gains: a velocity servo where a controller claims the joint, else a position hold."""
+    actuators = [
+        (plan, plant.get_joint_actuator(index))
+        for plan, instance, _ in robots
+        for index in plant.GetJointActuatorIndices(instance)
+    ]
+    loads = _joint_loads(plant, robots, actuators)
+    for (plan, actuator), load in zip(actuators, loads, strict=True):
+        claimed = {joint for controller in plan.controllers for joint in controller.joints}
+        gains = velocity_gains if actuator.joint().name() in claimed else position_gains
+        actuator.set_controller_gains(gains(load))
+
+
+def _joint_loads(
+    plant: MultibodyPlant,
+    robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
+    actuators: Sequence[tuple[RobotPlan, JointActuator]],
+) -> list[JointLoad]:
+    """Largest inertia and gravity load of each actuated joint over sampled configurations."""
+    if not actuators:
+        return []
+    context = plant.CreateDefaultContext()
+    velocities = [actuator.joint().velocity_start() for _, actuator in actuators]
+    inertia = np.full(len(actuators), _LEAST_INERTIA)
+    gravity = np.zeros(len(actuators))
+    samplers = [np.random.default_rng(0) for _ in robots]  # one a robot: its samples do not depend on its neighbours
+    for sample in range(_SAMPLES):
+        for sampler, (plan, instance, layout) in zip(samplers, robots, strict=True):
+            if sample > 0:  # the first sample is where the robots start
+                q = plant.GetPositions(context, instance)
+                _sample_joints(q, plan, layout, sampler)
+                plant.SetPositions(context, instance, q)
+        inertia = np.maximum(inertia, np.diag(plant.CalcMassMatrix(context))[velocities])
+        gravity = np.maximum(gravity, np.abs(plant.CalcGravityGeneralizedForces(context)[velocities]))
+    default = plant.CreateDefaultContext()
+    g = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
+    weights = {plan.name: g * plant.CalcTotalMass(default, [instance]) for plan, instance, _ in robots}
+    return [
+        JointLoad(float(m), float(load), _contact_load(plant, plan, actuator, float(m), weights[plan.name]))
+        for (plan, actuator), m, load in zip(actuators, inertia, gravity, strict=True)
+    ]
+
+
+def _contact_load(
+    plant: MultibodyPlant, plan: RobotPlan, actuator: JointActuator, inertia: float, weight: float
+) -> float:
+    """The load when the joint bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
+    if plan.model.is_fixed:
+        return 0.0
+    joint = actuator.joint()
+    lever = 1.0
+    if joint.type_name() == "revolute":
+        outboard = plant.GetBodiesKinematicallyAffectedBy([joint.index()])
+        mass = sum(plant.get_body(index).default_mass() for index in outboard)
+        lever = float(np.sqrt(inertia / mass)) if mass > 0 else 0.0
+    return min(weight * lever, actuator.effort_limit())
+
+
+def _sample_joints(q: np.ndarray, plan: RobotPlan, layout: StateLayout, sampler: np.random.Generator) -> None:
+    for joint in plan.description.movable_joints:
+        lower, upper = max(joint.limits.lower, -np.pi), min(joint.limits.upper, np.pi)
+        q[layout.positions[joint.name]] = sampler.uniform(lower, max(lower, upper))

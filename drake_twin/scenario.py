@@ -1,0 +1,307 @@
+"""A whole twin as plain, frozen data: the world, the robots, what is commanded when. YAML in and out.
+
+Every front end (the builder, the command line, a file) ends in one `Scenario`, and only a `Scenario` becomes a
+diagram, so that every twin can be printed, saved, compared and run again. Units are SI; rotations are roll, pitch, yaw.
+"""
+
+import dataclasses
+import types
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from drake_twin.description.robot_description import Vector3
+from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.errors import InputError
+
+# Drake's discrete solvers that honour joint servos and mimic joints (TAMSI ignores both).
+CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
+
+
+@dataclass(frozen=True)
+class World:
+    """Where the robots stand.
+
+    Attributes:
+        gravity: the acceleration of free fall in the world frame (m/s²).
+        ground: whether the half space z < 0 is solid.
+        ground_friction: its coefficient of friction.
+    """
+
+    gravity: Vector3 = (0.0, 0.0, -9.81)
+    ground: bool = True
+    ground_friction: float = 1.0
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One robot.
+
+    Attributes:
+        name: its name in the twin.
+        model: its file: a path, ``package://`` or ``model://`` (xacro, URDF or SDF).
+        xacro_args: values for the file's ``<xacro:arg>``s; one named ``robot_name`` is given the robot's name by itself.
+        xyz: where its root link starts, in the world frame (m).
+        rpy: how its root link is turned there (rad).
+        namespace: the namespace of its topics; ``/`` and its name by default.
+        frame_prefix: put before its link names in tf messages. By default ``NAME/``, and nothing where its link names
+            begin with its name already.
+        controllers: parameters files of its controllers; by default the ones that its ``<gazebo>`` plugin names.
+        active_controllers: the controllers to activate; by default all in the parameters files, in their order.
+        initial_positions: joint name → position at the start (rad or m).
+        self_collision: whether its links collide with each other.
+    """
+
+    name: str
+    model: str
+    xacro_args: Mapping[str, str] = field(default_factory=dict)
+    xyz: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+    namespace: str | None = None
+    frame_prefix: str | None = None
+    controllers: tuple[str, ...] = ()
+    active_controllers: tuple[str, ...] | None = None
+    initial_positions: Mapping[str, float] = field(default_factory=dict)
+    self_collision: bool = False
+
+    @property
+    def topic_namespace(self) -> str:
+        """The namespace with one leading slash and no trailing one; empty for the root namespace."""
+        namespace = self.name if self.namespace is None else self.namespace
+        return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+
+
+@dataclass(frozen=True)
+class StaticTransform:
+    """A frame fixed in another: ``child`` in ``parent``, on ``/tf_static``."""
+
+    parent: str
+    child: str
+    xyz: Vector3 = (0.0, 0.0, 0.0)
+    rpy: Vector3 = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A message published at a simulation time.
+
+    Attributes:
+        topic: the full topic name, for example ``/robot_1/forward_velocity_controller/commands``.
+        data: the numbers of a ``Float64MultiArray``.
+        time: when (s).
+        period: when given, it is published again every so many seconds.
+    """
+
+    topic: str
+    data: tuple[float, ...]
+    time: float = 0.0
+    period: float | None = None
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """Everything a twin is built from.
+
+    Attributes:
+        robots: the robots, in a fixed order.
+        time_step: the physics step (s).
+        contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
+        world: the world.
+        package_paths: folders of ROS packages to look in first.
+        static_transforms: further frames.
+        commands: what is published when.
+
+    Raises:
+        InputError: a value that no twin can be built from, such as two robots of one name.
+    """
+
+    robots: tuple[Robot, ...]
+    time_step: float = 0.001
+    contact_approximation: str = "lagged"
+    world: World = World()
+    package_paths: tuple[str, ...] = ()
+    static_transforms: tuple[StaticTransform, ...] = ()
+    commands: tuple[Command, ...] = ()
+
+    def __post_init__(self) -> None:
+        for path, message in _problems(self):
+            raise ScenarioError(path, message)
+
+
+class ScenarioError(InputError):
+    """A value of a scenario that no twin can be built from; ``path`` says which."""
+
+    def __init__(self, path: ValuePath, message: str):
+        self.path = path
+        super().__init__(f"{'.'.join(map(str, path))}: {message}")
+        self.reason = message
+
+
+def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
+    if not scenario.robots:
+        yield ("robots",), "a twin needs at least one robot"
+    if not (isfinite(scenario.time_step) and scenario.time_step > 0):
+        yield ("time_step",), f"{scenario.time_step:g} s is not a step: it must be above zero"
+    if scenario.contact_approximation not in CONTACT_APPROXIMATIONS:
+        valid = ", ".join(CONTACT_APPROXIMATIONS)
+        yield ("contact_approximation",), f"{scenario.contact_approximation!r} is none of {valid}"
+    if not scenario.world.ground_friction >= 0:
+        yield ("world", "ground_friction"), f"{scenario.world.ground_friction:g} is below zero"
+    names: set[str] = set()
+    for index, robot in enumerate(scenario.robots):
+        if not robot.name or not all(character.isalnum() or character in "_-" for character in robot.name):
+            yield ("robots", index, "name"), f"{robot.name!r} is not a name: use letters, digits, '_' and '-'"
+        if robot.name == "world":
+            yield ("robots", index, "name"), "'world' is the world's name"
+        if robot.name in names:
+            yield ("robots", index, "name"), f"two robots are named {robot.name!r}"
+        names.add(robot.name)
+    children: set[str] = set()
+    for index, transform in enumerate(scenario.static_transforms):
+        if transform.child in children:
+            yield ("static_transforms", index, "child"), f"frame {transform.child!r} would have two parents"
+        if transform.child == transform.parent:
+            yield ("static_transforms", index, "child"), f"frame {transform.child!r} would be its own parent"
+        children.add(transform.child)
+    for index, command in enumerate(scenario.commands):
+        if not command.time >= 0:
+            yield ("commands", index, "time"), f"{command.time:g} s lies before the start"
+        if command.period is not None and not command.period > 0:
+            yield ("commands", index, "period"), f"{command.period:g} s is not a period: it must be above zero"
+
+
+def scenario_to_yaml(scenario: Scenario) -> str:
+    """The scenario as YAML that `scenario_from_yaml` reads back to an equal scenario; defaults are left out."""
+    return yaml.dump(_as_plain(scenario), Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
+
+
+def scenario_from_yaml(text: str, file: str | Path) -> Scenario:
+    """Reads a scenario; relative file names in it are relative to ``file``.
+
+    Raises:
+        InputError: with file and line of the value that cannot be used, and what would be valid.
+    """
+    document = YamlDocument(text, file)
+    try:
+        scenario = _read(Scenario, document.data, document, ())
+    except ScenarioError as error:
+        raise document.error(error.path, error.reason) from None
+    return _with_absolute_files(typing.cast(Scenario, scenario), Path(file).absolute().parent)
+
+
+class _Dumper(yaml.SafeDumper):
+    """Short lists of numbers on one line, and an indent that people read more easily."""
+
+    def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
+        super().increase_indent(flow, False)
+
+
+def _represent_list(dumper: yaml.SafeDumper, values: list[Any]) -> yaml.Node:
+    flat = all(isinstance(value, int | float | str) for value in values)
+    return dumper.represent_sequence("tag:yaml.org,2002:seq", values, flow_style=flat)
+
+
+_Dumper.add_representer(list, _represent_list)
+
+
+def _as_plain(value: Any) -> Any:
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {
+            item.name: _as_plain(getattr(value, item.name))
+            for item in dataclasses.fields(value)
+            if getattr(value, item.name) != _default(item)
+        }
+    if isinstance(value, Mapping):
+        return {key: _as_plain(item) for key, item in value.items()}
+    if isinstance(value, tuple):
+        return [_as_plain(item) for item in value]
+    return value
+
+
+def _default(item: "dataclasses.Field[Any]") -> Any:
+    return item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
+
+
+@cache
+def _field_types(kind: type) -> dict[str, Any]:
+    return typing.get_type_hints(kind)
+
+
+def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any:
+    """Plain data as the annotated type; errors name the value by its line and path."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if dataclasses.is_dataclass(kind):
+        return _read_dataclass(typing.cast(type, kind), value, document, path)
+    if origin is types.UnionType:
+        if value is None and type(None) in arguments:
+            return None
+        return _read(next(item for item in arguments if item is not type(None)), value, document, path)
+    if origin is tuple:
+        if not isinstance(value, list):
+            raise document.error(path, f"{value!r} is not a list")
+        if arguments[-1] is Ellipsis:
+            return tuple(_read(arguments[0], item, document, (*path, index)) for index, item in enumerate(value))
+        if len(value) != len(arguments):
+            raise document.error(path, f"{value!r} has {len(value)} elements where {len(arguments)} are needed")
+        return tuple(_read(float, item, document, (*path, index)) for index, item in enumerate(value))
+    if origin is Mapping:
+        if not isinstance(value, dict):
+            raise document.error(path, f"{value!r} is not a mapping")
+        return {str(key): _read(arguments[1], item, document, (*path, key)) for key, item in value.items()}
+    return _read_scalar(kind, value, document, path)
+
+
+def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if kind is float:
+        if isinstance(value, str):  # YAML 1.1 reads 1e-3 as text
+            try:
+                value, is_number = float(value), True
+            except ValueError:
+                is_number = False
+        if not is_number or not isfinite(value):
+            raise document.error(path, f"{value!r} is not a finite number")
+        return float(value)
+    if kind is bool and not isinstance(value, bool):
+        raise document.error(path, f"{value!r} is neither true nor false")
+    if kind is str:
+        if isinstance(value, bool) or is_number:  # xacro arguments are text, whatever YAML takes them for
+            return str(value).lower() if isinstance(value, bool) else str(value)
+        if not isinstance(value, str):
+            raise document.error(path, f"{value!r} is not text")
+    return value
+
+
+def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
+    if not isinstance(value, dict):
+        raise document.error(path, f"{value!r} is not a mapping")
+    field_types = _field_types(kind)
+    for key in value:
+        if key not in field_types:
+            raise document.error((*path, key), "there is no such entry", value=str(key), valid=list(field_types))
+    for item in dataclasses.fields(kind):
+        required = item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
+        if required and item.name not in value:
+            raise document.error(path, f"the entry {item.name!r} is missing")
+    return kind(**{key: _read(field_types[key], item, document, (*path, key)) for key, item in value.items()})
+
+
+def _with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:
+    def absolute(name: str) -> str:
+        return name if "://" in name else str(folder / Path(name).expanduser())
+
+    robots = tuple(
+        dataclasses.replace(
+            robot, model=absolute(robot.model), controllers=tuple(absolute(name) for name in robot.controllers)
+        )
+        for robot in scenario.robots
+    )
+    return dataclasses.replace(
+        scenario, robots=robots, package_paths=tuple(absolute(name) for name in scenario.package_paths)
+    )

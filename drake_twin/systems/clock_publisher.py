@@ -1,0 +1,33 @@
+"""Simulation time as a message."""
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, LeafSystem, OutputPort
+
+from drake_twin import messages
+from drake_twin.systems.weak_callback import weakly
+
+
+class ClockPublisher(LeafSystem):
+    """Puts simulation time into a ``Clock`` message, as Gazebo's ``/clock`` does.
+
+    .. pydrake_system::
+
+        name: ClockPublisher
+        output_ports:
+        - clock
+
+    - ``clock``: ``rosgraph_msgs/msg/Clock``, exact to the nanosecond at any time; topic ``/clock``.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._clock = self.DeclareAbstractOutputPort(
+            "clock", lambda: AbstractValue.Make(None), weakly(self._calc_clock), {self.time_ticket()}
+        )
+
+    def get_clock_output_port(self) -> OutputPort:
+        """The port ``clock``."""
+        return self._clock
+
+    def _calc_clock(self, context: Context, output: AbstractValue) -> None:
+        output.set_value(messages.Clock(clock=messages.time_message(context.get_time())))

@@ -1,0 +1,72 @@
+"""Rotations of many frames at once, and transforms as messages. Quaternions are (w, x, y, z), as in Drake."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from drake_twin import messages
+
+
+def quaternion_from_rpy(rpy: np.ndarray) -> np.ndarray:
+    """Roll, pitch, yaw about fixed axes (rad), shape (n, 3), as unit quaternions, shape (n, 4)."""
+    half = 0.5 * np.atleast_2d(rpy)
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half).T, np.sin(half).T
+    return np.stack(
+        [
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        ],
+        axis=1,
+    )
+
+
+def quaternion_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The rotations b, then a: the products of quaternions, row by row; shapes (n, 4)."""
+    aw, ax, ay, az = a.T
+    bw, bx, by, bz = b.T
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=1,
+    )
+
+
+def rotated(quaternions: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors turned by unit quaternions, row by row; shapes (n, 4) and (n, 3)."""
+    w, u = quaternions[:, :1], quaternions[:, 1:]
+    twice_cross = 2.0 * np.cross(u, vectors)
+    return np.asarray(vectors + w * twice_cross + np.cross(u, twice_cross))
+
+
+def transform_messages(
+    parents: Sequence[str], children: Sequence[str], xyz: np.ndarray, quaternions: np.ndarray, time: float
+) -> list[Any]:
+    """``geometry_msgs/msg/TransformStamped`` messages for frames given row by row.
+
+    Args:
+        parents: the frames that the transforms are expressed in.
+        children: the frames they place.
+        xyz: translations (m), shape (n, 3).
+        quaternions: rotations, shape (n, 4).
+        time: the stamp (s).
+    """
+    return [
+        messages.TransformStamped(
+            header=messages.header(time, parent),
+            child_frame_id=child,
+            transform=messages.Transform(
+                translation=messages.Vector3(x=x, y=y, z=z),
+                rotation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
+            ),
+        )
+        for parent, child, (x, y, z), (qw, qx, qy, qz) in zip(
+            parents, children, xyz.tolist(), quaternions.tolist(), strict=True
+        )
+    ]

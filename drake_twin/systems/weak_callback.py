@@ -1,0 +1,21 @@
+"""Callbacks that do not keep their system alive."""
+
+from collections.abc import Callable
+from typing import Any
+from weakref import WeakMethod
+
+
+def weakly(method: Callable[..., None]) -> Callable[..., None]:
+    """A bound method as a callback that holds its object weakly.
+
+    A system owns its ports, and a port owns its callback: with a plain bound method the three keep each other alive
+    and a discarded diagram is never freed (drake#22515).
+    """
+    reference = WeakMethod(method)
+
+    def call(*arguments: Any) -> None:
+        live_method = reference()
+        assert live_method is not None, "a port was evaluated after its system died"
+        live_method(*arguments)
+
+    return call
