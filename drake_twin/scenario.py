@@ -135,12 +135,16 @@ class Scenario:
 
 
 class ScenarioError(InputError):
-    """A value of a scenario that no twin can be built from; ``path`` says which."""
+    """A value of a scenario that no twin can be built from; ``path`` says which.
 
-    def __init__(self, path: ValuePath, message: str):
+    Built from a YAML file, it is raised again with the value's file and line: see `ScenarioFile.located`.
+    """
+
+    def __init__(self, path: ValuePath, reason: str, **more: Any):
         self.path = path
-        super().__init__(f"{'.'.join(map(str, path))}: {message}")
-        self.reason = message
+        self.reason = reason
+        self.more = more
+        super().__init__(f"{'.'.join(map(str, path))}: {reason}", **more)
 
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
@@ -177,22 +181,47 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
-    """The scenario as YAML that `scenario_from_yaml` reads back to an equal scenario; defaults are left out."""
+    """The scenario as YAML that `ScenarioFile` reads back to an equal scenario; defaults are left out."""
     return yaml.dump(_as_plain(scenario), Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
 
 
-def scenario_from_yaml(text: str, file: str | Path) -> Scenario:
-    """Reads a scenario; relative file names in it are relative to ``file``.
+class ScenarioFile:
+    """A scenario's YAML file, which knows the line of each value.
+
+    Args:
+        text: the YAML text.
+        file: its file; relative file names in the text are relative to it.
+
+    Attributes:
+        scenario: what the file says.
 
     Raises:
         InputError: with file and line of the value that cannot be used, and what would be valid.
     """
-    document = YamlDocument(text, file)
-    try:
-        scenario = _read(Scenario, document.data, document, ())
-    except ScenarioError as error:
-        raise document.error(error.path, error.reason) from None
-    return _with_absolute_files(typing.cast(Scenario, scenario), Path(file).absolute().parent)
+
+    def __init__(self, text: str, file: str | Path):
+        self._document = YamlDocument(text, file)
+        try:
+            scenario: Scenario = _read(Scenario, self._document.data, self._document, ())
+        except ScenarioError as error:
+            raise self.located(error) from None
+        self.scenario = _with_absolute_files(scenario, Path(file).absolute().parent)
+
+    @classmethod
+    def read(cls, file: str | Path) -> "ScenarioFile":
+        """Reads a file.
+
+        Raises:
+            InputError: as the constructor, or the file cannot be read.
+        """
+        try:
+            return cls(Path(file).read_text(encoding="utf-8"), file)
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"the scenario cannot be read ({error})", file=file) from None
+
+    def located(self, error: ScenarioError) -> InputError:
+        """An error of building this scenario, with the file and line of the value at fault."""
+        return self._document.error(error.path, error.reason, **error.more)
 
 
 class _Dumper(yaml.SafeDumper):

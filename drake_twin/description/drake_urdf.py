@@ -98,7 +98,7 @@ def _resolve_meshes(reader: XmlReader, packages: PackageIndex, warnings: list[st
         for mesh in shape.iterfind("geometry/mesh"):
             address = reader.text(mesh, "filename")
             try:
-                mesh.set("filename", str(mesh_for_drake(packages.resolve(address, reader.file))))
+                mesh.set("filename", mesh_for_drake(packages.resolve(address, reader.file)).as_uri())
             except InputError as error:
                 link = shape.getparent()
                 warnings.append(f"link {link.get('name')!r} goes without its {shape.tag} mesh: {error}")

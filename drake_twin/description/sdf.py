@@ -43,7 +43,7 @@ def prepare_sdf(text: str, file: Path, model_name: str, packages: PackageIndex) 
             model.remove(joint)
     for uri in model.iter("uri"):
         if uri.getparent().tag == "mesh":
-            uri.text = str(mesh_for_drake(packages.resolve((uri.text or "").strip(), file)))
+            uri.text = mesh_for_drake(packages.resolve((uri.text or "").strip(), file)).as_uri()
     return etree.tostring(reader.root, encoding="unicode"), is_fixed
 
 

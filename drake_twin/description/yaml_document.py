@@ -45,20 +45,6 @@ class YamlDocument:
             ) from None
         self.data = None if root is None else self._plain(root, ())
 
-    @classmethod
-    def read(cls, file: str | Path) -> "YamlDocument":
-        """Reads a file.
-
-        Raises:
-            InputError: the file cannot be read, or is not usable YAML.
-        """
-        try:
-            return cls(Path(file).read_text(encoding="utf-8"), file)
-        except OSError as error:
-            raise InputError(f"the file cannot be read ({error.strerror})", file=file) from None
-        except UnicodeDecodeError:
-            raise InputError("the file is not UTF-8 text, so it is not YAML", file=file) from None
-
     def line(self, path: ValuePath) -> int | None:
         """The line (from 1) of the value at a path of keys and indices, or of the closest value above it."""
         while path not in self._lines and path:

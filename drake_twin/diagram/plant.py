@@ -1,8 +1,6 @@
 """The one MultibodyPlant and SceneGraph of a twin: the world, the robots, their actuators and where they start."""
 
-import logging
 from collections.abc import Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite
 
@@ -20,6 +18,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.robot_description import Pose
+from drake_twin.diagram.drake_log import captured_warnings
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import set_servo_gains
 from drake_twin.errors import InputError
@@ -37,11 +36,12 @@ class RobotInPlant:
 
 @dataclass(frozen=True)
 class PlantOfTwin:
-    """The finalized plant and what is needed to wire robots to it."""
+    """The finalized plant, what is needed to wire robots to it, and what Drake's parser warned of."""
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     robots: dict[str, RobotInPlant]
+    warnings: tuple[str, ...]
 
 
 def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan]) -> PlantOfTwin:
@@ -62,7 +62,8 @@ def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[Robot
     plant.mutable_gravity_field().set_gravity_vector(np.array(scenario.world.gravity))
     if scenario.world.ground:
         _add_ground(plant, scenario.world.ground_friction)
-    instances = {plan.name: _add_robot(plant, scene_graph, plan) for plan in plans}
+    warnings: list[str] = []
+    instances = {plan.name: _add_robot(plant, scene_graph, plan, warnings) for plan in plans}
     plant.Finalize()
     robots = {}
     for plan in plans:
@@ -70,7 +71,7 @@ def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[Robot
         _set_start(plant, instances[plan.name], plan, layout)
         robots[plan.name] = RobotInPlant(instances[plan.name], layout)
     set_servo_gains(plant, [(plan, robots[plan.name].instance, robots[plan.name].layout) for plan in plans])
-    return PlantOfTwin(plant, scene_graph, robots)
+    return PlantOfTwin(plant, scene_graph, robots, tuple(warnings))
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:
@@ -79,15 +80,18 @@ def rigid_transform(pose: Pose) -> RigidTransform:
 
 
 def _add_ground(plant: MultibodyPlant, friction: float) -> None:
-    with _without_message("half spaces are not currently supported for deformable contact"):
-        plant.RegisterCollisionGeometry(
-            plant.world_body(), RigidTransform(), HalfSpace(), "ground", CoulombFriction(friction, friction)
-        )
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), RigidTransform(), HalfSpace(), "ground", CoulombFriction(friction, friction)
+    )
 
 
-def _add_robot(plant: MultibodyPlant, scene_graph: SceneGraph, plan: RobotPlan) -> ModelInstanceIndex:
+def _add_robot(
+    plant: MultibodyPlant, scene_graph: SceneGraph, plan: RobotPlan, warnings: list[str]
+) -> ModelInstanceIndex:
     try:
-        (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
+        with captured_warnings() as messages:
+            (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
+        warnings.extend(f"{plan.name}: {message.removeprefix('<literal-string>.urdf:')}" for message in messages)
     except (RuntimeError, SystemExit) as error:  # a zero-size shape arrives as SystemExit
         reason = " ".join(str(error).split()) or "Drake ended the parsing without a reason"
         raise InputError(f"Drake refuses robot {plan.name!r}: {reason}", file=plan.description.file) from None
@@ -141,18 +145,3 @@ def _set_start(
         q[layout.base_position :][:4] = pose.rotation().ToQuaternion().wxyz()
         q[layout.base_position :][4:7] = pose.translation()
     plant.SetDefaultPositions(instance, q)
-
-
-@contextmanager
-def _without_message(text: str):  # type: ignore[no-untyped-def]
-    """Keeps a message of Drake's that does not concern the twin (it has no deformable bodies) from the user."""
-    logger = logging.getLogger("drake")
-
-    def keep(record: logging.LogRecord) -> bool:
-        return text not in record.getMessage()
-
-    logger.addFilter(keep)
-    try:
-        yield
-    finally:
-        logger.removeFilter(keep)

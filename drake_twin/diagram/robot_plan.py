@@ -13,8 +13,9 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
 from drake_twin.description.xacro_file import xacro_arguments
+from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
-from drake_twin.scenario import Robot
+from drake_twin.scenario import Robot, ScenarioError
 
 JOINT_STATE_BROADCASTER = "joint_state_broadcaster/JointStateBroadcaster"
 
@@ -83,22 +84,30 @@ class RobotPlan:
         return self.frame_prefix + self.description.root_link
 
 
-def plan_robot(robot: Robot, packages: PackageIndex) -> RobotPlan:
+def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> RobotPlan:
     """Reads a robot's files and decides what of them the twin starts.
+
+    Args:
+        robot: the scenario's entry.
+        packages: resolves the addresses of files.
+        path: where the entry stands in the scenario, for error messages.
 
     Raises:
         InputError: a file, a joint or a controller that is missing or wrong.
     """
     xacro_args = dict(robot.xacro_args)
-    file = packages.resolve(robot.model)
+    try:
+        file = packages.resolve(robot.model)
+    except InputError as error:
+        raise ScenarioError((*path, "model"), str(error)) from None
     if "robot_name" not in xacro_args and "robot_name" in xacro_arguments(file, packages):
         xacro_args["robot_name"] = robot.name
     model = load_robot_model(robot.model, packages, name=robot.name, xacro_args=xacro_args)
     description = model.description
     warnings = [f"{robot.name}: {warning}" for warning in model.warnings]
-    manager = _controller_manager(robot, description, packages, xacro_args)
-    controllers, not_started = _plan_controllers(robot, description, manager, xacro_args.get("prefix", ""))
-    positions, position_warnings = _start_positions(robot, description)
+    manager = _controller_manager(robot, path, description, packages, xacro_args)
+    controllers, not_started = _plan_controllers(robot, path, description, manager, xacro_args.get("prefix", ""))
+    positions, position_warnings = _start_positions(robot, path, description)
     return RobotPlan(
         robot=robot,
         model=model,
@@ -112,14 +121,17 @@ def plan_robot(robot: Robot, packages: PackageIndex) -> RobotPlan:
 
 
 def _controller_manager(
-    robot: Robot, description: RobotDescription, packages: PackageIndex, xacro_args: Mapping[str, str]
+    robot: Robot, path: ValuePath, description: RobotDescription, packages: PackageIndex, xacro_args: Mapping[str, str]
 ) -> ControllerManagerParameters:
     files = robot.controllers or description.controller_files
     placeholders = {"robot_name": robot.name, **xacro_args}
     merged = ControllerManagerParameters()
     for file in files:
-        path = packages.resolve(file, description.file)
-        found = read_controllers(path, robot.topic_namespace, placeholders)
+        try:
+            parameters_file = packages.resolve(file, description.file)
+        except InputError as error:
+            raise ScenarioError((*path, "controllers"), str(error)) from None
+        found = read_controllers(parameters_file, robot.topic_namespace, placeholders)
         known = {controller.name for controller in found.controllers}
         kept = tuple(controller for controller in merged.controllers if controller.name not in known)
         merged = replace(found, controllers=kept + found.controllers)
@@ -148,13 +160,16 @@ def _default_controllers(description: RobotDescription) -> ControllerManagerPara
 
 
 def _plan_controllers(
-    robot: Robot, description: RobotDescription, manager: ControllerManagerParameters, prefix: str
+    robot: Robot, path: ValuePath, description: RobotDescription, manager: ControllerManagerParameters, prefix: str
 ) -> tuple[tuple[ControllerPlan, ...], list[str]]:
     by_name = {controller.name: controller for controller in manager.controllers}
     for name in robot.active_controllers or ():
         if name not in by_name:
-            raise InputError(
-                f"robot {robot.name!r} has no controller {name!r} in its parameters files", value=name, valid=by_name
+            raise ScenarioError(
+                (*path, "active_controllers"),
+                f"the parameters files have no controller {name!r}",
+                value=name,
+                valid=by_name,
             )
     chosen = by_name if robot.active_controllers is None else robot.active_controllers
     plans: list[ControllerPlan] = []
@@ -167,7 +182,7 @@ def _plan_controllers(
         interface = _interface(parameters)
         if interface != "velocity":
             what = f"type {parameters.type}" if interface is None else f"interface {interface!r} (type {parameters.type})"
-            not_started.append(f"controller {name}: {what} is not supported yet; its joints hold their position")
+            not_started.append(f"controller {name}: {what} is not supported yet")
             continue
         plan = _velocity_plan(parameters, description, prefix)
         if isinstance(plan, str):
@@ -226,16 +241,16 @@ def _frame_prefix(robot: Robot, description: RobotDescription) -> str:
     return "" if named_after_robot else f"{robot.name}/"
 
 
-def _start_positions(robot: Robot, description: RobotDescription) -> tuple[dict[str, float], list[str]]:
+def _start_positions(
+    robot: Robot, path: ValuePath, description: RobotDescription
+) -> tuple[dict[str, float], list[str]]:
     """Positions from the scenario, else ``initial_value``, else zero; within limits; followers where they belong."""
     joints = {joint.name: joint for joint in description.movable_joints}
     warnings = []
     for name in robot.initial_positions:
         if name not in joints:
-            raise InputError(
-                f"robot {robot.name!r} has no movable joint {name!r} to give an initial position",
-                value=name,
-                valid=joints,
+            raise ScenarioError(
+                (*path, "initial_positions"), f"the robot has no movable joint {name!r}", value=name, valid=joints
             )
     positions: dict[str, float] = {}
     for name, joint in joints.items():

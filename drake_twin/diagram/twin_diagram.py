@@ -56,6 +56,8 @@ class TwinDiagram:
         plans: the robots.
         published: topic → what the twin publishes on it.
         commanded: topic → what listens to it.
+        warnings: what was given up or changed while building.
+        not_started: what the files ask for and the twin does not start, each with the reason.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
     """
 
@@ -67,6 +69,8 @@ class TwinDiagram:
     published: dict[str, PublishedTopic]
     commanded: dict[str, CommandTopic]
     visualizer: MeshcatVisualizer | None
+    warnings: tuple[str, ...]
+    not_started: tuple[str, ...]
 
     def fix_commands(self, context: Context) -> None:
         """Puts "no message yet" on every command port of a new root context."""
@@ -85,7 +89,9 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
         InputError: a file, a robot or a frame that cannot be used.
     """
     packages = PackageIndex(scenario.package_paths)
-    plans = tuple(plan_robot(robot, packages) for robot in scenario.robots)
+    plans = tuple(
+        plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots)
+    )
     builder = DiagramBuilder()
     parts = add_plant(builder, scenario, plans)
     published: dict[str, tuple[str, float | None]] = {}
@@ -121,6 +127,8 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
             for topic, (plan, name, controller) in controllers.items()
         },
         visualizer=visualizer,
+        warnings=(*(warning for plan in plans for warning in plan.warnings), *parts.warnings),
+        not_started=tuple(reason for plan in plans for reason in plan.not_started),
     )
 
 

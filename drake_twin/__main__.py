@@ -1,0 +1,26 @@
+"""``drake-twin PROGRAM …`` and ``python -m drake_twin PROGRAM …``: the same as ``python -m drake_twin.PROGRAM …``."""
+
+import sys
+from importlib import import_module
+
+PROGRAMS = {"run": "run robots in one simulation, with a page in the browser"}
+
+
+def main() -> int:
+    """Runs the program that the first argument names."""
+    name = sys.argv[1] if len(sys.argv) > 1 else "--help"
+    if name in PROGRAMS:
+        del sys.argv[1]
+        sys.argv[0] = f"drake-twin {name}"
+        return int(import_module(f"drake_twin.{name}").main())
+    lines = [f"  {program:10} {what}" for program, what in PROGRAMS.items()]
+    usage = "\n".join(["usage: drake-twin PROGRAM …   (drake-twin PROGRAM --help says more)", "", *lines])
+    if name in ("-h", "--help"):
+        print(usage)
+        return 0
+    print(f"drake-twin: there is no program {name!r}.\n{usage}", file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,92 @@
+"""The controls in Meshcat's own panel: time, and a slider for each joint of each velocity controller."""
+
+from math import isfinite
+
+import numpy as np
+from pydrake.geometry import Meshcat
+
+from drake_twin.twin import Twin
+
+PLAY_PAUSE, STEP, RESET, SPEED = "Play / Pause", "Step", "Reset", "Speed (x real time)"
+
+_FASTEST, _SLOWEST = 4.0, 0.05
+_WIDEST_SLIDER = 10.0  # rad/s or m/s, for joints without a velocity limit
+
+
+class Panel:
+    """Puts controls on a Meshcat page and obeys them.
+
+    Drake's Meshcat collects clicks and slider values in a thread of its own; `obey` reads them, in the thread that
+    owns the twin, between two steps.
+
+    Args:
+        meshcat: the page.
+        twin: what the controls steer.
+    """
+
+    def __init__(self, meshcat: Meshcat, twin: Twin):
+        self._meshcat = meshcat
+        self._twin = twin
+        meshcat.AddButton(PLAY_PAUSE, "Space")
+        meshcat.AddButton(STEP, "KeyN")
+        meshcat.AddButton(RESET, "KeyR")
+        speed = min(max(twin.real_time_rate, _SLOWEST), _FASTEST)
+        meshcat.AddSlider(SPEED, _SLOWEST, _FASTEST, 0.05, speed)
+        self._clicks = dict.fromkeys((PLAY_PAUSE, STEP, RESET), 0)
+        self._speed = meshcat.GetSliderValue(SPEED)
+        self._sliders: dict[str, list[str]] = {}
+        for topic, limits in twin.command_limits().items():
+            self._sliders[topic] = [self._add_joint_slider(topic, joint, *bounds) for joint, bounds in limits.items()]
+        self._values_seen = {topic: self._values(topic) for topic in self._sliders}
+        self._command_shown: dict[str, tuple[float, ...]] = {}
+
+    def obey(self) -> None:
+        """Does what was clicked and moved since the last call, and shows commands that came from elsewhere."""
+        if self._clicked(PLAY_PAUSE) % 2 == 1:
+            self._twin.paused = not self._twin.paused
+        steps = self._clicked(STEP)
+        if steps:
+            self._twin.pause()
+            self._twin.step(steps)
+        if self._clicked(RESET):
+            self._twin.reset()
+        speed = self._meshcat.GetSliderValue(SPEED)
+        if speed != self._speed:
+            self._speed = speed
+            self._twin.real_time_rate = speed
+        for topic in self._sliders:
+            self._obey_sliders(topic)
+
+    def _add_joint_slider(self, topic: str, joint: str, lower: float, upper: float) -> str:
+        if not (isfinite(lower) and isfinite(upper)):
+            lower, upper = max(lower, -_WIDEST_SLIDER), min(upper, _WIDEST_SLIDER)
+        robot_and_controller = topic.strip("/").removesuffix("/commands")
+        name = f"{robot_and_controller} {joint}"
+        step = max((upper - lower) / 200.0, 1e-6)
+        self._meshcat.AddSlider(name, lower, max(upper, lower + step), step, min(max(0.0, lower), upper))
+        return name
+
+    def _clicked(self, button: str) -> int:
+        """How often a button was clicked since the last call."""
+        clicks = self._meshcat.GetButtonClicks(button)
+        new, self._clicks[button] = clicks - self._clicks[button], clicks
+        return new
+
+    def _values(self, topic: str) -> np.ndarray:
+        return np.array([self._meshcat.GetSliderValue(name) for name in self._sliders[topic]])
+
+    def _obey_sliders(self, topic: str) -> None:
+        values = self._values(topic)
+        if not np.array_equal(values, self._values_seen[topic]):  # a person moved one: from now on it is theirs
+            self._twin.silence(topic)
+            self._twin.publish(topic, values)
+            self._values_seen[topic] = values
+            self._command_shown[topic] = tuple(values.tolist())
+            return
+        command = self._twin.command(topic)
+        shown = (0.0,) * len(values) if command is None else tuple(command.tolist())
+        if shown != self._command_shown.get(topic):
+            for name, value in zip(self._sliders[topic], shown, strict=True):
+                self._meshcat.SetSliderValue(name, value)
+            self._command_shown[topic] = shown
+            self._values_seen[topic] = self._values(topic)

@@ -1,0 +1,80 @@
+"""How much room a robot takes, and how high its root link must be for it to stand on the ground."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.geometry import (
+    Box,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    GeometryId,
+    Mesh,
+    QueryObject,
+    Role,
+    Sphere,
+)
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_twin.diagram.plant import add_plant
+from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.scenario import Scenario, World
+
+_DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """The box around a robot at its start positions, in the frame of its root link (m)."""
+
+    lower: tuple[float, float, float]
+    upper: tuple[float, float, float]
+
+
+def footprint(plan: RobotPlan) -> Footprint:
+    """The box around a robot's collision shapes, or around what is drawn of it when it has none."""
+    builder = DiagramBuilder()
+    scenario = Scenario(robots=(plan.robot,), world=World(ground=False))
+    parts = add_plant(builder, scenario, [plan])
+    diagram = builder.Build()
+    context = diagram.CreateDefaultContext()
+    query: QueryObject = parts.scene_graph.get_query_output_port().Eval(
+        parts.scene_graph.GetMyContextFromRoot(context)
+    )
+    inspector = query.inspector()
+    root = parts.plant.GetBodyByName(plan.model.root_body, parts.robots[plan.name].instance)
+    to_root = parts.plant.EvalBodyPoseInWorld(parts.plant.GetMyContextFromRoot(context), root).inverse()
+    for role in (Role.kProximity, Role.kIllustration):
+        reach = np.full(6, -np.inf)
+        for geometry in inspector.GetAllGeometryIds(role):
+            pose = to_root @ query.GetPoseInWorld(geometry)
+            directions = _DIRECTIONS @ pose.rotation().matrix()
+            farthest = np.array([_reach(query, geometry, direction) for direction in directions])
+            reach = np.maximum(reach, _DIRECTIONS @ pose.translation() + farthest)
+        if np.isfinite(reach).all():
+            upper, lower = reach[:3].tolist(), (-reach[3:]).tolist()
+            return Footprint((lower[0], lower[1], lower[2]), (upper[0], upper[1], upper[2]))
+    return Footprint((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def _reach(query: QueryObject, geometry: GeometryId, direction: np.ndarray) -> float:
+    """How far a shape reaches from its own origin in a direction of its own frame (its support function)."""
+    shape = query.inspector().GetShape(geometry)
+    across = float(np.hypot(direction[0], direction[1]))
+    along = abs(float(direction[2]))
+    if isinstance(shape, Sphere):
+        return float(shape.radius())
+    if isinstance(shape, Box):
+        return float(np.abs(direction) @ shape.size() / 2)
+    if isinstance(shape, Cylinder):
+        return float(shape.radius() * across + shape.length() / 2 * along)
+    if isinstance(shape, Capsule):
+        return float(shape.radius() + shape.length() / 2 * along)
+    if isinstance(shape, Ellipsoid):
+        return float(np.linalg.norm(direction * (shape.a(), shape.b(), shape.c())))
+    if isinstance(shape, Mesh | Convex):
+        hull = shape.GetConvexHull()
+        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+        return float(np.max(vertices @ direction))
+    return 0.0

@@ -1,0 +1,68 @@
+"""The picture of a diagram: DOT text that is the same in every run, and SVG that carries its DOT text."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+from pydrake.systems.framework import Diagram
+
+from drake_twin.errors import InputError, RunError
+
+_IDENTIFIER = re.compile(r'(?<![\w">])(_|s|clusters?)(\d+)')
+_DOT_IN_SVG = re.compile(r"<metadata><!\[CDATA\[(.*?)\]\]></metadata>", re.DOTALL)
+
+
+def dot_text(diagram: Diagram) -> str:
+    """The diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs."""
+    text = diagram.GetGraphvizString(max_depth=2, options={"plant/split": "I/O"})
+    numbers: dict[str, str] = {}  # Drake numbers systems by how many the process has made before
+    return _IDENTIFIER.sub(lambda match: match[1] + numbers.setdefault(match[2], str(len(numbers))), text)
+
+
+def write_picture(diagram: Diagram, file: Path) -> None:
+    """Writes a diagram's picture.
+
+    Args:
+        diagram: the diagram.
+        file: a ``.dot`` file, or an ``.svg`` file, for which Graphviz's ``dot`` program must be installed.
+
+    Raises:
+        InputError: another suffix, no ``dot`` program, or a file that cannot be written.
+        RunError: ``dot`` failed.
+    """
+    text = dot_text(diagram)
+    if file.suffix == ".svg":
+        text = _svg(text, file)
+    elif file.suffix != ".dot":
+        raise InputError(f"a diagram is written as .dot or .svg, not {file.suffix!r}", file=file)
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"the picture cannot be written ({error.strerror})", file=file) from None
+
+
+def dot_text_of_svg(svg: str) -> str:
+    """The DOT text that an SVG of `write_picture` was drawn from.
+
+    Raises:
+        InputError: the SVG carries none.
+    """
+    match = _DOT_IN_SVG.search(svg)
+    if match is None:
+        raise InputError("the SVG carries no DOT text: it was not written by drake_twin")
+    return match[1]
+
+
+def _svg(text: str, file: Path) -> str:
+    program = shutil.which("dot")
+    if program is None:
+        raise InputError(
+            "an SVG needs Graphviz's program 'dot', which is not installed (on Debian and Ubuntu: apt install"
+            f" graphviz); {file.with_suffix('.dot').name} can be written without it",
+            file=file,
+        )
+    drawn = subprocess.run([program, "-Tsvg"], input=text, capture_output=True, text=True, check=False)
+    if drawn.returncode != 0:
+        raise RunError(f"dot failed: {drawn.stderr.strip()}")
+    return drawn.stdout.replace("</svg>", f"<metadata><![CDATA[{text}]]></metadata>\n</svg>")

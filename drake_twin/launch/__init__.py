@@ -1,0 +1,1 @@
+"""Front ends that end in a `drake_twin.scenario.Scenario`."""

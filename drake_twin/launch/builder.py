@@ -1,0 +1,149 @@
+"""The launch-like builder: a twin in plain Python, one call for each robot, frame and command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_twin.description.robot_description import Vector3
+from drake_twin.errors import InputError
+from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
+
+if TYPE_CHECKING:
+    from drake_twin.twin import Twin
+
+
+class TwinBuilder:
+    """Collects what a launch file would say, and builds a `Scenario` or a running `Twin` of it.
+
+    Every call returns the builder, so calls can be chained::
+
+        twin = (
+            TwinBuilder(time_step=0.001)
+            .robot("robot_1", "package://rover_description/urdf/rover.urdf.xacro", xyz=(0, 0, 0.13))
+            .robot("robot_2", "package://rover_description/urdf/rover.urdf.xacro", xyz=(0, 2, 0.13))
+            .static_transform("world", "robot_1_odom")
+            .build()
+        )
+
+    Args:
+        time_step: the physics step (s).
+        contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
+        world: gravity and ground.
+    """
+
+    def __init__(
+        self, time_step: float = 0.001, contact_approximation: str = "lagged", world: World | None = None
+    ):
+        self._time_step = float(time_step)
+        self._contact_approximation = contact_approximation
+        self._world = world or World()
+        self._package_paths: list[str] = []
+        self._robots: list[Robot] = []
+        self._static_transforms: list[StaticTransform] = []
+        self._commands: list[Command] = []
+
+    def package_path(self, folder: str | Path) -> TwinBuilder:
+        """Looks for ROS packages in a folder first."""
+        self._package_paths.append(str(Path(folder).expanduser().absolute()))
+        return self
+
+    def robot(
+        self,
+        name: str,
+        model: str | Path,
+        *,
+        xyz: Iterable[float] = (0.0, 0.0, 0.0),
+        rpy: Iterable[float] = (0.0, 0.0, 0.0),
+        controllers: str | Path | Iterable[str | Path] = (),
+        active_controllers: Iterable[str] | None = None,
+        xacro_args: Mapping[str, object] | None = None,
+        namespace: str | None = None,
+        frame_prefix: str | None = None,
+        initial_positions: Mapping[str, float] | None = None,
+        self_collision: bool = False,
+    ) -> TwinBuilder:
+        """Adds a robot; see `drake_twin.scenario.Robot` for what each argument means."""
+        files = [controllers] if isinstance(controllers, str | Path) else list(controllers)
+        self._robots.append(
+            Robot(
+                name=name,
+                model=_address(model),
+                xacro_args={key: _xacro_text(value) for key, value in (xacro_args or {}).items()},
+                xyz=_vector3(xyz, f"xyz of robot {name!r}"),
+                rpy=_vector3(rpy, f"rpy of robot {name!r}"),
+                namespace=namespace,
+                frame_prefix=frame_prefix,
+                controllers=tuple(_address(file) for file in files),
+                active_controllers=None if active_controllers is None else tuple(active_controllers),
+                initial_positions={key: float(value) for key, value in (initial_positions or {}).items()},
+                self_collision=self_collision,
+            )
+        )
+        return self
+
+    def static_transform(
+        self,
+        parent: str,
+        child: str,
+        *,
+        xyz: Iterable[float] = (0.0, 0.0, 0.0),
+        rpy: Iterable[float] = (0.0, 0.0, 0.0),
+    ) -> TwinBuilder:
+        """Fixes the frame ``child`` in the frame ``parent`` (m, rad), as static_transform_publisher does."""
+        what = f"of static transform {parent!r} to {child!r}"
+        self._static_transforms.append(
+            StaticTransform(parent, child, _vector3(xyz, f"xyz {what}"), _vector3(rpy, f"rpy {what}"))
+        )
+        return self
+
+    def command(
+        self, topic: str, data: Iterable[float], *, time: float = 0.0, period: float | None = None
+    ) -> TwinBuilder:
+        """Publishes a command at a simulation time (s), and again every ``period`` seconds if that is given."""
+        self._commands.append(Command(topic, tuple(float(value) for value in data), float(time), period))
+        return self
+
+    def scenario(self) -> Scenario:
+        """What was collected, as plain data.
+
+        Raises:
+            InputError: two robots of one name, a step that is not above zero, a frame with two parents, …
+        """
+        return Scenario(
+            robots=tuple(self._robots),
+            time_step=self._time_step,
+            contact_approximation=self._contact_approximation,
+            world=self._world,
+            package_paths=tuple(self._package_paths),
+            static_transforms=tuple(self._static_transforms),
+            commands=tuple(self._commands),
+        )
+
+    def build(self) -> Twin:
+        """The running twin.
+
+        Raises:
+            InputError: as `scenario`, or a file that cannot be used.
+        """
+        from drake_twin.twin import Twin
+
+        return Twin(self.scenario())
+
+
+def _address(file: str | Path) -> str:
+    """A file as a scenario names it: an address as it is, a path made absolute."""
+    return str(file) if "://" in str(file) else str(Path(file).expanduser().absolute())
+
+
+def _xacro_text(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _vector3(values: Iterable[float], what: str) -> Vector3:
+    try:
+        x, y, z = (float(value) for value in values)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: {values!r} is not three numbers") from None
+    return x, y, z

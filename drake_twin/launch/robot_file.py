@@ -1,0 +1,65 @@
+"""The scenario of ``drake_twin.run path/to/robot.urdf.xacro``: one robot file, once or several times in a row."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.xacro_file import xacro_arguments
+from drake_twin.diagram.footprint import Footprint, footprint
+from drake_twin.diagram.robot_plan import plan_robot
+from drake_twin.scenario import Robot, Scenario
+
+_CLEARANCE = 1e-4  # robots start this far above the ground (m): none is pushed out of it, none is seen to fall
+
+
+def robot_file_scenario(
+    file: Path,
+    count: int | None = None,
+    *,
+    xacro_args: Mapping[str, str],
+    package_paths: Sequence[str] = (),
+    time_step: float = 0.001,
+) -> Scenario:
+    """Robots of one file, standing side by side on the ground.
+
+    A single robot keeps the name that its file gives it. Several are named ``robot_1``, ``robot_2``, …; where the
+    xacro file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
+
+    Args:
+        file: a xacro, URDF or SDF file.
+        count: how many robots; None for one under its own name.
+        xacro_args: values for the file's ``<xacro:arg>``s.
+        package_paths: folders of ROS packages to look in first.
+        time_step: the physics step (s).
+
+    Raises:
+        InputError: the file cannot be used.
+    """
+    packages = PackageIndex(package_paths)
+    declared = xacro_arguments(file, packages)
+    names = ["robot"] if count is None else [f"robot_{index + 1}" for index in range(count)]
+    robots = []
+    for name in names:
+        own = dict(xacro_args)
+        if count is not None and not own.keys() & {"robot_name", "prefix", "namespace"}:
+            naming = next((item for item in ("robot_name", "prefix", "namespace") if item in declared), None)
+            if naming is not None:
+                own[naming] = f"{name}_" if naming == "prefix" else name
+        robots.append(Robot(name=name, model=str(file.absolute()), xacro_args=own))
+    plan = plan_robot(robots[0], packages)
+    if count is None:
+        own_name = "".join(c if c.isalnum() or c in "_-" else "_" for c in plan.description.name) or "robot"
+        robots = [replace(robots[0], name="robot" if own_name == "world" else own_name)]
+        plan = replace(plan, robot=robots[0])
+    room = footprint(plan)
+    height = 0.0 if plan.model.is_fixed else round(_CLEARANCE - room.lower[2], 6)
+    spacing = _spacing(room)
+    placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
+    return Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
+
+
+def _spacing(room: Footprint) -> float:
+    """Twice the robot's larger side, so that each has room to turn, in steps of a decimetre (m)."""
+    larger = max(room.upper[0] - room.lower[0], room.upper[1] - room.lower[1])
+    return max(0.5, round(2.0 * larger, 1))

@@ -1,0 +1,360 @@
+"""``python -m drake_twin.run``: robots in one Drake simulation, seen in the browser."""
+
+import argparse
+import contextlib
+import json
+import os
+import signal
+import sys
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+from drake_twin.errors import InputError, TwinError
+from drake_twin.scenario import Command, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
+
+_DESCRIPTION = """\
+Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
+
+TARGET is a saved scenario (.yaml) or a robot file (xacro, URDF or SDF). Without it, --robots N runs robots of the
+twin's own. Ctrl-C ends the run."""
+
+_EXAMPLES = """\
+examples:
+  python -m drake_twin.run --robots 2
+  python -m drake_twin.run --robots 8 --headless --duration 10 --summary out.json
+  python -m drake_twin.run --robots 2 --pub /robot_1/forward_velocity_controller/commands "[2, 2, 2, 2]"
+  python -m drake_twin.run diagrams/two_rovers.yaml
+  python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3"""
+
+_STATUS_PERIOD = 0.2  # s
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports wrong arguments as every other wrong input is reported."""
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} (--help lists the options)")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the program.
+
+    Args:
+        arguments: the command line without the program's name; the process's own by default.
+
+    Returns:
+        The exit code: 0, 1 for a failure while running, 2 for input that cannot be used.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    try:
+        return _run(_parser().parse_args(arguments))
+    except TwinError as error:
+        if "--debug" in arguments:
+            raise
+        print(f"error: {error}", file=sys.stderr)
+        return error.exit_code
+    except KeyboardInterrupt:
+        return 130
+
+
+def _parser() -> _Parser:
+    parser = _Parser(
+        prog="python -m drake_twin.run",
+        description=_DESCRIPTION,
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, and its xacro arguments")
+    robots = parser.add_argument_group("robots")
+    robots.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
+    robots.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
+    robots.add_argument(
+        "--package-path",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="a folder of ROS packages to look in first (may be repeated)",
+    )
+    robots.add_argument(
+        "--pub",
+        nargs=2,
+        action="append",
+        default=[],
+        metavar=("TOPIC", "DATA"),
+        help="publish a command at the start, for example \"[2, 2, 2, 2]\" (may be repeated; replaces the demo drive)",
+    )
+    timing = parser.add_argument_group("time")
+    timing.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
+    timing.add_argument("--time-step", type=float, metavar="S", help="physics step (default: 0.001)")
+    timing.add_argument(
+        "--real-time-rate",
+        type=float,
+        metavar="R",
+        help="simulated seconds a second (default: 1 with a page, as fast as possible without)",
+    )
+    page = parser.add_argument_group("page")
+    page.add_argument("--headless", action="store_true", help="no page")
+    page.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
+    page.add_argument("--host", default="127.0.0.1", help="the address the page is served at (default: 127.0.0.1)")
+    page.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    output = parser.add_argument_group("output")
+    output.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
+    output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
+    output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
+    output.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    _check(options)
+    scenario, file = _scenario(options)
+    if options.show_scenario:
+        sys.stdout.write(scenario_to_yaml(scenario))
+        return 0
+    meshcat = None
+    if not options.headless and options.graphviz is None:
+        from drake_twin.cockpit.page import open_meshcat
+
+        meshcat = open_meshcat(options.port, options.host)
+    twin = _twin(scenario, file, meshcat)
+    if options.graphviz is not None:
+        from drake_twin.diagram.picture import write_picture
+
+        write_picture(twin.diagram, options.graphviz)
+        print(f"wrote {options.graphviz}")
+        return 0
+    for kind, sentences in (("warning", twin.warnings), ("not started", twin.not_started)):
+        for sentence in _grouped(sentences, twin.robots):
+            print(f"{kind}: {sentence}", file=sys.stderr)
+    wall_time = _simulate(twin, meshcat, options)
+    _report(twin, wall_time, options.summary)
+    return 0
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Refuses option values before any work is done."""
+    if options.robots is not None and options.robots < 1:
+        raise InputError(f"--robots {options.robots}: a twin needs at least one robot")
+    for name in ("duration", "time_step", "real_time_rate"):
+        value = getattr(options, name)
+        if value is not None and not 0 < value < float("inf"):
+            raise InputError(f"--{name.replace('_', '-')} {value:g}: the value must be above zero")
+    if options.summary is not None:
+        folder = options.summary.absolute().parent
+        if not folder.is_dir() or not os.access(folder, os.W_OK) or options.summary.is_dir():
+            raise InputError(f"--summary {options.summary}: no file can be written there")
+    if options.port is not None and not 1 <= options.port <= 65535:
+        raise InputError(f"--port {options.port}: a port is a number from 1 to 65535")
+
+
+def _scenario(options: argparse.Namespace) -> tuple[Scenario, ScenarioFile | None]:
+    """The scenario that the command line asks for, and its file if it was read from one."""
+    xacro_args = dict(item.split(":=", 1) for item in options.target if ":=" in item)
+    targets = [item for item in options.target if ":=" not in item]
+    if len(targets) > 1:
+        raise InputError(f"one scenario or robot file can be run at a time, but there are {', '.join(targets)}")
+    commands = tuple(_command(topic, data) for topic, data in options.pub)
+    file = None
+    if not targets:
+        scenario = _demo(options, xacro_args, drive=not commands)
+    elif targets[0].endswith((".yaml", ".yml")):
+        file = _scenario_file(targets[0], options, xacro_args)
+        scenario = file.scenario
+    else:
+        scenario = _robot_file(targets[0], options, xacro_args)
+    if options.time_step is not None:
+        scenario = replace(scenario, time_step=options.time_step)
+    if commands:
+        topics = {command.topic for command in commands}
+        kept = tuple(command for command in scenario.commands if command.topic not in topics)
+        scenario = replace(scenario, commands=kept + commands)
+    return scenario, file
+
+
+def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: bool) -> Scenario:
+    from drake_twin.launch.demo import DEMOS, demo_scenario
+
+    robot = options.robot or "rover"
+    if robot not in DEMOS:
+        raise InputError(f"--robot {robot}: the twin has no such robot of its own", value=robot, valid=DEMOS)
+    if xacro_args:
+        raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file to go to")
+    scenario = demo_scenario(robot, options.robots or 2, drive=drive)
+    return replace(scenario, package_paths=tuple(options.package_path))
+
+
+def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> ScenarioFile:
+    from drake_twin.description.package_index import share_folder
+
+    if xacro_args or options.robots is not None or options.robot is not None or options.package_path:
+        raise InputError(
+            f"{name} says itself which robots there are: --robots, --robot, --package-path and name:=value do not go"
+            " with it"
+        )
+    file = Path(name)
+    if not file.exists() and file.parts[:1] == ("diagrams",):  # the twin's own, from any folder
+        file = share_folder("diagrams").joinpath(*file.parts[1:])
+    return ScenarioFile.read(file)
+
+
+def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> Scenario:
+    from drake_twin.description.package_index import PackageIndex
+    from drake_twin.launch.robot_file import robot_file_scenario
+
+    if options.robot is not None:
+        raise InputError(f"--robot {options.robot} names a robot of the twin's own: leave it out to run {name}")
+    file = PackageIndex(options.package_path).resolve(name)
+    if file.is_dir():
+        raise InputError("a robot file is needed, and this is a folder", file=file)
+    return robot_file_scenario(
+        file,
+        options.robots,
+        xacro_args=xacro_args,
+        package_paths=[str(Path(folder).absolute()) for folder in options.package_path],
+    )
+
+
+def _command(topic: str, text: str) -> Command:
+    """``--pub TOPIC DATA``: DATA as ``ros2 topic pub`` takes it, or the bare list of numbers."""
+    import yaml
+
+    try:
+        value = yaml.safe_load(text)
+        data = value["data"] if isinstance(value, dict) else value
+        numbers = tuple(float(item) for item in data)
+    except (yaml.YAMLError, KeyError, TypeError, ValueError):
+        raise InputError(
+            f'--pub {topic} {text!r}: the data must be a list of numbers, such as "[2, 2, 2, 2]" or "{{data: [2, 2]}}"'
+        ) from None
+    return Command(topic, numbers)
+
+
+def _twin(scenario: Scenario, file: ScenarioFile | None, meshcat: Any) -> Any:
+    from drake_twin.twin import Twin
+
+    try:
+        return Twin(scenario, meshcat)
+    except ScenarioError as error:
+        raise (error if file is None else file.located(error)) from None
+
+
+def _simulate(twin: Any, meshcat: Any, options: argparse.Namespace) -> float:
+    """Runs to the end or to Ctrl-C; returns the wall time it took (s)."""
+    panel = None
+    if options.real_time_rate is not None:
+        twin.real_time_rate = options.real_time_rate
+    if meshcat is not None:
+        from drake_twin.cockpit.page import set_scene
+        from drake_twin.cockpit.panel import Panel
+
+        set_scene(meshcat, twin)
+        panel = Panel(meshcat, twin)
+        twin.draw()
+        print(f"page: {meshcat.web_url()}", flush=True)
+        if not options.no_browser:
+            _open_browser(meshcat.web_url())
+    status = _StatusLine(twin)
+    with _stop_signals() as stopped:
+
+        def each_frame() -> bool:
+            if panel is not None:
+                panel.obey()
+            status.show()
+            return not stopped
+
+        start = time.perf_counter()
+        try:
+            twin.run(
+                options.duration,
+                each_frame=each_frame,
+                as_fast_as_possible=meshcat is None and options.real_time_rate is None,
+            )
+        finally:
+            status.end()
+        return time.perf_counter() - start
+
+
+def _open_browser(url: str) -> None:
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin":
+        import webbrowser
+
+        webbrowser.open(url)
+
+
+@contextlib.contextmanager
+def _stop_signals() -> Iterator[list[int]]:
+    """Collects Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
+    stopped: list[int] = []
+    previous: dict[int, Any] = {}
+
+    def stop(number: int, _frame: Any) -> None:
+        stopped.append(number)
+        for each, handler in previous.items():
+            signal.signal(each, handler)
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        previous[number] = signal.signal(number, stop)
+    try:
+        yield stopped
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)
+
+
+class _StatusLine:
+    """Simulation time and real-time factor on one line of the terminal."""
+
+    def __init__(self, twin: Any):
+        self._twin = twin
+        self._shown = sys.stdout.isatty()
+        self._last = (time.perf_counter(), twin.time)
+
+    def show(self) -> None:
+        now, sim_time = time.perf_counter(), self._twin.time
+        then, sim_then = self._last
+        if not self._shown or now - then < _STATUS_PERIOD:
+            return
+        factor = max(0.0, sim_time - sim_then) / (now - then)
+        state = "paused" if self._twin.paused else f"real-time factor {factor:.2f}"
+        print(f"\r\033[Ksim time {sim_time:.2f} s   {state}", end="", flush=True)
+        self._last = (now, sim_time)
+
+    def end(self) -> None:
+        if self._shown:
+            print("\r\033[K", end="", flush=True)
+
+
+def _report(twin: Any, wall_time: float, file: Path | None) -> None:
+    from drake_twin.summary import summary
+
+    result = summary(twin, wall_time)
+    if file is not None:
+        file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    count = len(result["robots"])
+    print(
+        f"{count} robot{'s' if count > 1 else ''}, {result['sim_time']:.3f} s simulated in {wall_time:.3f} s"
+        f" (real-time factor {result['real_time_factor']:.2f}), state {result['state_sha256'][:12]}"
+    )
+
+
+def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:
+    """The same sentence about several robots, once."""
+    about: dict[str, list[str]] = {}
+    for sentence in sentences:
+        robot, separator, rest = sentence.partition(": ")
+        if separator and robot in robots:
+            about.setdefault(rest, []).append(robot)
+        else:
+            about.setdefault(sentence, [])
+    return [f"{', '.join(names)}: {text}" if names else text for text, names in about.items()]
+
+
+def _as_typed(xacro_args: dict[str, str]) -> str:
+    return " ".join(f"{name}:={value}" for name, value in xacro_args.items())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

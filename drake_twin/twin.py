@@ -1,0 +1,457 @@
+"""A running twin: one simulator, its time, what is published to it and who listens.
+
+Everything happens in the thread that calls `Twin.advance_to` or `Twin.run`, in a fixed order, so that a run is
+repeatable to the last bit.
+"""
+
+import hashlib
+import time as wall_clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import ceil, floor
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.geometry import Meshcat
+from pydrake.systems.analysis import Simulator
+
+from drake_twin import messages
+from drake_twin.diagram.twin_diagram import build_twin_diagram
+from drake_twin.errors import CommandError, InputError, RunError
+from drake_twin.scenario import Command, Scenario, ScenarioError
+
+_FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
+_MOST_STEPS_A_FRAME = 10_000
+
+
+@dataclass(frozen=True)
+class RobotState:
+    """One robot at one moment.
+
+    Attributes:
+        joints: the names of its movable joints, in file order.
+        positions: joint positions (rad or m).
+        velocities: joint velocities (rad/s or m/s).
+        efforts: what its actuators applied in the last step (N·m or N); zero where a joint has none.
+        base_pose: the root link in the world: x, y, z (m), qw, qx, qy, qz.
+    """
+
+    joints: tuple[str, ...]
+    positions: tuple[float, ...]
+    velocities: tuple[float, ...]
+    efforts: tuple[float, ...]
+    base_pose: tuple[float, ...]
+
+
+@dataclass
+class _Subscription:
+    topic: str
+    callback: Callable[[Any], None]
+    period: float | None
+    next_point: int = 0  # the next point of the period's grid to deliver
+
+
+class Twin:
+    """A scenario, running.
+
+    Args:
+        scenario: what to run.
+        meshcat: the page to draw on; `draw` and `run` do so.
+
+    Raises:
+        InputError: a file or a value of the scenario that cannot be used.
+    """
+
+    def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None):
+        self.scenario = scenario
+        self._built = build_twin_diagram(scenario, meshcat)
+        for index, command in enumerate(scenario.commands):
+            try:
+                self._checked(command.topic, command.data)
+            except InputError as error:
+                raise ScenarioError(("commands", index), str(error).rstrip(".")) from None
+        self._simulator = Simulator(self._built.diagram)
+        self._context = self._simulator.get_mutable_context()
+        self._plant_context = self._built.plant.GetMyContextFromRoot(self._context)
+        self._subscriptions: list[_Subscription] = []
+        self._queue: list[tuple[str, np.ndarray]] = []
+        self._silenced: set[str] = set()
+        self.paused = False
+        self.real_time_rate = 1.0
+        self._start()
+
+    def _start(self) -> None:
+        self._step = 0
+        self._built.fix_commands(self._context)
+        self._commands: dict[str, np.ndarray] = {}
+        self._schedule = [_ScheduledCommand(command, self.scenario.time_step) for command in self.scenario.commands]
+        self._simulator.Initialize()
+
+    @property
+    def diagram(self) -> Any:
+        """The Drake diagram; each topic without its leading slash is one of its ports."""
+        return self._built.diagram
+
+    @property
+    def plant(self) -> Any:
+        """The one ``MultibodyPlant``."""
+        return self._built.plant
+
+    @property
+    def context(self) -> Any:
+        """The root context at the present time."""
+        return self._context
+
+    @property
+    def time(self) -> float:
+        """Simulation time (s)."""
+        return self._step * self.scenario.time_step
+
+    @property
+    def step_count(self) -> int:
+        """The number of physics steps since the start or the last reset."""
+        return self._step
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The robots' names."""
+        return tuple(plan.name for plan in self._built.plans)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was given up or changed to make the robots run."""
+        return self._built.warnings
+
+    @property
+    def not_started(self) -> tuple[str, ...]:
+        """What the files ask for and the twin does not start, each with the reason."""
+        return self._built.not_started
+
+    @property
+    def base_frames(self) -> dict[str, str]:
+        """Robot → the tf frame of its root link."""
+        return {plan.name: plan.base_frame for plan in self._built.plans}
+
+    def topics(self) -> dict[str, str]:
+        """Topic → ROS message type: what the twin publishes, then what it listens to."""
+        published = {topic: item.type for topic, item in self._built.published.items()}
+        return published | {topic: item.type for topic, item in self._built.commanded.items()}
+
+    def command_limits(self) -> dict[str, dict[str, tuple[float, float]]]:
+        """Command topic → joint → lowest and highest velocity (rad/s or m/s), in the order of the command."""
+        return {
+            topic: {
+                joint: (float(lower), float(upper))
+                for joint, lower, upper in zip(
+                    item.controller.joints, item.controller.lower, item.controller.upper, strict=True
+                )
+            }
+            for topic, item in self._built.commanded.items()
+        }
+
+    def command(self, topic: str) -> np.ndarray | None:
+        """The command last published on a topic, clamped as it is applied; None before the first."""
+        waiting = [command for queued_topic, command in self._queue if queued_topic == topic]
+        return waiting[-1] if waiting else self._commands.get(topic)
+
+    def publish(self, topic: str, data: Any) -> None:
+        """Publishes a command; it takes effect at the next step, also when called inside a callback.
+
+        Args:
+            topic: a command topic, for example ``/robot_1/forward_velocity_controller/commands``.
+            data: a ``Float64MultiArray``, or its numbers.
+
+        Raises:
+            InputError: nothing listens to the topic.
+            CommandError: the size is wrong, or an element is not a finite number. Nothing is changed then.
+        """
+        self._queue.append((topic, self._checked(topic, data)))
+
+    def silence(self, topic: str) -> None:
+        """Drops the scenario's own timed commands on a topic from now on, until the next reset."""
+        self._silenced.add(topic)
+
+    def subscribe(self, topic: str, callback: Callable[[Any], None], rate: float | None = None) -> Callable[[], None]:
+        """Calls back with a topic's messages, on a grid of simulation times that starts at zero.
+
+        The message of the present time is delivered first, when the twin next advances. A topic that never changes
+        (``/tf_static``, ``robot_description``) is delivered once.
+
+        Args:
+            topic: a topic that the twin publishes.
+            callback: is given the message. It may publish, pause, subscribe and read the twin; not advance it.
+            rate: messages a second of simulation time; by default what ROS would publish.
+
+        Returns:
+            A function that ends the subscription.
+
+        Raises:
+            InputError: no such topic, or a rate that is not above zero.
+        """
+        published = self._built.published
+        if topic not in published:
+            raise InputError(f"nothing is published on {topic!r}", value=topic, valid=published)
+        if rate is not None and not rate > 0:
+            raise InputError(f"a rate of {rate!r} Hz is not above zero")
+        rate = published[topic].rate and (rate or published[topic].rate)
+        subscription = _Subscription(topic, callback, None if rate is None else 1.0 / rate)
+        subscription.next_point = self._first_grid_point(subscription)
+        self._subscriptions.append(subscription)
+        return lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None
+
+    def latest(self, topic: str) -> Any:
+        """A topic's message at the present time.
+
+        Raises:
+            InputError: nothing is published on the topic.
+        """
+        published = self._built.published
+        if topic not in published:
+            raise InputError(f"nothing is published on {topic!r}", value=topic, valid=published)
+        return published[topic].port.Eval(self._context)
+
+    def joint_states(self, robot: str) -> Any:
+        """The ``sensor_msgs/msg/JointState`` of a robot at the present time.
+
+        Raises:
+            InputError: no such robot.
+        """
+        return self.latest(f"{self._plan(robot).robot.topic_namespace}/joint_states")
+
+    def robot_state(self, robot: str) -> RobotState:
+        """The joints and the true base pose of a robot at the present time.
+
+        Raises:
+            InputError: no such robot.
+        """
+        plan, parts = self._plan(robot), self._built.robots[robot]
+        layout, plant = parts.layout, self._built.plant
+        state = plant.GetPositionsAndVelocities(self._plant_context, parts.instance)
+        efforts = plant.get_net_actuation_output_port(parts.instance).Eval(self._plant_context)
+        names = tuple(joint.name for joint in plan.description.movable_joints)
+        root = plant.GetBodyByName(plan.model.root_body, parts.instance)
+        pose = plant.EvalBodyPoseInWorld(self._plant_context, root)
+        return RobotState(
+            joints=names,
+            positions=tuple(float(state[layout.positions[name]]) for name in names),
+            velocities=tuple(float(state[layout.velocities[name]]) for name in names),
+            efforts=tuple(float(efforts[layout.efforts[name]]) if name in layout.efforts else 0.0 for name in names),
+            base_pose=(*pose.translation().tolist(), *pose.rotation().ToQuaternion().wxyz().tolist()),
+        )
+
+    def advance_to(self, time: float) -> float:
+        """Runs until a simulation time (s), as fast as it can.
+
+        Times are met by whole physics steps: the twin stops at the first step that is not before ``time``. It stops
+        earlier when a callback pauses it, and does not move while it is paused.
+
+        Returns:
+            The simulation time reached (s).
+
+        Raises:
+            InputError: the time is not a finite number, or lies in the past.
+        """
+        steps = time / self.scenario.time_step
+        if not np.isfinite(steps):
+            raise InputError(f"{time!r} is not a time to advance to")
+        target = ceil(steps - 1e-6)
+        if target < self._step:
+            raise InputError(f"{time:g} s lies in the past: the twin is at {self.time:g} s. Use reset() to start again")
+        self._advance(target)
+        return self.time
+
+    def step(self, count: int = 1) -> float:
+        """Makes physics steps, also while paused.
+
+        Args:
+            count: how many.
+
+        Returns:
+            The simulation time reached (s).
+
+        Raises:
+            InputError: the count is below one.
+        """
+        if count < 1:
+            raise InputError(f"{count!r} steps cannot be made: the number must be at least 1")
+        was_paused, self.paused = self.paused, False
+        try:
+            self._advance(self._step + count)
+        finally:
+            self.paused = self.paused or was_paused
+        return self.time
+
+    def pause(self) -> None:
+        """Stops time after the step at hand."""
+        self.paused = True
+
+    def play(self) -> None:
+        """Lets time go on."""
+        self.paused = False
+
+    def reset(self) -> None:
+        """Goes back to the start: time zero, start positions, no commands, the scenario's commands ahead again.
+
+        Subscriptions stay, and count from zero again. Commands published and not yet applied are dropped.
+        """
+        self._queue.clear()
+        self._silenced.clear()
+        self._built.diagram.SetDefaultContext(self._context)
+        self._context.SetTime(0.0)
+        self._start()
+        for subscription in self._subscriptions:
+            subscription.next_point = 0
+
+    def draw(self) -> None:
+        """Draws the present state on the page, if there is one."""
+        visualizer = self._built.visualizer
+        if visualizer is not None:
+            visualizer.ForcedPublish(visualizer.GetMyContextFromRoot(self._context))
+
+    def run(
+        self,
+        until: float | None = None,
+        *,
+        each_frame: Callable[[], bool] = lambda: True,
+        as_fast_as_possible: bool = False,
+    ) -> None:
+        """Runs in real time (times ``real_time_rate``) until a simulation time, or until told to stop.
+
+        Args:
+            until: the simulation time to end at (s); None for no end.
+            each_frame: called about 30 times a second between steps, also while paused; False ends the run.
+            as_fast_as_possible: ignore ``real_time_rate`` and never wait.
+        """
+        end = None if until is None else ceil(until / self.scenario.time_step - 1e-6)
+        frame_start = wall_clock.perf_counter()
+        owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
+        while (end is None or self._step < end) and each_frame():
+            self.draw()
+            if as_fast_as_possible and not self.paused:
+                self._advance_for(_FRAME, end)
+                continue
+            if not self.paused:
+                owed += _FRAME * self.real_time_rate
+                steps = min(floor(owed / self.scenario.time_step + 1e-9), _MOST_STEPS_A_FRAME)
+                owed = min(owed - steps * self.scenario.time_step, self.scenario.time_step)
+                target = self._step + steps
+                self._advance(target if end is None else min(target, end))
+            frame_start = max(frame_start + _FRAME, wall_clock.perf_counter() - _FRAME)
+            wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
+        self.draw()
+
+    def state_sha256(self) -> str:
+        """A hash of the state by robot name: steps, positions, velocities, commands and active controllers.
+
+        Two runs with the same hash are in the same state to the last bit.
+        """
+        digest = hashlib.sha256()
+        digest.update(f"step {self._step} of {self.scenario.time_step.hex()}\n".encode())
+        for plan in sorted(self._built.plans, key=lambda plan: plan.name):
+            instance = self._built.robots[plan.name].instance
+            state = self._built.plant.GetPositionsAndVelocities(self._plant_context, instance)
+            digest.update(f"robot {plan.name}\n".encode() + np.asarray(state, dtype="<f8").tobytes())
+        for topic, item in sorted(self._built.commanded.items()):
+            digest.update(f"active {topic} {','.join(item.controller.joints)}\n".encode())
+            command = self._commands.get(topic)
+            digest.update(b"none\n" if command is None else np.asarray(command, dtype="<f8").tobytes())
+        return digest.hexdigest()
+
+    def _plan(self, robot: str) -> Any:
+        for plan in self._built.plans:
+            if plan.name == robot:
+                return plan
+        raise InputError(f"there is no robot {robot!r}", value=robot, valid=self.robots)
+
+    def _checked(self, topic: str, data: Any) -> np.ndarray:
+        if topic not in self._built.commanded:
+            raise InputError(f"nothing listens to {topic!r}", value=topic, valid=self._built.commanded)
+        try:
+            message = data if hasattr(data, "layout") else messages.float64_multi_array(data)
+            return self._built.commanded[topic].controller.check_command(message)
+        except (TypeError, ValueError):
+            raise CommandError(f"{topic}: {data!r} is not a list of numbers") from None
+        except CommandError as error:
+            raise CommandError(f"{topic}: {error.message}") from None
+
+    def _advance(self, target: int) -> None:
+        time_step = self.scenario.time_step
+        while self._step < target and not self.paused:
+            self._deliver()
+            if self.paused:
+                return
+            self._apply_commands()
+            next_step = min(target, *self._due_steps()) if self._schedule or self._subscriptions else target
+            try:
+                self._simulator.AdvanceTo(next_step * time_step)
+            except RuntimeError as error:
+                reason = " ".join(str(error).split())
+                raise RunError(f"the simulation failed between {self.time:g} s and {next_step * time_step:g} s: {reason}") from error
+            self._step = next_step
+
+    def _advance_for(self, wall_time: float, end: int | None) -> None:
+        """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
+        start = wall_clock.perf_counter()
+        while not self.paused and (end is None or self._step < end):
+            target = self._step + max(1, round(0.01 / self.scenario.time_step))
+            self._advance(target if end is None else min(target, end))
+            if wall_clock.perf_counter() - start > wall_time:
+                return
+
+    def _apply_commands(self) -> None:
+        due = []
+        for scheduled in self._schedule:
+            if scheduled.next_step == self._step:
+                if scheduled.topic not in self._silenced:
+                    due.append((scheduled.topic, self._checked(scheduled.topic, scheduled.data)))
+                scheduled.pass_step()
+        queue, self._queue = self._queue, []
+        for topic, command in (*due, *queue):
+            port = self._built.commanded[topic].port
+            port.FixValue(self._context, AbstractValue.Make(messages.float64_multi_array(command)))
+            self._commands[topic] = command
+
+    def _deliver(self) -> None:
+        for subscription in tuple(self._subscriptions):
+            if self._due_step(subscription) <= self._step:
+                message = self._built.published[subscription.topic].port.Eval(self._context)
+                subscription.next_point = self._first_grid_point(subscription) + 1
+                subscription.callback(message)
+
+    def _first_grid_point(self, subscription: _Subscription) -> int:
+        """The last point of a subscription's grid that is not after the present step."""
+        if subscription.period is None:
+            return 0
+        return floor(self.time / subscription.period + 1e-9)
+
+    def _due_step(self, subscription: _Subscription) -> float:
+        if subscription.period is None:
+            return self._step if subscription.next_point == 0 else float("inf")
+        return ceil(subscription.next_point * subscription.period / self.scenario.time_step - 1e-6)
+
+    def _due_steps(self) -> Sequence[int]:
+        due: list[float] = [scheduled.next_step for scheduled in self._schedule]
+        due += [self._due_step(subscription) for subscription in self._subscriptions]
+        return [int(step) for step in due if self._step < step < float("inf")] or [2**62]
+
+
+class _ScheduledCommand:
+    """A scenario's command and the physics step at which it is next due."""
+
+    def __init__(self, command: Command, time_step: float):
+        self.topic = command.topic
+        self.data = command.data
+        self._command = command
+        self._time_step = time_step
+        self._published = 0
+        self.next_step: float = self._due()
+
+    def pass_step(self) -> None:
+        """Moves on to the next time it is due."""
+        self._published += 1
+        self.next_step = float("inf") if self._command.period is None else self._due()
+
+    def _due(self) -> int:
+        time = self._command.time + self._published * (self._command.period or 0.0)
+        return ceil(time / self._time_step - 1e-6)
