@@ -67,7 +67,7 @@ def _parser() -> _Parser:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, and its xacro arguments")
+    parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, see above")
     robots = parser.add_argument_group("robots")
     robots.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
     robots.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
@@ -84,7 +84,7 @@ def _parser() -> _Parser:
         action="append",
         default=[],
         metavar=("TOPIC", "DATA"),
-        help="publish a command at the start, for example \"[2, 2, 2, 2]\" (may be repeated; replaces the demo drive)",
+        help='publish a command at the start, for example "[2, 2, 2, 2]" (may be repeated; replaces the demo drive)',
     )
     timing = parser.add_argument_group("time")
     timing.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
@@ -295,6 +295,7 @@ def _stop_signals() -> Iterator[list[int]]:
         for each, handler in previous.items():
             signal.signal(each, handler)
 
+    number: int
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         previous[number] = signal.signal(number, stop)
     try:

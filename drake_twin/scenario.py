@@ -46,7 +46,7 @@ class Robot:
     Attributes:
         name: its name in the twin.
         model: its file: a path, ``package://`` or ``model://`` (xacro, URDF or SDF).
-        xacro_args: values for the file's ``<xacro:arg>``s; one named ``robot_name`` is given the robot's name by itself.
+        xacro_args: values for the file's ``<xacro:arg>``s; ``robot_name`` is the robot's name unless it is given here.
         xyz: where its root link starts, in the world frame (m).
         rpy: how its root link is turned there (rad).
         namespace: the namespace of its topics; ``/`` and its name by default.

@@ -17,7 +17,7 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
 from drake_twin import messages
-from drake_twin.diagram.twin_diagram import build_twin_diagram
+from drake_twin.diagram.twin_diagram import CommandTopic, build_twin_diagram
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import Command, Scenario, ScenarioError
 
@@ -138,17 +138,10 @@ class Twin:
         published = {topic: item.type for topic, item in self._built.published.items()}
         return published | {topic: item.type for topic, item in self._built.commanded.items()}
 
-    def command_limits(self) -> dict[str, dict[str, tuple[float, float]]]:
-        """Command topic → joint → lowest and highest velocity (rad/s or m/s), in the order of the command."""
-        return {
-            topic: {
-                joint: (float(lower), float(upper))
-                for joint, lower, upper in zip(
-                    item.controller.joints, item.controller.lower, item.controller.upper, strict=True
-                )
-            }
-            for topic, item in self._built.commanded.items()
-        }
+    @property
+    def commanded(self) -> dict[str, CommandTopic]:
+        """Command topic → the controller that listens to it."""
+        return dict(self._built.commanded)
 
     def command(self, topic: str) -> np.ndarray | None:
         """The command last published on a topic, clamped as it is applied; None before the first."""
@@ -387,7 +380,7 @@ class Twin:
                 self._simulator.AdvanceTo(next_step * time_step)
             except RuntimeError as error:
                 reason = " ".join(str(error).split())
-                raise RunError(f"the simulation failed between {self.time:g} s and {next_step * time_step:g} s: {reason}") from error
+                raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
             self._step = next_step
 
     def _advance_for(self, wall_time: float, end: int | None) -> None:

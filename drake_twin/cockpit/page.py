@@ -7,7 +7,9 @@ from pydrake.math import RigidTransform
 from drake_twin.errors import InputError
 from drake_twin.twin import Twin
 
-_GROUND = Rgba(0.62, 0.66, 0.62, 1.0)
+_GROUND = Rgba(0.74, 0.77, 0.74, 1.0)
+# Even light: Meshcat's point lights, a few metres up, would leave two bright spots on the ground.
+_LIGHTS = {"AmbientLight": 1.8, "FillLight": 2.0, "PointLightNegativeX": 0.0, "PointLightPositiveX": 0.0}
 _SKY_TOP, _SKY_BOTTOM = [0.55, 0.70, 0.86], [0.93, 0.95, 0.97]
 
 
@@ -36,14 +38,16 @@ def set_scene(meshcat: Meshcat, twin: Twin) -> None:
     """Draws ground and sky, and looks at all robots from the front left."""
     positions = np.array([twin.robot_state(robot).base_pose[:3] for robot in twin.robots])
     center = positions.mean(axis=0)
-    reach = float(np.max(np.linalg.norm(positions - center, axis=1))) + 1.5
+    reach = float(np.max(np.linalg.norm(positions - center, axis=1))) + 1.0
     if twin.scenario.world.ground:
         side = max(20.0, 4.0 * reach)
         thickness = 0.01
         meshcat.SetObject("/ground", Box(side, side, thickness), _GROUND)
         # Just below zero, where Meshcat draws its grid.
         meshcat.SetTransform("/ground", RigidTransform([center[0], center[1], -thickness / 2 - 0.004]))
-    meshcat.SetProperty("/Background", "top_color", _SKY_TOP)
-    meshcat.SetProperty("/Background", "bottom_color", _SKY_BOTTOM)
-    meshcat.SetProperty("/Axes", "visible", False)
-    meshcat.SetCameraPose(center + reach * np.array([1.1, -0.9, 0.9]), center)
+    meshcat.SetProperty("/Background/<object>", "top_color", _SKY_TOP)
+    meshcat.SetProperty("/Background/<object>", "bottom_color", _SKY_BOTTOM)
+    meshcat.SetProperty("/Axes/<object>", "visible", False)
+    for light, intensity in _LIGHTS.items():
+        meshcat.SetProperty(f"/Lights/{light}/<object>", "intensity", intensity)
+    meshcat.SetCameraPose(center + reach * np.array([0.9, -0.7, 0.75]), center)

@@ -1,16 +1,17 @@
 """The controls in Meshcat's own panel: time, and a slider for each joint of each velocity controller."""
 
-from math import isfinite
+from math import floor, log10
 
 import numpy as np
 from pydrake.geometry import Meshcat
 
 from drake_twin.twin import Twin
 
-PLAY_PAUSE, STEP, RESET, SPEED = "Play / Pause", "Step", "Reset", "Speed (x real time)"
+PLAY_PAUSE, STEP, RESET, SPEED, SIM_TIME = "Play / Pause", "Step", "Reset", "Speed (x real)", "Sim time (s)"
 
 _FASTEST, _SLOWEST = 4.0, 0.05
-_WIDEST_SLIDER = 10.0  # rad/s or m/s, for joints without a velocity limit
+_LONGEST_TIME = 1e5  # s
+_WIDEST_SLIDER = 20.0  # rad/s or m/s: joints may have no velocity limit, or a very large one
 
 
 class Panel:
@@ -32,11 +33,19 @@ class Panel:
         meshcat.AddButton(RESET, "KeyR")
         speed = min(max(twin.real_time_rate, _SLOWEST), _FASTEST)
         meshcat.AddSlider(SPEED, _SLOWEST, _FASTEST, 0.05, speed)
+        # The panel has no text line: a slider that nobody needs to move shows the time.
+        meshcat.AddSlider(SIM_TIME, 0.0, _LONGEST_TIME, 0.01, twin.time)
         self._clicks = dict.fromkeys((PLAY_PAUSE, STEP, RESET), 0)
         self._speed = meshcat.GetSliderValue(SPEED)
         self._sliders: dict[str, list[str]] = {}
-        for topic, limits in twin.command_limits().items():
-            self._sliders[topic] = [self._add_joint_slider(topic, joint, *bounds) for joint, bounds in limits.items()]
+        for topic, commanded in twin.commanded.items():
+            controller = commanded.controller
+            self._sliders[topic] = [
+                self._add_joint_slider(commanded.robot, joint, lower, upper)
+                for joint, lower, upper in zip(
+                    controller.joints, controller.lower.tolist(), controller.upper.tolist(), strict=True
+                )
+            ]
         self._values_seen = {topic: self._values(topic) for topic in self._sliders}
         self._command_shown: dict[str, tuple[float, ...]] = {}
 
@@ -56,19 +65,23 @@ class Panel:
             self._twin.real_time_rate = speed
         for topic in self._sliders:
             self._obey_sliders(topic)
+        if self._meshcat.GetSliderValue(SIM_TIME) != round(self._twin.time, 2):
+            self._meshcat.SetSliderValue(SIM_TIME, round(self._twin.time, 2))
 
-    def _add_joint_slider(self, topic: str, joint: str, lower: float, upper: float) -> str:
-        if not (isfinite(lower) and isfinite(upper)):
-            lower, upper = max(lower, -_WIDEST_SLIDER), min(upper, _WIDEST_SLIDER)
-        robot_and_controller = topic.strip("/").removesuffix("/commands")
-        name = f"{robot_and_controller} {joint}"
-        step = max((upper - lower) / 200.0, 1e-6)
+    def _add_joint_slider(self, robot: str, joint: str, lower: float, upper: float) -> str:
+        """A slider whose name still tells joints apart where the panel cuts it off, after some sixteen letters."""
+        short = joint.removeprefix(f"{robot}_").removesuffix("_joint")
+        name = f"{robot} {short}"
+        if name in self._meshcat.GetSliderNames():
+            name = f"{robot} {joint}"
+        lower, upper = max(lower, -_WIDEST_SLIDER), min(upper, _WIDEST_SLIDER)
+        step = 10.0 ** floor(log10(max(upper - lower, 1e-3) / 100.0))
         self._meshcat.AddSlider(name, lower, max(upper, lower + step), step, min(max(0.0, lower), upper))
         return name
 
     def _clicked(self, button: str) -> int:
         """How often a button was clicked since the last call."""
-        clicks = self._meshcat.GetButtonClicks(button)
+        clicks = int(self._meshcat.GetButtonClicks(button))
         new, self._clicks[button] = clicks - self._clicks[button], clicks
         return new
 

@@ -95,9 +95,10 @@ def read_controllers(file: Path, namespace: str, placeholders: Mapping[str, str]
     controllers = []
     for name, kind in types.items():
         merged: dict[str, Any] = {}
-        path: ValuePath = ()
-        for path, parameters in nodes.get(name, []):
+        entries = nodes.get(name, [])
+        for _, parameters in entries:
             merged.update(parameters)
+        path = entries[-1][0] if entries else ()
         controllers.append(ControllerParameters(name, kind, merged, document, path))
     return ControllerManagerParameters(update_rate, tuple(controllers))
 

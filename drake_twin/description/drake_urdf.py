@@ -130,4 +130,3 @@ def _drop_joint_friction(reader: XmlReader, warnings: list[str]) -> None:
     ]
     if joints:
         warnings.append(f"joint friction is not simulated (joints {', '.join(joints)})")
-

@@ -62,8 +62,7 @@ def _as_obj(file: Path) -> str:
         raise InputError(f"the mesh cannot be read ({error})", file=file) from None
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
-    text = trimesh.exchange.obj.export_obj(mesh, include_normals=True, include_color=False, include_texture=False)
-    return str(text)
+    return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False))
 
 
 def _write_whole(file: Path, text: str) -> None:

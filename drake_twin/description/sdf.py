@@ -42,7 +42,8 @@ def prepare_sdf(text: str, file: Path, model_name: str, packages: PackageIndex) 
             is_fixed = True
             model.remove(joint)
     for uri in model.iter("uri"):
-        if uri.getparent().tag == "mesh":
+        parent = uri.getparent()
+        if parent is not None and parent.tag == "mesh":
             uri.text = mesh_for_drake(packages.resolve((uri.text or "").strip(), file)).as_uri()
     return etree.tostring(reader.root, encoding="unicode"), is_fixed
 

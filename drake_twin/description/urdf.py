@@ -141,7 +141,9 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
         joints.append(
             ControlledJoint(
                 name=reader.text(joint, "name"),
-                command_interfaces=tuple(_command_interface(reader, item) for item in joint.iterfind("command_interface")),
+                command_interfaces=tuple(
+                    _command_interface(reader, item) for item in joint.iterfind("command_interface")
+                ),
                 state_interfaces=tuple(_state_interface(reader, item) for item in joint.iterfind("state_interface")),
                 parameters=parameters,
             )
@@ -189,7 +191,7 @@ def _with_mimic_of_ros2_control(joints: Iterable[Joint], systems: Iterable[Hardw
                 yield replace(joint, mimic=Mimic(parameters["mimic"], float(multiplier), float(offset)))
             except ValueError:
                 raise InputError(
-                    f"joint {joint.name!r} of <ros2_control>: multiplier {multiplier!r} or offset {offset!r} is not a number"
+                    f"joint {joint.name!r} of <ros2_control>: {multiplier!r} or {offset!r} is not a number"
                 ) from None
         else:
             yield joint
@@ -217,7 +219,7 @@ def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
         for tag in ("mu1", "mu2"):
             text = _text_or_value(element, tag)
             if text is not None:
-                found = replace(found, **{tag: reader.parse_number(element, text, tag)})
+                found = replace(found, **{tag: reader.parse_number(element, text, tag)})  # type: ignore[arg-type]
         self_collide = _text_or_value(element, "selfCollide") or _text_or_value(element, "self_collide")
         if self_collide is not None:
             found = replace(found, self_collide=self_collide.lower() in ("1", "true"))

@@ -8,7 +8,12 @@ from lxml import etree
 from drake_twin.errors import InputError
 
 # No network, no external entities, and libxml2's own bound on how far entities may expand.
-_PARSER = etree.XMLParser(resolve_entities="internal", no_network=True, huge_tree=False, remove_comments=True)
+_PARSER = etree.XMLParser(
+    resolve_entities="internal",  # type: ignore[arg-type]  # newer than the stubs
+    no_network=True,
+    huge_tree=False,
+    remove_comments=True,
+)
 
 
 class XmlReader:
@@ -29,7 +34,7 @@ class XmlReader:
         try:
             self.root = etree.fromstring(text.encode(), _PARSER)
         except etree.XMLSyntaxError as error:
-            line = error.lineno if lines_are_the_files else None
+            line = error.position[0] if lines_are_the_files else None
             raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
 
     def error(self, element: etree._Element, message: str) -> InputError:

@@ -87,6 +87,4 @@ class YamlDocument:
         try:
             return self._constructor.construct_object(node)
         except (yaml.YAMLError, ValueError):
-            raise InputError(
-                f"{node.value!r} is not a value", file=self.file, line=node.start_mark.line + 1
-            ) from None
+            raise InputError(f"{node.value!r} is not a value", file=self.file, line=node.start_mark.line + 1) from None

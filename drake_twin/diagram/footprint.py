@@ -39,9 +39,7 @@ def footprint(plan: RobotPlan) -> Footprint:
     parts = add_plant(builder, scenario, [plan])
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
-    query: QueryObject = parts.scene_graph.get_query_output_port().Eval(
-        parts.scene_graph.GetMyContextFromRoot(context)
-    )
+    query: QueryObject = parts.scene_graph.get_query_output_port().Eval(parts.scene_graph.GetMyContextFromRoot(context))
     inspector = query.inspector()
     root = parts.plant.GetBodyByName(plan.model.root_body, parts.robots[plan.name].instance)
     to_root = parts.plant.EvalBodyPoseInWorld(parts.plant.GetMyContextFromRoot(context), root).inverse()

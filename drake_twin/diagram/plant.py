@@ -122,20 +122,14 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
     return StateLayout(
         size=len(positions) + len(velocities),
         positions={name: positions.index(joint.position_start()) for name, joint in joints.items()},
-        velocities={
-            name: len(positions) + velocities.index(joint.velocity_start()) for name, joint in joints.items()
-        },
+        velocities={name: len(positions) + velocities.index(joint.velocity_start()) for name, joint in joints.items()},
         efforts={actuator.joint().name(): index for index, actuator in enumerate(actuators)},
         base_position=positions.index(root.floating_positions_start()) if floats else None,
-        base_velocity=(
-            len(positions) + velocities.index(root.floating_velocities_start_in_v()) if floats else None
-        ),
+        base_velocity=(len(positions) + velocities.index(root.floating_velocities_start_in_v()) if floats else None),
     )
 
 
-def _set_start(
-    plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout
-) -> None:
+def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout) -> None:
     """Makes the spawn pose and the start positions the defaults, so that every new context begins there."""
     q = plant.GetDefaultPositions(instance)
     for name, index in layout.positions.items():

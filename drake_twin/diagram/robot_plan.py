@@ -181,7 +181,9 @@ def _plan_controllers(
             continue  # the robot's joint states are there without it
         interface = _interface(parameters)
         if interface != "velocity":
-            what = f"type {parameters.type}" if interface is None else f"interface {interface!r} (type {parameters.type})"
+            what = (
+                f"type {parameters.type}" if interface is None else f"interface {interface!r} (type {parameters.type})"
+            )
             not_started.append(f"controller {name}: {what} is not supported yet")
             continue
         plan = _velocity_plan(parameters, description, prefix)

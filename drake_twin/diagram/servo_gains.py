@@ -115,7 +115,7 @@ def _contact_load(
         outboard = plant.GetBodiesKinematicallyAffectedBy([joint.index()])
         mass = sum(plant.get_body(index).default_mass() for index in outboard)
         lever = float(np.sqrt(inertia / mass)) if mass > 0 else 0.0
-    return min(weight * lever, actuator.effort_limit())
+    return min(weight * lever, float(actuator.effort_limit()))
 
 
 def _sample_joints(q: np.ndarray, plan: RobotPlan, layout: StateLayout, sampler: np.random.Generator) -> None:

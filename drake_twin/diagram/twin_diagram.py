@@ -1,4 +1,4 @@
-"""The root diagram of a twin: plant, scene graph, one sub-diagram per robot, clock, tf and, if there is a page, viewer."""
+"""The root diagram of a twin: plant, scene graph, one sub-diagram per robot, clock, tf and viewer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,7 +44,6 @@ class CommandTopic:
     port: InputPort
     controller: VelocityController
     robot: str
-    controller_name: str
 
 
 @dataclass(frozen=True)
@@ -89,13 +88,11 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
         InputError: a file, a robot or a frame that cannot be used.
     """
     packages = PackageIndex(scenario.package_paths)
-    plans = tuple(
-        plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots)
-    )
+    plans = tuple(plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots))
     builder = DiagramBuilder()
     parts = add_plant(builder, scenario, plans)
     published: dict[str, tuple[str, float | None]] = {}
-    controllers: dict[str, tuple[RobotPlan, str, VelocityController]] = {}
+    controllers: dict[str, tuple[RobotPlan, VelocityController]] = {}
     broadcaster = _add_transform_broadcaster(builder, scenario, plans)
     for plan in plans:
         _add_robot(builder, parts, plan, broadcaster, published, controllers)
@@ -123,8 +120,8 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
             for topic, (kind, rate) in published.items()
         },
         commanded={
-            topic: CommandTopic(COMMANDS_TYPE, diagram.GetInputPort(topic[1:]), controller, plan.name, name)
-            for topic, (plan, name, controller) in controllers.items()
+            topic: CommandTopic(COMMANDS_TYPE, diagram.GetInputPort(topic[1:]), controller, plan.name)
+            for topic, (plan, controller) in controllers.items()
         },
         visualizer=visualizer,
         warnings=(*(warning for plan in plans for warning in plan.warnings), *parts.warnings),
@@ -138,7 +135,7 @@ def _add_robot(
     plan: RobotPlan,
     broadcaster: TransformBroadcaster,
     published: dict[str, tuple[str, float | None]],
-    controllers: dict[str, tuple[RobotPlan, str, VelocityController]],
+    controllers: dict[str, tuple[RobotPlan, VelocityController]],
 ) -> None:
     plant, (instance, layout) = parts.plant, (parts.robots[plan.name].instance, parts.robots[plan.name].layout)
     robot = build_robot_diagram(plan, layout)
@@ -158,7 +155,7 @@ def _add_robot(
         topic = f"{namespace}/{name}/commands"
         if topic in controllers:
             raise InputError(f"robots {controllers[topic][0].name!r} and {plan.name!r} would both listen to {topic}")
-        controllers[topic] = (plan, name, controller)
+        controllers[topic] = (plan, controller)
         builder.ExportInput(system.GetInputPort(f"{name}/commands"), topic[1:])
 
 
@@ -198,11 +195,10 @@ def _add_transform_broadcaster(
                 raise InputError(f"frame {frame!r} of robot {plan.name!r} would have two parents", value=frame)
     own = [plan for plan in plans if plan.base_frame not in placed]
     fixed_bases = [FixedFrame("world", plan.base_frame, plan.spawn_pose) for plan in own if plan.model.is_fixed]
-    return builder.AddNamedSystem(
-        "tf",
-        TransformBroadcaster(
-            robots=[plan.name for plan in plans],
-            moving_bases=[plan.name for plan in own if not plan.model.is_fixed],
-            static_transforms=[*static_transforms, *fixed_bases],
-        ),
+    broadcaster = TransformBroadcaster(
+        robots=[plan.name for plan in plans],
+        moving_bases=[plan.name for plan in own if not plan.model.is_fixed],
+        static_transforms=[*static_transforms, *fixed_bases],
     )
+    builder.AddNamedSystem("tf", broadcaster)
+    return broadcaster

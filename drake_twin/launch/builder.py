@@ -33,9 +33,7 @@ class TwinBuilder:
         world: gravity and ground.
     """
 
-    def __init__(
-        self, time_step: float = 0.001, contact_approximation: str = "lagged", world: World | None = None
-    ):
+    def __init__(self, time_step: float = 0.001, contact_approximation: str = "lagged", world: World | None = None):
         self._time_step = float(time_step)
         self._contact_approximation = contact_approximation
         self._world = world or World()

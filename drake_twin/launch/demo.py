@@ -32,8 +32,8 @@ def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
             side = 1.0 if index % 2 == 0 else -1.0
             there = (0.5 * side, 0.25, -0.35, 0.3)
             back = tuple(-velocity for velocity in there)
-            for time, velocities in ((0.0, there), (2.0, back), (4.0, (-0.5 * side, 0, 0, 0)), (6.0, (0.5 * side, 0, 0, 0))):
-                builder.command(topic, velocities, time=time, period=8.0)
+            for time, velocities in enumerate((there, back, (-0.5 * side, 0, 0, 0), (0.5 * side, 0, 0, 0))):
+                builder.command(topic, velocities, time=2.0 * time, period=8.0)
 
 
 _ROW = 8

@@ -91,7 +91,7 @@ class JointStatePublisher(LeafSystem):
     def _values(self, context: Context) -> np.ndarray:
         """Three rows (position, velocity, effort), a column for each joint."""
         values = np.concatenate([self._state.Eval(context), self._net_actuation.Eval(context), [np.nan]])
-        return values[self._gather]
+        return np.asarray(values[self._gather])
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         position, velocity, effort = self._values(context)

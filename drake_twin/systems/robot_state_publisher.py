@@ -120,6 +120,4 @@ class _JointFrames:
         joint_quaternions = quaternion_product(self._quaternions, turn)
         xyz = joint_xyz + rotated(joint_quaternions, self._child_xyz)
         quaternions = quaternion_product(joint_quaternions, self._child_quaternions)
-        return messages.TFMessage(
-            transforms=transform_messages(self._parents, self._children, xyz, quaternions, time)
-        )
+        return messages.TFMessage(transforms=transform_messages(self._parents, self._children, xyz, quaternions, time))

@@ -81,7 +81,7 @@ class VelocityController(LeafSystem):
         if not np.isfinite(data).all():
             bad = int(np.flatnonzero(~np.isfinite(data))[0])
             raise CommandError(f"the command for joint {self.joints[bad]} is {data[bad]}, which is not a finite number")
-        return np.clip(data, self.lower, self.upper)
+        return np.asarray(np.clip(data, self.lower, self.upper))
 
     def _calc_velocity_commands(self, context: Context, output: BasicVector) -> None:
         message = self._commands.Eval(context)
