@@ -34,7 +34,7 @@ class XmlReader:
         try:
             self.root = etree.fromstring(text.encode(), _PARSER)
         except etree.XMLSyntaxError as error:
-            line = error.position[0] if lines_are_the_files else None
+            line = int(str(error.lineno)) if lines_are_the_files and error.lineno else None  # the stubs disown int
             raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
 
     def error(self, element: etree._Element, message: str) -> InputError:
