@@ -2,6 +2,7 @@
 
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from lxml import etree
 
@@ -34,12 +35,12 @@ class XmlReader:
         try:
             self.root = etree.fromstring(text.encode(), _PARSER)
         except etree.XMLSyntaxError as error:
-            line = int(str(error.lineno)) if lines_are_the_files and error.lineno else None  # the stubs disown int
+            line = error.lineno if lines_are_the_files else None
             raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
 
     def error(self, element: etree._Element, message: str) -> InputError:
         """An error that points at an element."""
-        line = element.sourceline if self._show_lines else None
+        line: Any = element.sourceline if self._show_lines else None  # the stubs' type is not a number's
         return InputError(f"{described(element)}: {message}", file=self.file, line=line)
 
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
