@@ -5,10 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import Footprint, footprint
 from drake_twin.diagram.robot_plan import plan_robot
 from drake_twin.scenario import Robot, Scenario
+
+_NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
 
 _CLEARANCE = 1e-4  # robots start this far above the ground (m): none is pushed out of it, none is seen to fall
 
@@ -37,26 +40,37 @@ def robot_file_scenario(
         InputError: the file cannot be used.
     """
     packages = PackageIndex(package_paths)
-    declared = xacro_arguments(file, packages)
-    names = ["robot"] if count is None else [f"robot_{index + 1}" for index in range(count)]
+    if count is None:
+        names = [_own_name(file, xacro_args, packages)]
+    else:
+        names = [f"robot_{index + 1}" for index in range(count)]
+    naming = None if count is None else _naming_argument(file, xacro_args, packages)
     robots = []
     for name in names:
         own = dict(xacro_args)
-        if count is not None and not own.keys() & {"robot_name", "prefix", "namespace"}:
-            naming = next((item for item in ("robot_name", "prefix", "namespace") if item in declared), None)
-            if naming is not None:
-                own[naming] = f"{name}_" if naming == "prefix" else name
+        if naming is not None:
+            own[naming] = f"{name}_" if naming == "prefix" else name
         robots.append(Robot(name=name, model=str(file.absolute()), xacro_args=own))
     plan = plan_robot(robots[0], packages)
-    if count is None:
-        own_name = "".join(c if c.isalnum() or c in "_-" else "_" for c in plan.description.name) or "robot"
-        robots = [replace(robots[0], name="robot" if own_name == "world" else own_name)]
-        plan = replace(plan, robot=robots[0])
     room = footprint(plan)
     height = 0.0 if plan.model.is_fixed else round(_CLEARANCE - room.lower[2], 6)
     spacing = _spacing(room)
     placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
     return Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
+
+
+def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
+    """The name that the file gives the robot, as a name in the twin."""
+    name = load_robot_model(str(file), packages, xacro_args=xacro_args).description.name
+    name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
+    return "robot" if name in ("", "world") else name
+
+
+def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str | None:
+    if any(name in xacro_args for name in _NAMING_ARGUMENTS):
+        return None
+    declared = xacro_arguments(file, packages)
+    return next((name for name in _NAMING_ARGUMENTS if name in declared), None)
 
 
 def _spacing(room: Footprint) -> float:

@@ -1,0 +1,27 @@
+"""What several rooms' tests share: the rover and arm as data, and other people's robots where they are present."""
+
+from pathlib import Path
+
+import pytest
+
+from drake_twin.launch.builder import TwinBuilder
+
+ROVER = "package://rover_description/urdf/rover.urdf.xacro"
+ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
+CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
+
+
+@pytest.fixture(scope="session")
+def corpus() -> Path:
+    """Robots that nobody here wrote."""
+    if not CORPUS.is_dir():
+        pytest.skip("the folder shared/corpus with other people's robots is not here")
+    return CORPUS
+
+
+def rovers(count: int = 2, spacing: float = 2.0, **options) -> TwinBuilder:
+    """Rovers side by side along y, facing x, standing still."""
+    builder = TwinBuilder(**options)
+    for index in range(count):
+        builder.robot(f"robot_{index + 1}", ROVER, xyz=(0, spacing * index, 0.13))
+    return builder

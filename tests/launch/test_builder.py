@@ -1,0 +1,64 @@
+import pytest
+from conftest import ROVER
+
+from drake_twin import TwinBuilder
+from drake_twin.errors import InputError
+from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
+
+
+def test_the_builder_and_plain_data_are_the_same_scenario(tmp_path):
+    built = (
+        TwinBuilder(time_step=0.002, contact_approximation="similar", world=World(ground=False))
+        .package_path(tmp_path)
+        .robot("a", ROVER, xyz=(0, 0, 1), xacro_args={"n": 4, "sim": True}, controllers="package://p/c.yaml")
+        .static_transform("world", "odom", xyz=(1, 0, 0))
+        .command("/a/x/commands", [1, 2], time=1, period=2)
+        .scenario()
+    )
+    assert built == Scenario(
+        robots=(
+            Robot("a", ROVER, xacro_args={"n": "4", "sim": "true"}, xyz=(0, 0, 1), controllers=("package://p/c.yaml",)),
+        ),
+        time_step=0.002,
+        contact_approximation="similar",
+        world=World(ground=False),
+        package_paths=(str(tmp_path),),
+        static_transforms=(StaticTransform("world", "odom", xyz=(1, 0, 0)),),
+        commands=(Command("/a/x/commands", (1, 2), time=1, period=2),),
+    )
+
+
+def test_relative_files_are_relative_to_the_working_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (robot,) = TwinBuilder().robot("a", "a.urdf", controllers=["c.yaml"]).scenario().robots
+    assert (robot.model, robot.controllers) == (str(tmp_path / "a.urdf"), (str(tmp_path / "c.yaml"),))
+
+
+def test_the_example_of_the_documentation_runs():
+    twin = (
+        TwinBuilder(time_step=0.001)
+        .robot("robot_1", ROVER, xyz=(0, 0, 0.2), rpy=(0, 0, 0))
+        .robot("robot_2", ROVER, xyz=(0, 2, 0.2))
+        .static_transform("world", "robot_1_odom")
+        .build()
+    )
+    twin.publish("/robot_1/forward_velocity_controller/commands", [2, 2, 2, 2])
+    twin.advance_to(1.0)
+    assert twin.joint_states("robot_1").velocity == pytest.approx([2] * 4, rel=0.005)
+    assert twin.latest("/tf_static").transforms[0].child_frame_id == "robot_1_odom"
+
+
+def test_one_parameters_file_serves_robots_of_any_name():
+    from drake_twin.description.package_index import share_folder
+
+    file = share_folder("models") / "rover_description" / "config" / "rover_controllers.yaml"
+    twin = TwinBuilder().robot("a", ROVER, xyz=(0, 0, 0.13), controllers=file).build()
+    (topic,) = twin.commanded
+    assert topic == "/a/forward_velocity_controller/commands"
+    assert twin.commanded[topic].controller.joints[0] == "a_front_left_wheel_joint"
+
+
+@pytest.mark.parametrize("xyz", [(1, 2), "abc", (1, 2, "x"), 5])
+def test_a_place_that_is_not_three_numbers_is_refused(xyz):
+    with pytest.raises(InputError, match=r"xyz of robot 'a': .* is not three numbers"):
+        TwinBuilder().robot("a", ROVER, xyz=xyz)
