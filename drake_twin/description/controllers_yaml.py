@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +87,7 @@ def read_controllers(file: Path, namespace: str, placeholders: Mapping[str, str]
         for name, value in parameters.items():
             if isinstance(value, dict) and isinstance(value.get("type"), str):
                 types[name] = value["type"]
-            elif name.endswith(".type") and isinstance(value, str):
+            elif isinstance(name, str) and name.endswith(".type") and isinstance(value, str):
                 types[name.removesuffix(".type")] = value
     for name, entries in nodes.items():
         for _, parameters in entries:
@@ -105,7 +106,7 @@ def read_controllers(file: Path, namespace: str, placeholders: Mapping[str, str]
 
 def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
     rate = parameters.get("update_rate", default)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not rate > 0:
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 < rate < inf:
         raise document.error((*path, "update_rate"), f"{rate!r} is not a rate above zero (Hz)")
     return float(rate)
 
@@ -165,6 +166,8 @@ def _nodes(document: YamlDocument, namespace: str) -> dict[str, list[tuple[Value
 def _match(pattern: str, namespace: str) -> tuple[int, str] | None:
     """How well a node pattern fits the namespace (higher is closer), and the node's name; None when it does not."""
     parts = [part for part in pattern.split("/") if part]
+    if not parts:
+        return None
     *places, name = parts
     own = [part for part in namespace.split("/") if part]
     if name == "**":

@@ -6,7 +6,7 @@ warning. The robot that ROS sees (names, frames, ``robot_description``) stays th
 
 from lxml import etree
 
-from drake_twin.description.meshes import mesh_for_drake
+from drake_twin.description.meshes import mesh_address, mesh_for_drake
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
 from drake_twin.description.xml_reader import XmlReader
@@ -45,11 +45,12 @@ def prepare_urdf(
     warnings: list[str] = []
     reader.root.set("name", model_name)
     _drop_what_drake_must_not_act_on(reader)
-    _rename_world_link(reader)
     _inline_materials(reader, warnings)
     _resolve_meshes(reader, packages, warnings)
     _give_friction(reader, description)
+    _give_mimic(reader, description)
     _drop_joint_friction(reader, warnings)
+    _rename_world_link(reader)
     return etree.tostring(reader.root, encoding="unicode"), warnings
 
 
@@ -98,7 +99,7 @@ def _resolve_meshes(reader: XmlReader, packages: PackageIndex, warnings: list[st
         for mesh in shape.iterfind("geometry/mesh"):
             address = reader.text(mesh, "filename")
             try:
-                mesh.set("filename", mesh_for_drake(packages.resolve(address, reader.file)).as_uri())
+                mesh.set("filename", mesh_address(mesh_for_drake(packages.resolve(address, reader.file))))
             except InputError as error:
                 link = shape.getparent()
                 warnings.append(f"link {link.get('name')!r} goes without its {shape.tag} mesh: {error}")
@@ -119,6 +120,15 @@ def _give_friction(reader: XmlReader, description: RobotDescription) -> None:
             )
             for name in ("mu_dynamic", "mu_static"):
                 etree.SubElement(properties, f"{{{_DRAKE_NAMESPACE}}}{name}", value=friction)
+
+
+def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
+    """A follower that only ``<ros2_control>`` declares becomes one that Drake couples too."""
+    for joint in reader.root.iterfind("joint"):
+        mimic = description.joints_by_name[reader.text(joint, "name")].mimic
+        if mimic is not None and joint.find("mimic") is None:
+            numbers = {"multiplier": f"{mimic.multiplier:.17g}", "offset": f"{mimic.offset:.17g}"}
+            etree.SubElement(joint, "mimic", joint=mimic.joint, **numbers)
 
 
 def _drop_joint_friction(reader: XmlReader, warnings: list[str]) -> None:

@@ -5,6 +5,8 @@ import os
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 from drake_twin.errors import InputError
 
 # Drake takes these as they are, for the picture and for contact (of which it uses the convex hull).
@@ -25,7 +27,7 @@ def mesh_for_drake(file: Path) -> Path:
         file: the mesh file.
 
     Raises:
-        InputError: the format is not known, or the file holds no triangles.
+        InputError: the format is not known, the file holds no triangles, or the cache cannot be written.
     """
     suffix = file.suffix.lower()
     if suffix in _DRAKE_FORMATS:
@@ -50,7 +52,12 @@ def mesh_for_drake(file: Path) -> Path:
 def mesh_cache_folder() -> Path:
     """``$XDG_CACHE_HOME/drake_twin/meshes``, or ``~/.cache/drake_twin/meshes``."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "drake_twin" / "meshes"
+    return Path(base).absolute() / "drake_twin" / "meshes"
+
+
+def mesh_address(file: Path) -> str:
+    """A mesh as Drake's parser finds it: Drake takes spaces and accents after ``file://`` as they are, not as ``%20``."""
+    return f"file://{file.absolute()}"
 
 
 def _as_obj(file: Path) -> str:
@@ -58,15 +65,24 @@ def _as_obj(file: Path) -> str:
 
     try:
         mesh = trimesh.load_mesh(file)
+        if mesh.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
+            mesh.convert_units("meters")
+    except ModuleNotFoundError:  # trimesh asks for one to guess the encoding of bytes that are no text
+        raise InputError(f"the mesh is cut short, or no {file.suffix} file", file=file) from None
     except Exception as error:  # trimesh's readers raise whatever a broken file makes them stumble over
         raise InputError(f"the mesh cannot be read ({error})", file=file) from None
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
+    if not np.isfinite(mesh.vertices).all():
+        raise InputError("the mesh holds a point that is not finite", file=file)
     return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False))
 
 
 def _write_whole(file: Path, text: str) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False) as part:
-        part.write(text)
-    os.replace(part.name, file)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False) as part:
+            part.write(text)
+        os.replace(part.name, file)
+    except OSError as error:
+        raise InputError(f"the mesh cache cannot be written ({error.strerror})", file=file.parent) from None

@@ -143,13 +143,15 @@ def package_name(folder: Path) -> str:
 
 
 def _in_folder(folder: Path, package: str) -> Iterator[Path]:
-    """Places for a package at or below a folder: by the folder's name, then by the name in its package.xml."""
-    for place in (folder / package, folder):
+    """Places for a package at or below a folder: by the name in its package.xml, then by the folder's name."""
+    named = folder / package
+    ignored = (named / "COLCON_IGNORE").exists()
+    for place in (folder,) if ignored else (named, folder):
         if (place / "package.xml").is_file() and package_name(place) == package:
             yield place
-    if (folder / package).is_dir():  # a Gazebo model folder, or a package without its package.xml
-        yield folder / package
     yield from (place for place in _packages_below(folder) if package_name(place) == package)
+    if named.is_dir() and not ignored:  # a Gazebo model folder, or a package without its package.xml
+        yield named
 
 
 def _workspace(package: Path) -> Path:

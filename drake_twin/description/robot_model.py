@@ -57,9 +57,8 @@ def load_robot_model(
         from drake_twin.description.sdf import describe_sdf, prepare_sdf
 
         _refuse_arguments(arguments, file)
-        name = name or file.stem
-        prepared, is_fixed = prepare_sdf(text, file, name, packages)
-        return RobotModel(describe_sdf(prepared, text, file, name), prepared, "sdf", is_fixed)
+        prepared, is_fixed, own_name = prepare_sdf(text, file, name, packages)
+        return RobotModel(describe_sdf(prepared, text, file, own_name), prepared, "sdf", is_fixed)
     warnings: list[str] = []
     is_xacro = is_xacro_text(text)
     if is_xacro:

@@ -6,18 +6,19 @@ from pathlib import Path
 
 from lxml import etree
 
-from drake_twin.description.meshes import mesh_for_drake
+from drake_twin.description.meshes import mesh_address, mesh_for_drake
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, JointLimits, Pose, RobotDescription, Vector3
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
 
-def prepare_sdf(text: str, file: Path, model_name: str, packages: PackageIndex) -> tuple[str, bool]:
+def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> tuple[str, bool, str]:
     """SDF text of one model as Drake is given it: under the twin's name, with meshes that Drake reads.
 
     Returns:
-        The text without the model's own weld to the world, and whether there was one (or ``<static>``).
+        The text without the model's own weld to the world, whether there was one (or ``<static>``), and the model's
+        name in the file.
 
     Raises:
         InputError: not an SDF file with one model, or a mesh that is missing.
@@ -28,12 +29,16 @@ def prepare_sdf(text: str, file: Path, model_name: str, packages: PackageIndex) 
         what = "a world" if reader.root.find("world") is not None else f"{len(models)} models"
         raise reader.error(reader.root, f"a robot is an SDF file with one <model>, but this holds {what}")
     (model,) = models
-    model.set("name", model_name)
+    nested = model.find("model")
+    if nested is not None:
+        raise reader.error(nested, "a model inside a model is not supported")
+    own_name = reader.text(model, "name")
+    model.set("name", model_name or own_name)
     for plugin in model.findall("plugin"):
         model.remove(plugin)
     is_fixed = False
     for static in model.findall("static"):
-        is_fixed = is_fixed or (static.text or "").strip() in ("1", "true")
+        is_fixed = is_fixed or (static.text or "").strip().lower() in ("1", "true")
         model.remove(static)
     for joint in model.findall("joint"):
         if (joint.findtext("parent") or "").strip() == "world":
@@ -44,8 +49,8 @@ def prepare_sdf(text: str, file: Path, model_name: str, packages: PackageIndex) 
     for uri in model.iter("uri"):
         parent = uri.getparent()
         if parent is not None and parent.tag == "mesh":
-            uri.text = mesh_for_drake(packages.resolve((uri.text or "").strip(), file)).as_uri()
-    return etree.tostring(reader.root, encoding="unicode"), is_fixed
+            uri.text = mesh_address(mesh_for_drake(packages.resolve((uri.text or "").strip(), file)))
+    return etree.tostring(reader.root, encoding="unicode"), is_fixed, own_name
 
 
 def describe_sdf(prepared: str, text: str, file: Path, name: str) -> RobotDescription:
@@ -55,7 +60,7 @@ def describe_sdf(prepared: str, text: str, file: Path, name: str) -> RobotDescri
         prepared: what `prepare_sdf` made of the file.
         text: the file's own text, which is published as ``robot_description``.
         file: the file.
-        name: the robot's name.
+        name: the robot's name in the file.
 
     Raises:
         InputError: Drake refuses the model, with Drake's reason.

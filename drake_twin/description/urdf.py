@@ -21,7 +21,6 @@ from drake_twin.description.robot_description import (
     StateInterface,
 )
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.errors import InputError
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
@@ -48,7 +47,7 @@ def parse_urdf(text: str, file: Path | None = None, *, lines_are_the_files: bool
     return RobotDescription(
         name=root.get("name") or "robot",
         links=tuple(links),
-        joints=tuple(_with_mimic_of_ros2_control(joints, systems)),
+        joints=tuple(_with_mimic_of_ros2_control(reader, joints)),
         systems=systems,
         plugins=tuple(_plugins(root)),
         surfaces=_surfaces(reader),
@@ -178,23 +177,19 @@ def _parameters(element: etree._Element) -> dict[str, str]:
     return {item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")}
 
 
-def _with_mimic_of_ros2_control(joints: Iterable[Joint], systems: Iterable[HardwareSystem]) -> Iterable[Joint]:
+def _with_mimic_of_ros2_control(reader: XmlReader, joints: Iterable[Joint]) -> Iterable[Joint]:
     """Followers that only ``<ros2_control>`` declares (``<param name="mimic">``, as before ROS 2 Jazzy)."""
-    followers = {
-        joint.name: joint.parameters for system in systems for joint in system.joints if "mimic" in joint.parameters
-    }
+    followers: dict[str, Mimic] = {}
+    for element in reader.root.iterfind("ros2_control/joint"):
+        parameters = _parameters(element)
+        if "mimic" in parameters:
+            followers[reader.text(element, "name")] = Mimic(
+                parameters["mimic"],
+                reader.parse_number(element, parameters.get("multiplier", "1"), "multiplier"),
+                reader.parse_number(element, parameters.get("offset", "0"), "offset"),
+            )
     for joint in joints:
-        parameters = followers.get(joint.name)
-        if joint.mimic is None and parameters is not None:
-            multiplier, offset = parameters.get("multiplier", "1"), parameters.get("offset", "0")
-            try:
-                yield replace(joint, mimic=Mimic(parameters["mimic"], float(multiplier), float(offset)))
-            except ValueError:
-                raise InputError(
-                    f"joint {joint.name!r} of <ros2_control>: {multiplier!r} or {offset!r} is not a number"
-                ) from None
-        else:
-            yield joint
+        yield replace(joint, mimic=joint.mimic or followers.get(joint.name))
 
 
 def _plugins(root: etree._Element) -> Iterable[GazeboPlugin]:
@@ -243,7 +238,7 @@ def _check_tree(reader: XmlReader, links: list[str], joints: list[Joint]) -> Non
     for tag, names in (("link", links), ("joint", [joint.name for joint in joints])):
         for name in names:
             if names.count(name) > 1:
-                twice = [element for element in root.iterfind(tag) if element.get("name") == name]
+                twice = [element for element in root.iterfind(tag) if element.get("name", "").strip() == name]
                 raise reader.error(twice[1], f"there are two {tag}s of this name")
     parent_of: dict[str, str] = {}
     known = set(links)

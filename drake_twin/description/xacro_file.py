@@ -37,8 +37,6 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
             document = xacro.process_file(str(file), mappings=dict(arguments))
-        except InputError as error:
-            raise InputError(f"xacro: {error}", file=_file_at_fault(file)) from None
         except (ExpatError, etree.XMLSyntaxError) as error:
             raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
         except OSError as error:
@@ -100,6 +98,11 @@ def _packages_for_xacro(packages: PackageIndex, file: Path) -> Iterator[None]:
 
 
 def _reason(error: Exception) -> str:
+    cause = getattr(error, "exc", None)  # of a XacroException, whose own text would give the cause twice
+    if isinstance(cause, InputError):
+        return str(cause).rstrip(".")
+    if isinstance(cause, OSError):
+        return f"{cause.strerror}: {cause.filename}"
     text = " ".join(str(error).split())
     return text if text else type(error).__name__
 
@@ -113,5 +116,5 @@ def _file_at_fault(file: Path) -> Path:
 def _chain() -> str:
     import xacro
 
-    includers = (xacro.filestack or [])[:-1]
-    return f" (included from {', '.join(str(name) for name in reversed(includers))})" if includers else ""
+    includers = dict.fromkeys(str(name) for name in reversed((xacro.filestack or [])[:-1]))
+    return f" (included from {', '.join(includers)})" if includers else ""

@@ -46,9 +46,10 @@ class XmlReader:
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
         """A required (or defaulted) attribute."""
         value = element.get(attribute, default)
+        value = None if value is None else value.strip()
         if value is None or (value == "" and default is None):
             raise self.error(element, f"the attribute {attribute!r} is missing")
-        return value.strip()
+        return value
 
     def number(self, element: etree._Element, attribute: str, default: float) -> float:
         """An attribute as a finite number."""

@@ -1,5 +1,6 @@
 """YAML files as plain data that still knows on which line each value stands."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 # Aliases let a few lines stand for gigabytes; no scenario and no parameters file comes near this many values.
 _MOST_VALUES = 200_000
 _DEEPEST = 100
+
+_MERGE_TAG = "tag:yaml.org,2002:merge"
 
 Key = str | int
 ValuePath = tuple[Key, ...]
@@ -35,6 +38,7 @@ class YamlDocument:
         self.file = Path(file)
         self._lines: dict[ValuePath, int] = {}
         self._constructor = yaml.constructor.SafeConstructor()
+        self._items_of_mapping: dict[yaml.Node, dict[Any, yaml.Node]] = {}
         try:
             root = yaml.compose(text, Loader=_LOADER)
         except yaml.YAMLError as error:
@@ -63,28 +67,44 @@ class YamlDocument:
         if len(path) > _DEEPEST:
             raise InputError(f"the values nest more than {_DEEPEST} deep", file=self.file, line=self._lines[path])
         if isinstance(node, yaml.MappingNode):
-            self._refuse_double_keys(node)
-            self._constructor.flatten_mapping(node)  # "<<: *base"
-            return {
-                (key := self._scalar(key_node)): self._plain(value_node, (*path, key))
-                for key_node, value_node in node.value
-            }
+            return {key: self._plain(value_node, (*path, key)) for key, value_node in self._items(node).items()}
         if isinstance(node, yaml.SequenceNode):
             return [self._plain(item, (*path, index)) for index, item in enumerate(node.value)]
         return self._scalar(node)
 
-    def _refuse_double_keys(self, node: yaml.MappingNode) -> None:
-        seen = set()
-        for key_node, _ in node.value:
+    def _items(self, node: yaml.MappingNode) -> dict[Any, yaml.Node]:
+        """A mapping's keys and values, with those of ``<<: *base`` below its own.
+
+        PyYAML's ``flatten_mapping`` repeats a base as often as it is named, so that merges of merges outgrow memory.
+        """
+        known = self._items_of_mapping.get(node)
+        if known is not None:
+            return known
+        self._items_of_mapping[node] = {}  # what a mapping that merges itself finds
+        own: dict[Any, yaml.Node] = {}
+        merged: dict[Any, yaml.Node] = {}
+        for key_node, value_node in node.value:
+            if key_node.tag == _MERGE_TAG:
+                for key, value in self._merged_items(value_node):
+                    merged.setdefault(key, value)
+                continue
             key = self._scalar(key_node)
-            if key in seen:
+            if key in own:
                 raise InputError(f"{key!r} stands twice", file=self.file, line=key_node.start_mark.line + 1)
-            seen.add(key)
+            own[key] = value_node
+        self._items_of_mapping[node] = merged | own
+        return self._items_of_mapping[node]
+
+    def _merged_items(self, node: yaml.Node) -> Iterator[tuple[Any, yaml.Node]]:
+        for base in node.value if isinstance(node, yaml.SequenceNode) else [node]:
+            if not isinstance(base, yaml.MappingNode):
+                raise InputError("<< takes a mapping or a list of them", file=self.file, line=base.start_mark.line + 1)
+            yield from self._items(base).items()
 
     def _scalar(self, node: yaml.Node) -> Any:
         if not isinstance(node, yaml.ScalarNode):
             raise InputError("a mapping's key must be text", file=self.file, line=node.start_mark.line + 1)
         try:
             return self._constructor.construct_object(node)
-        except (yaml.YAMLError, ValueError):
+        except (yaml.YAMLError, ValueError, LookupError, AttributeError):  # the last two: `!!bool x`, `!!timestamp x`
             raise InputError(f"{node.value!r} is not a value", file=self.file, line=node.start_mark.line + 1) from None
