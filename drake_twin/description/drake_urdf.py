@@ -127,8 +127,8 @@ def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
     for joint in reader.root.iterfind("joint"):
         mimic = description.joints_by_name[reader.text(joint, "name")].mimic
         if mimic is not None and joint.find("mimic") is None:
-            numbers = {"multiplier": f"{mimic.multiplier:.17g}", "offset": f"{mimic.offset:.17g}"}
-            etree.SubElement(joint, "mimic", joint=mimic.joint, **numbers)
+            multiplier, offset = f"{mimic.multiplier:.17g}", f"{mimic.offset:.17g}"
+            etree.SubElement(joint, "mimic", joint=mimic.joint, multiplier=multiplier, offset=offset)
 
 
 def _drop_joint_friction(reader: XmlReader, warnings: list[str]) -> None:

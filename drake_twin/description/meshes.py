@@ -5,8 +5,6 @@ import os
 import tempfile
 from pathlib import Path
 
-import numpy as np
-
 from drake_twin.errors import InputError
 
 # Drake takes these as they are, for the picture and for contact (of which it uses the convex hull).
@@ -14,7 +12,7 @@ _DRAKE_FORMATS = {".obj", ".gltf", ".vtk"}
 _CONVERTED_FORMATS = {".stl", ".dae", ".ply", ".glb", ".off", ".3mf"}
 
 # Part of every cached file's name: change it when the conversion below gives other files.
-_CONVERSION = "1"
+_CONVERSION = "2"
 
 
 def mesh_for_drake(file: Path) -> Path:
@@ -56,7 +54,7 @@ def mesh_cache_folder() -> Path:
 
 
 def mesh_address(file: Path) -> str:
-    """A mesh as Drake's parser finds it: Drake takes spaces and accents after ``file://`` as they are, not as ``%20``."""
+    """The address of a mesh for Drake's parser, which takes spaces and accents as they are, not as ``%20``."""
     return f"file://{file.absolute()}"
 
 
@@ -73,8 +71,6 @@ def _as_obj(file: Path) -> str:
         raise InputError(f"the mesh cannot be read ({error})", file=file) from None
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
-    if not np.isfinite(mesh.vertices).all():
-        raise InputError("the mesh holds a point that is not finite", file=file)
     return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False))
 
 

@@ -72,7 +72,7 @@ class YamlDocument:
             return [self._plain(item, (*path, index)) for index, item in enumerate(node.value)]
         return self._scalar(node)
 
-    def _items(self, node: yaml.MappingNode) -> dict[Any, yaml.Node]:
+    def _items(self, node: yaml.MappingNode, depth: int = 0) -> dict[Any, yaml.Node]:
         """A mapping's keys and values, with those of ``<<: *base`` below its own.
 
         PyYAML's ``flatten_mapping`` repeats a base as often as it is named, so that merges of merges outgrow memory.
@@ -85,7 +85,7 @@ class YamlDocument:
         merged: dict[Any, yaml.Node] = {}
         for key_node, value_node in node.value:
             if key_node.tag == _MERGE_TAG:
-                for key, value in self._merged_items(value_node):
+                for key, value in self._merged_items(value_node, depth + 1):
                     merged.setdefault(key, value)
                 continue
             key = self._scalar(key_node)
@@ -95,11 +95,13 @@ class YamlDocument:
         self._items_of_mapping[node] = merged | own
         return self._items_of_mapping[node]
 
-    def _merged_items(self, node: yaml.Node) -> Iterator[tuple[Any, yaml.Node]]:
+    def _merged_items(self, node: yaml.Node, depth: int) -> Iterator[tuple[Any, yaml.Node]]:
+        if depth > _DEEPEST:
+            raise InputError(f"<< nests more than {_DEEPEST} deep", file=self.file, line=node.start_mark.line + 1)
         for base in node.value if isinstance(node, yaml.SequenceNode) else [node]:
             if not isinstance(base, yaml.MappingNode):
                 raise InputError("<< takes a mapping or a list of them", file=self.file, line=base.start_mark.line + 1)
-            yield from self._items(base).items()
+            yield from self._items(base, depth).items()
 
     def _scalar(self, node: yaml.Node) -> Any:
         if not isinstance(node, yaml.ScalarNode):

@@ -3,6 +3,8 @@
 import re
 import shutil
 import subprocess
+from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 
 from pydrake.systems.framework import Diagram
@@ -17,7 +19,8 @@ def dot_text(diagram: Diagram) -> str:
     """The diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs."""
     text = diagram.GetGraphvizString(max_depth=2, options={"plant/split": "I/O"})
     numbers: dict[str, str] = {}  # Drake numbers systems by how many the process has made before
-    return _IDENTIFIER.sub(lambda match: match[1] + numbers.setdefault(match[2], str(len(numbers))), text)
+    text = _IDENTIFIER.sub(lambda match: match[1] + numbers.setdefault(match[2], str(len(numbers))), text)
+    return "\n".join(_with_sorted_edges(text.splitlines())) + "\n"
 
 
 def write_picture(diagram: Diagram, file: Path) -> None:
@@ -52,6 +55,12 @@ def dot_text_of_svg(svg: str) -> str:
     if match is None:
         raise InputError("the SVG carries no DOT text: it was not written by drake_twin")
     return match[1]
+
+
+def _with_sorted_edges(lines: list[str]) -> Iterator[str]:
+    """Drake lists a system's edges in the order of a hash table: runs of edges are sorted, other lines stay."""
+    for is_edge, run in groupby(lines, key=lambda line: " -> " in line):
+        yield from sorted(run) if is_edge else run
 
 
 def _svg(text: str, file: Path) -> str:

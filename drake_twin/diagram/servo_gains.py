@@ -19,6 +19,7 @@ _VELOCITY_TIME_CONSTANT = 0.005
 # It yields by this much under the joint's largest gravity load, and under its share of the robot's weight (rad/s, m/s).
 _VELOCITY_ERROR_UNDER_GRAVITY = 2.5e-4
 _VELOCITY_ERROR_UNDER_CONTACT = 1e-2
+_RELATIVE_ERROR_UNDER_DAMPING = 5e-4  # of the commanded velocity
 
 # A position servo settles in about this time without overshoot (s), and sags by this much under gravity (rad or m).
 _SETTLING_TIME = 0.2
@@ -31,11 +32,19 @@ _LEAST_INERTIA = 1e-9  # keeps the damping above zero: Drake ends the process wh
 
 @dataclass(frozen=True)
 class JointLoad:
-    """What resists a joint: inertia (kg·m² or kg), gravity and contact loads (N·m or N)."""
+    """What resists a joint.
+
+    Attributes:
+        inertia: the largest of the joint's own (kg·m² or kg).
+        gravity: the largest gravity load (N·m or N).
+        contact: its share of the robot's weight, where it may have to bear it (N·m or N).
+        damping: the joint's viscous damping (N·m·s/rad or N·s/m).
+    """
 
     inertia: float
     gravity: float
     contact: float
+    damping: float = 0.0
 
 
 def velocity_gains(load: JointLoad) -> PdControllerGains:
@@ -44,6 +53,7 @@ def velocity_gains(load: JointLoad) -> PdControllerGains:
         load.inertia / _VELOCITY_TIME_CONSTANT,
         load.gravity / _VELOCITY_ERROR_UNDER_GRAVITY,
         load.contact / _VELOCITY_ERROR_UNDER_CONTACT,
+        load.damping / _RELATIVE_ERROR_UNDER_DAMPING,
     )
     return PdControllerGains(p=0.0, d=damping)
 
@@ -98,7 +108,12 @@ def _joint_loads(
     g = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
     weights = {plan.name: g * plant.CalcTotalMass(default, [instance]) for plan, instance, _ in robots}
     return [
-        JointLoad(float(m), float(load), _contact_load(plant, plan, actuator, float(m), weights[plan.name]))
+        JointLoad(
+            inertia=float(m),
+            gravity=float(load),
+            contact=_contact_load(plant, plan, actuator, float(m), weights[plan.name]),
+            damping=float(actuator.joint().default_damping_vector()[0]),
+        )
         for (plan, actuator), m, load in zip(actuators, inertia, gravity, strict=True)
     ]
 

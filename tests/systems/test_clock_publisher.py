@@ -15,4 +15,3 @@ def test_a_time_that_floating_point_put_just_below_a_second_is_that_second():
     context.SetTime(0.1 + 0.2 + 0.7 - 1e-16)  # 0.9999999999999999
     clock = dut.get_clock_output_port().Eval(context).clock
     assert (clock.sec, clock.nanosec) == (1, 0)
-

@@ -23,9 +23,7 @@ def odometry(frame, x):
         header=messages.header(1.0, "world"),
         child_frame_id=frame,
         pose=messages.PoseWithCovariance(pose=pose, covariance=np.zeros(36)),
-        twist=messages.TwistWithCovariance(
-            twist=messages.Twist(linear=zero, angular=zero), covariance=np.zeros(36)
-        ),
+        twist=messages.TwistWithCovariance(twist=messages.Twist(linear=zero, angular=zero), covariance=np.zeros(36)),
     )
 
 

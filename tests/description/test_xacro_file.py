@@ -1,0 +1,147 @@
+from pathlib import Path
+
+import pytest
+from lxml import etree
+from xacro import substitution_args
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.xacro_file import expand_xacro, xacro_arguments
+from drake_twin.errors import InputError
+
+BOMB = (
+    "<!DOCTYPE robot [<!ENTITY e0 'aaaaaaaaaa'>"
+    + "".join(f"<!ENTITY e{i + 1} '{f'&e{i};' * 10}'>" for i in range(9))
+    + "]>"
+)
+
+
+def write_xacro(file: Path, body: str, before: str = "") -> Path:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(f'{before}<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>')
+    return file
+
+
+def link_of(file: Path, *folders: Path, **arguments: str) -> str:
+    text, _ = expand_xacro(file, arguments, PackageIndex(folders, {}))
+    return etree.fromstring(text.encode()).find("link").get("name")
+
+
+def refusal(file: Path, *folders: Path, **arguments: str) -> str:
+    with pytest.raises(InputError) as raised:
+        expand_xacro(file, arguments, PackageIndex(folders, {}))
+    return str(raised.value)
+
+
+def test_an_argument_replaces_its_default(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<xacro:arg name="of" default="left"/><link name="$(arg of)_wheel"/>')
+    assert link_of(file) == "left_wheel"
+    assert link_of(file, of="right") == "right_wheel"
+
+
+def test_find_is_answered_by_the_package_index_without_ros(tmp_path):
+    (tmp_path / "wheels").mkdir()
+    file = write_xacro(tmp_path / "r.xacro", '<link name="$(find wheels)/wheel.stl"/>')
+    assert link_of(file, tmp_path) == f"{tmp_path}/wheels/wheel.stl"
+
+
+def test_find_sees_the_neighbours_of_the_files_own_package(tmp_path):
+    for name in ("rover", "wheels"):
+        (tmp_path / "src" / name).mkdir(parents=True)
+        (tmp_path / "src" / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    file = write_xacro(tmp_path / "src" / "rover" / "urdf" / "r.xacro", '<link name="$(find wheels)"/>')
+    assert link_of(file) == str(tmp_path / "src" / "wheels")
+
+
+def test_an_unknown_package_in_find_names_the_file_and_where_it_was_looked_for_once(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<link name="$(find wheels)"/>')
+    text = refusal(file, tmp_path)
+    assert text.startswith(f"{file}: xacro: package 'wheels' is in none of: {tmp_path}")
+    assert text.count("package 'wheels'") == 1
+
+
+def test_a_file_that_is_not_well_formed_gives_the_line(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", "\n<link>\n")
+    assert refusal(file).startswith(f"{file}: this is not well-formed XML: mismatched tag: line 3")
+
+
+def test_an_expression_that_fails_names_itself_and_pythons_reason(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<link name="${1 / 0}"/>')
+    assert refusal(file) == f"{file}: xacro: division by zero when evaluating expression '1 / 0'."
+
+
+def test_an_argument_without_a_value_is_named(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<link name="$(arg side)"/>')
+    assert refusal(file) == f"{file}: xacro: Undefined substitution argument side."
+
+
+def test_an_included_file_that_is_missing_is_named_once(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<xacro:include filename="wheel.xacro"/>')
+    assert refusal(file) == f"{file}: xacro: No such file or directory: {tmp_path}/wheel.xacro."
+
+
+def test_an_error_in_an_included_file_names_that_file_and_its_includer(tmp_path):
+    wheel = write_xacro(tmp_path / "wheel.xacro", '<link name="${radius}"/>')
+    file = write_xacro(tmp_path / "r.xacro", '<xacro:include filename="wheel.xacro"/>')
+    text = refusal(file)
+    assert text.startswith(f"{wheel}: xacro: name 'radius' is not defined")
+    assert text.endswith(f"(included from {file}).")
+
+
+def test_a_file_that_includes_itself_is_refused_and_named_once(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<xacro:include filename="r.xacro"/>')
+    text = refusal(file)
+    assert "recursion" in text
+    assert text.count("r.xacro") == 2  # as the place, and as its includer
+
+
+def test_a_missing_file_is_named(tmp_path):
+    assert refusal(tmp_path / "r.xacro").startswith(f"{tmp_path}/r.xacro: xacro: No such file or directory")
+
+
+def test_an_entity_bomb_is_refused(tmp_path):
+    file = write_xacro(tmp_path / "r.xacro", '<link name="&e9;"/>', before=BOMB)
+    assert "amplification" in refusal(file)
+
+
+def test_xacros_warnings_are_returned_and_not_printed(tmp_path, capsys):
+    body = '<xacro:property name="a.b" value="1"/><link name="a"/>'
+    _, warnings = expand_xacro(write_xacro(tmp_path / "r.xacro", body), {}, PackageIndex((), {}))
+    assert any("a.b" in warning for warning in warnings)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("body", ['<link name="$(find nowhere)"/>', '<link name="a"/>'])
+def test_xacros_own_package_lookup_is_restored(tmp_path, body):
+    original = substitution_args._eval_find
+    file = write_xacro(tmp_path / "r.xacro", body)
+    try:
+        expand_xacro(file, {}, PackageIndex((), {}))
+    except InputError:
+        pass
+    assert substitution_args._eval_find is original
+
+
+def test_a_file_is_expanded_the_same_after_one_that_failed(tmp_path):
+    good = write_xacro(tmp_path / "good.xacro", '<link name="a"/>')
+    refusal(write_xacro(tmp_path / "bad.xacro", "<xacro:nonsense/>"))
+    assert link_of(good) == "a"
+
+
+def test_arguments_are_collected_over_all_includes(tmp_path):
+    (tmp_path / "parts").mkdir()
+    write_xacro(tmp_path / "parts" / "arm.xacro", '<xacro:arg name="reach"/>')
+    write_xacro(tmp_path / "wheel.xacro", '<xacro:arg name="radius"/><xacro:include filename="r.xacro"/>')
+    body = (
+        '<xacro:arg name="prefix" default=""/><xacro:include filename="wheel.xacro"/>'
+        '<xacro:include filename="$(find parts)/arm.xacro"/>'
+    )
+    file = write_xacro(tmp_path / "r.xacro", body)
+    assert xacro_arguments(file, PackageIndex([tmp_path], {})) == {"prefix", "radius", "reach"}
+
+
+def test_includes_that_cannot_be_followed_do_not_hide_the_other_arguments(tmp_path):
+    includes = "".join(
+        f'<xacro:include filename="{name}"/>' for name in ("${part}.xacro", "gone.xacro", "$(find nowhere)/a.xacro")
+    )
+    file = write_xacro(tmp_path / "r.xacro", f'{includes}<xacro:arg name="prefix"/>')
+    assert xacro_arguments(file, PackageIndex((), {})) == {"prefix"}

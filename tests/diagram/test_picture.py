@@ -1,0 +1,66 @@
+import shutil
+import subprocess
+import sys
+
+import pytest
+from conftest import rovers
+
+from drake_twin import Twin
+from drake_twin.description.package_index import share_folder
+from drake_twin.diagram.picture import dot_text, dot_text_of_svg, write_picture
+from drake_twin.errors import InputError
+from drake_twin.scenario import ScenarioFile
+
+needs_graphviz = pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz's program dot is not installed")
+
+
+def test_the_text_is_the_same_however_many_diagrams_were_made_before():
+    assert dot_text(rovers().build().diagram) == dot_text(rovers().build().diagram)
+
+
+def test_the_text_shows_robots_systems_and_topics():
+    text = dot_text(rovers().build().diagram)
+    for name in ("name=robot_1", "VelocityController", "robot_2/forward_velocity_controller/commands", "name=plant"):
+        assert name in text
+    assert "0x" not in text
+
+
+@needs_graphviz
+def test_an_svg_carries_the_text_it_was_drawn_from(tmp_path):
+    diagram = rovers(1).build().diagram
+    write_picture(diagram, tmp_path / "d.svg")
+    assert dot_text_of_svg((tmp_path / "d.svg").read_text()) == dot_text(diagram)
+
+
+def test_an_svg_without_graphviz_is_refused_with_what_helps(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match=r"needs Graphviz's program 'dot'.*apt install.*d\.dot can be written"):
+        write_picture(rovers(1).build().diagram, tmp_path / "d.svg")
+
+
+def test_another_suffix_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"written as \.dot or \.svg, not '\.png'"):
+        write_picture(rovers(1).build().diagram, tmp_path / "d.png")
+
+
+@pytest.mark.parametrize("scenario", sorted(share_folder("diagrams").glob("*.yaml")), ids=lambda file: file.stem)
+def test_the_pictures_in_diagrams_are_up_to_date(scenario):
+    """Draw them anew with: python -m drake_twin.run diagrams/NAME.yaml --graphviz diagrams/NAME.svg"""
+    picture = scenario.with_suffix(".svg").read_text()
+    assert dot_text_of_svg(picture) == dot_text(Twin(ScenarioFile.read(scenario).scenario).diagram)
+
+
+def test_there_are_ready_made_twins():
+    assert {"two_rovers", "two_arms"} <= {file.stem for file in share_folder("diagrams").glob("*.yaml")}
+
+
+def test_another_process_draws_the_same_text(tmp_path):
+    command = [sys.executable, "-m", "drake_twin.run", "--robots", "2", "--graphviz", str(tmp_path / "d.dot")]
+    subprocess.run(command, check=True, capture_output=True)
+    assert (tmp_path / "d.dot").read_text() == dot_text(_demo().diagram)
+
+
+def _demo():
+    from drake_twin.launch.demo import demo_scenario
+
+    return Twin(demo_scenario("rover", 2))
