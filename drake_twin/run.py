@@ -347,7 +347,8 @@ def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:
     for sentence in sentences:
         robot, separator, rest = sentence.partition(": ")
         if separator and robot in robots:
-            about.setdefault(rest, []).append(robot)
+            names = about.setdefault(rest, [])
+            names += [] if robot in names else [robot]
         else:
             about.setdefault(sentence, [])
     return [f"{', '.join(names)}: {text}" if names else text for text, names in about.items()]

@@ -147,6 +147,7 @@ def test_a_file_address_is_an_absolute_path(tmp_path):
 
 def test_a_relative_address_starts_at_the_file_that_holds_it(tmp_path):
     (tmp_path / "meshes").mkdir()
+    (tmp_path / "urdf").mkdir()
     (tmp_path / "meshes" / "wheel.stl").touch()
     resolved = index().resolve("../meshes/wheel.stl", tmp_path / "urdf" / "rover.urdf")
     assert resolved == tmp_path / "meshes" / "wheel.stl"

@@ -23,7 +23,7 @@ def cloud(points):
     from pydrake.math import RollPitchYaw, RotationMatrix
 
     turned = points @ RotationMatrix(RollPitchYaw(0.3, 0.4, 0.5)).matrix().T
-    return turned + (0, 0, 1)
+    return turned + np.array([0, 0, 1])
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from drake_twin.scenario import Robot, ScenarioError
 PACKAGES = PackageIndex()
 
 TWO_WHEELS = """<robot name="cart">
-  <link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
   <link name="left"/><link name="right"/>
   <joint name="left_joint" type="continuous"><parent link="base"/><child link="left"/>
     <limit effort="1" velocity="8"/></joint>

@@ -1,0 +1,183 @@
+from pathlib import Path
+
+import pytest
+
+from drake_twin.description.controllers_yaml import (
+    DEFAULT_UPDATE_RATE,
+    ControllerManagerParameters,
+    ControllerParameters,
+    read_controllers,
+)
+from drake_twin.errors import InputError
+
+MANAGER = "ros__parameters: {update_rate: 50, arm: {type: position/Arm}}"
+ARM = "ros__parameters: {joints: [elbow]}"
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(text: str, namespace: str = "/robot_1", **placeholders: str) -> ControllerManagerParameters:
+        file = tmp_path / "controllers.yaml"
+        file.write_text(text)
+        return read_controllers(file, namespace, placeholders)
+
+    return read
+
+
+@pytest.fixture
+def refusal(read, tmp_path):
+    def refusal(text: str, **placeholders: str) -> str:
+        with pytest.raises(InputError) as raised:
+            read(text, **placeholders)
+        return str(raised.value).removeprefix(str(tmp_path) + "/")
+
+    return refusal
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"controller_manager:\n  {MANAGER}\narm:\n  {ARM}\n",
+        f"/**:\n  controller_manager:\n    {MANAGER}\n  arm:\n    {ARM}\n",
+        f"robot_1:\n  controller_manager:\n    {MANAGER}\n  arm:\n    {ARM}\n",
+        f"/robot_1:\n  controller_manager:\n    {MANAGER}\n  arm:\n    {ARM}\n",
+        f"/**/controller_manager:\n  {MANAGER}\n/**/arm:\n  {ARM}\n",
+        f"/robot_1/controller_manager:\n  {MANAGER}\n/robot_1/arm:\n  {ARM}\n",
+        f"/robot_1/controller_manager:\n  {MANAGER}\n/**:\n  arm:\n    {ARM}\n",
+    ],
+    ids=["top level", "below /**", "below robot_1", "below /robot_1", "/**/name", "/ns/name", "mixed"],
+)
+def test_every_form_in_use_gives_the_same_controller(read, text):
+    manager = read(text)
+    (controller,) = manager.controllers
+    assert manager.update_rate == 50.0
+    assert (controller.name, controller.type) == ("arm", "position/Arm")
+    assert controller.names("joints") == ("elbow",)
+
+
+def test_a_namespace_of_two_parts_is_matched_as_nested_keys_and_as_one_word(read):
+    nested = f"fleet:\n  robot_1:\n    controller_manager:\n      {MANAGER}\n"
+    word = f"/fleet/robot_1/controller_manager:\n  {MANAGER}\n"
+    assert read(nested, "/fleet/robot_1").controllers[0].name == "arm"
+    assert read(word, "/fleet/robot_1").controllers[0].name == "arm"
+
+
+def test_two_namespaces_in_one_file_do_not_see_each_other(read):
+    text = "".join(
+        f"{robot}:\n  controller_manager:\n    ros__parameters: {{update_rate: {rate}, {name}: {{type: a/B}}}}\n"
+        f"  {name}:\n    ros__parameters: {{joints: [{robot}_joint]}}\n"
+        for robot, rate, name in (("robot_1", 10, "arm"), ("robot_2", 20, "hand"))
+    )
+    for namespace, rate, name in (("/robot_1", 10.0, "arm"), ("/robot_2", 20.0, "hand")):
+        manager = read(text, namespace)
+        assert manager.update_rate == rate
+        assert [controller.name for controller in manager.controllers] == [name]
+        assert manager.controllers[0].names("joints") == (f"{namespace[1:]}_joint",)
+    assert read(text, "/robot_3").controllers == ()
+
+
+def test_an_entry_for_the_namespace_counts_more_than_one_for_all(read):
+    text = (
+        "/robot_1/controller_manager:\n  ros__parameters: {update_rate: 10}\n"
+        "/**:\n  ros__parameters: {update_rate: 30}\n"
+        "controller_manager:\n  ros__parameters: {update_rate: 20, arm: {type: a/B}}\n"
+    )
+    assert read(text).update_rate == 10.0
+    assert read(text, "/robot_2").update_rate == 20.0
+    assert [controller.name for controller in read(text).controllers] == ["arm"]
+
+
+def test_parameters_for_all_nodes_reach_each_controller(read):
+    text = f"/**:\n  ros__parameters: {{speed: fast}}\ncontroller_manager:\n  {MANAGER}\narm:\n  {ARM}\n"
+    assert read(text).controllers[0].parameters == {"speed": "fast", "joints": ["elbow"]}
+
+
+def test_a_type_may_be_written_with_a_dot_or_in_the_controllers_own_entry(read):
+    text = (
+        "controller_manager:\n  ros__parameters:\n    arm.type: a/Arm\n    1: odd\n"
+        "hand:\n  ros__parameters: {type: a/Hand}\n"
+    )
+    types = {controller.name: controller.type for controller in read(text).controllers}
+    assert types == {"arm": "a/Arm", "hand": "a/Hand"}
+
+
+def test_a_controller_without_an_entry_of_its_own_has_no_parameters(read):
+    (controller,) = read(f"controller_manager:\n  {MANAGER}\n").controllers
+    assert controller.parameters == {}
+
+
+@pytest.mark.parametrize("text", ["", "# nothing\n", "controller_manager:\n  ros__parameters:\n", "/:\n  " + ARM])
+def test_a_file_without_controllers_gives_none_and_the_default_rate(read, text):
+    assert read(text) == ControllerManagerParameters(DEFAULT_UPDATE_RATE, ())
+
+
+@pytest.mark.parametrize("placeholder", ["$(var prefix)", "$(var  prefix )", "${prefix}"])
+def test_placeholders_take_their_values(read, placeholder):
+    text = f"controller_manager:\n  {MANAGER}\narm:\n  ros__parameters: {{joints: ['{placeholder}elbow']}}\n"
+    assert read(text, prefix="left_").controllers[0].names("joints") == ("left_elbow",)
+
+
+@pytest.mark.parametrize("placeholder", ["$(var prefx)", "${prefx}"])
+def test_a_placeholder_without_a_value_gives_the_line_and_those_that_have_one(refusal, placeholder):
+    text = f"# joints\narm:\n  ros__parameters:\n    joints: [{placeholder}elbow]\n"
+    assert refusal(text, prefix="left_", robot_name="r") == (
+        f"controllers.yaml:4: {placeholder} has no value here. Did you mean 'prefix'? Valid: prefix, robot_name."
+    )
+
+
+def test_a_placeholder_in_a_comment_needs_no_value(read):
+    assert read(f"controller_manager: # $(var anything)\n  {MANAGER}\n").update_rate == 50.0
+
+
+@pytest.mark.parametrize("rate", ["0", "-5", "fast", "true", ".inf", ".nan", "[50]"])
+def test_an_update_rate_that_is_none_is_refused_with_line_and_path(refusal, rate):
+    text = refusal(f"controller_manager:\n  ros__parameters:\n    update_rate: {rate}\n")
+    assert text.startswith("controllers.yaml:3: controller_manager.ros__parameters.update_rate: ")
+    assert text.endswith(" is not a rate above zero (Hz).")
+
+
+def test_a_file_that_is_no_mapping_is_refused(refusal):
+    assert refusal("- arm\n") == "controllers.yaml:1: a parameters file is a mapping of node names."
+
+
+def test_parameters_that_are_no_mapping_are_refused(refusal):
+    text = refusal("arm:\n  ros__parameters: [a]\n")
+    assert text == "controllers.yaml:2: arm.ros__parameters: the parameters of a node are a mapping."
+
+
+def test_broken_yaml_gives_the_line(refusal):
+    assert refusal("arm: [\n").startswith("controllers.yaml:2: this is not valid YAML")
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"gone\.yaml: the parameters file cannot be read"):
+        read_controllers(tmp_path / "gone.yaml", "", {})
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path):
+    file = Path(tmp_path / "binary.yaml")
+    file.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match=r"binary\.yaml: the parameters file cannot be read"):
+        read_controllers(file, "", {})
+
+
+@pytest.mark.parametrize("value", ["elbow", "[1, 2]", "{a: b}"])
+def test_a_list_of_names_that_is_none_is_refused_at_its_line(read, value):
+    text = f"controller_manager:\n  {MANAGER}\narm:\n  ros__parameters:\n    joints: {value}\n"
+    (controller,) = read(text).controllers
+    with pytest.raises(
+        InputError, match=r"controllers\.yaml:5: arm\.ros__parameters\.joints: .* is not a list of names"
+    ):
+        controller.names("joints")
+
+
+def test_text_that_is_none_is_refused_and_text_that_is_absent_has_a_default(read):
+    text = f"controller_manager:\n  {MANAGER}\narm:\n  ros__parameters:\n    interface: 5\n"
+    (controller,) = read(text).controllers
+    assert controller.text("frame", "base") == "base"
+    with pytest.raises(InputError, match=r"controllers\.yaml:5: arm\.ros__parameters\.interface: 5 is not text"):
+        controller.text("interface", "position")
+
+
+def test_a_controller_that_no_file_describes_names_itself_in_errors():
+    assert str(ControllerParameters("arm", "a/Arm", {}).error("it is odd")) == "controller 'arm': it is odd."

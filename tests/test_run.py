@@ -1,0 +1,331 @@
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from drake_twin.description.package_index import share_folder
+from drake_twin.run import main
+
+MODELS = share_folder("models")
+ROVER = MODELS / "rover_description" / "urdf" / "rover.urdf.xacro"
+ARM = MODELS / "arduinobot_description" / "urdf" / "arduinobot.urdf.xacro"
+PUB_1 = ["--pub", "/robot_1/forward_velocity_controller/commands"]
+
+
+def run(*arguments, cwd=None, **environment):
+    return subprocess.run(
+        [sys.executable, "-m", "drake_twin.run", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        env=os.environ | environment,
+        timeout=120,
+        check=False,
+    )
+
+
+def summary_of(tmp_path, *arguments):
+    file = tmp_path / "summary.json"
+    assert main([*map(str, arguments), "--headless", "--summary", str(file)]) == 0
+    return json.loads(file.read_text())
+
+
+# --- what it runs
+
+
+def test_two_rovers_drive_from_any_folder(tmp_path):
+    result = run("--robots", 2, "--headless", "--duration", 1, "--summary", "out.json", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stderr == ""
+    assert result.stdout.startswith("2 robots, 1.000 s simulated in ")
+    robots = json.loads((tmp_path / "out.json").read_text())["robots"]
+    assert all(abs(velocity) > 1 for robot in robots.values() for velocity in robot["velocities"])
+
+
+def test_the_summary_holds_what_it_promises(tmp_path):
+    result = summary_of(tmp_path, "--duration", 0.5)
+    assert result["sim_time"] == pytest.approx(0.5)
+    assert result["steps"] == 500
+    assert result["time_step"] == 0.001
+    assert result["real_time_factor"] == pytest.approx(result["sim_time"] / result["wall_time"])
+    assert list(result["robots"]) == ["robot_1", "robot_2"]
+    robot = result["robots"]["robot_1"]
+    assert len(robot["joints"]) == len(robot["positions"]) == len(robot["velocities"]) == len(robot["efforts"]) == 4
+    assert len(robot["base_pose"]) == 7
+    assert result["topics"]["/clock"] == "rosgraph_msgs/msg/Clock"
+    assert result["warnings"] == result["not_started"] == []
+    assert len(result["state_sha256"]) == 64
+
+
+def test_two_processes_end_in_the_same_bits(tmp_path):
+    hashes = set()
+    for index in range(2):
+        file = tmp_path / f"{index}.json"
+        assert run("--robots", 2, "--headless", "--duration", 2, "--summary", file).returncode == 0
+        hashes.add(json.loads(file.read_text())["state_sha256"])
+    assert len(hashes) == 1
+
+
+def test_a_run_through_the_printed_scenario_ends_in_the_same_bits(tmp_path, capsys):
+    arguments = ["--robots", "3", *PUB_1, "[2, 2, 2, 2]", "--time-step", "0.002"]
+    assert main([*arguments, "--show-scenario"]) == 0
+    (tmp_path / "twin.yaml").write_text(capsys.readouterr().out)
+    direct = summary_of(tmp_path, *arguments, "--duration", 1)
+    saved = summary_of(tmp_path, tmp_path / "twin.yaml", "--duration", 1)
+    assert saved["state_sha256"] == direct["state_sha256"]
+
+
+def test_pub_moves_that_robot_and_no_other(tmp_path):
+    robots = summary_of(tmp_path, "--robots", 2, *PUB_1, "[2, 2, 2, 2]", "--duration", 1)["robots"]
+    assert robots["robot_1"]["velocities"] == pytest.approx([2] * 4, rel=0.005)
+    assert robots["robot_2"]["velocities"] == pytest.approx([0] * 4, abs=1e-6)
+
+
+def test_pub_takes_data_as_ros2_topic_pub_does(tmp_path):
+    robots = summary_of(tmp_path, "--robots", 1, *PUB_1, "{data: [2, 2, 2, 2]}", "--duration", 1)["robots"]
+    assert robots["robot_1"]["velocities"] == pytest.approx([2] * 4, rel=0.005)
+
+
+def test_the_arms_wave(tmp_path):
+    robots = summary_of(tmp_path, "--robot", "arduinobot", "--robots", 2, "--duration", 1)["robots"]
+    assert robots["robot_1"]["positions"][0] == pytest.approx(0.5, abs=0.02)
+    assert robots["robot_2"]["positions"][0] == pytest.approx(-0.5, abs=0.02)
+
+
+def test_a_robot_file_with_its_arguments(tmp_path):
+    result = summary_of(tmp_path, ARM, "use_ros2_control:=false", "--duration", 2)
+    assert result["robots"]["arduinobot"]["positions"][2] > 0.5  # it droops
+
+
+def test_three_of_a_robot_file_in_a_row(tmp_path):
+    robots = summary_of(tmp_path, ROVER, "--robots", 3, "--duration", 0.2)["robots"]
+    assert list(robots) == ["robot_1", "robot_2", "robot_3"]
+    assert robots["robot_3"]["joints"][0] == "robot_3_front_left_wheel_joint"
+    assert robots["robot_3"]["base_pose"][1] > robots["robot_2"]["base_pose"][1] > robots["robot_1"]["base_pose"][1]
+
+
+@pytest.mark.parametrize("name", sorted(file.name for file in share_folder("diagrams").glob("*.yaml")))
+def test_the_ready_made_twins_run_from_any_folder(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    assert summary_of(tmp_path, f"diagrams/{name}", "--duration", 0.2)["sim_time"] == pytest.approx(0.2)
+
+
+def test_an_sdf_robot_runs(tmp_path):
+    file = tmp_path / "ball.sdf"
+    file.write_text(
+        '<sdf version="1.7"><model name="ball"><link name="body"><inertial><mass>1</mass></inertial><collision'
+        ' name="c"><geometry><sphere><radius>0.2</radius></sphere></geometry></collision></link></model></sdf>'
+    )
+    result = summary_of(tmp_path, file, "--duration", 0.5)
+    assert result["robots"]["ball"]["base_pose"][2] == pytest.approx(0.2, abs=0.002)
+
+
+def test_other_peoples_arm_with_its_own_meshes_holds(tmp_path, corpus):
+    (file,) = corpus.glob("arduinobot/**/arduinobot.urdf.xacro")
+    result = summary_of(tmp_path, file, "--duration", 2)
+    assert result["robots"]["arduinobot"]["positions"] == pytest.approx([0] * 5, abs=0.01)
+    assert any("JointTrajectoryController is not supported yet" in reason for reason in result["not_started"])
+
+
+def test_other_peoples_rover_drives_by_its_own_parameters_file(tmp_path, corpus):
+    (file,) = corpus.glob("bumperbot/**/bumperbot.urdf.xacro")
+    topic = "/bumperbot/simple_velocity_controller/commands"
+    result = summary_of(tmp_path, file, "--pub", topic, "[1, 1]", "--duration", 2)
+    robot = result["robots"]["bumperbot"]
+    assert robot["velocities"] == pytest.approx([1, 1], rel=0.01)
+    assert robot["base_pose"][0] == pytest.approx(0.033 * 2, rel=0.1)
+
+
+# --- how it ends
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_ctrl_c_ends_with_a_summary_and_success(tmp_path, number):
+    file = tmp_path / "out.json"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "drake_twin.run", "--no-browser", "--summary", str(file)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout.readline().startswith("page: http://127.0.0.1:")
+    process.send_signal(number)
+    out, err = process.communicate(timeout=20)
+    assert process.returncode == 0, err
+    assert "2 robots" in out
+    assert "Traceback" not in err
+    assert json.loads(file.read_text())["robots"]
+
+
+def test_help_shows_every_option(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["--help"])
+    assert end.value.code == 0
+    text = capsys.readouterr().out
+    for option in ("--robots", "--headless", "--duration", "--summary", "--pub", "--show-scenario", "--graphviz"):
+        assert option in text
+
+
+def test_the_console_script_runs_the_same_program(tmp_path):
+    command = [sys.executable, "-m", "drake_twin", "run", "--headless", "--duration", "0.1"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    unknown = subprocess.run([sys.executable, "-m", "drake_twin", "fly"], capture_output=True, text=True, check=False)
+    assert unknown.returncode == 2
+    assert "there is no program 'fly'" in unknown.stderr
+
+
+def test_the_page_listens_at_this_machine_only():
+    from drake_twin.cockpit.page import open_meshcat
+
+    meshcat = open_meshcat()
+    own = subprocess.run(["ss", "-ltn"], capture_output=True, text=True, check=False)
+    if own.returncode == 0:
+        lines = [line for line in own.stdout.splitlines() if f":{meshcat.port()} " in line]
+        assert lines
+        assert all(f"127.0.0.1:{meshcat.port()}" in line for line in lines)
+    assert meshcat.web_url().startswith("http://127.0.0.1:")
+
+
+# --- bad input: one paragraph, exit code 2, no traceback
+
+
+def refused(capsys, *arguments):
+    assert main([*map(str, arguments), "--headless", "--duration", "0.1"]) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("error: ")
+    assert captured.err.count("\n") == 1
+    assert "Traceback" not in captured.err
+    return captured.err
+
+
+def test_a_missing_file(capsys):
+    assert "/nowhere/robot.urdf: there is no such file" in refused(capsys, "/nowhere/robot.urdf")
+    assert "nowhere.yaml: the scenario cannot be read" in refused(capsys, "nowhere.yaml")
+    assert "package 'nowhere' is in none of:" in refused(capsys, "package://nowhere/a.urdf")
+
+
+def test_broken_xml_is_named_with_its_line(capsys, tmp_path):
+    file = tmp_path / "r.urdf"
+    file.write_text('<robot name="r">\n  <link name="a">\n</robot>\n')
+    assert f"{file}:3: this is not well-formed XML" in refused(capsys, file)
+
+
+def test_a_xacro_error_is_named_with_its_file(capsys, tmp_path):
+    file = tmp_path / "r.urdf.xacro"
+    file.write_text('<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="${nothing}"/></robot>')
+    message = refused(capsys, file)
+    assert str(file) in message
+    assert "nothing" in message
+
+
+def test_an_unknown_package_in_a_xacro_file(capsys, tmp_path):
+    file = tmp_path / "r.urdf.xacro"
+    file.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:include filename="$(find no_such_package)/a.xacro"/></robot>'
+    )
+    assert "package 'no_such_package' is in none of:" in refused(capsys, file)
+
+
+def test_an_unknown_joint_in_the_parameters_file(capsys, tmp_path):
+    original = MODELS / "arduinobot_description" / "config" / "arduinobot_controllers.yaml"
+    parameters = tmp_path / "controllers.yaml"
+    parameters.write_text(original.read_text().replace("- joint_2", "- joint_22"))
+    scenario = tmp_path / "twin.yaml"
+    scenario.write_text(f"robots:\n  - {{name: arm, model: {ARM}, controllers: [controllers.yaml]}}\n")
+    message = refused(capsys, scenario)
+    assert f"{parameters}:16: " in message
+    assert "no joint 'joint_22'" in message
+    assert "Valid: joint_1, joint_2" in message
+
+
+@pytest.mark.parametrize(
+    ("data", "match"),
+    [
+        ("[1, 2, 3]", "the command has 3 elements, but there are 4 joints: robot_1_front_left_wheel_joint,"),
+        ("[1, .nan, 3, 4]", "joint robot_1_front_right_wheel_joint is nan, which is not a finite number"),
+        ("[1, .inf, 3, 4]", "is inf, which is not a finite number"),
+        ("fast", "the data must be a list of numbers"),
+        ("[a, b]", "the data must be a list of numbers"),
+        ("[1, 2", "the data must be a list of numbers"),
+    ],
+)
+def test_a_wrong_command(capsys, data, match):
+    assert match in refused(capsys, *PUB_1, data)
+
+
+def test_a_command_that_nobody_listens_to(capsys):
+    message = refused(capsys, "--pub", "/robot_9/forward_velocity_controller/commands", "[1]")
+    assert "nothing listens to '/robot_9/forward_velocity_controller/commands'" in message
+    assert "Valid: /robot_1/forward_velocity_controller/commands" in message
+
+
+def test_a_wrong_command_in_a_scenario_is_named_with_its_line(capsys, tmp_path):
+    scenario = tmp_path / "twin.yaml"
+    scenario.write_text(
+        f"robots:\n  - {{name: r, model: {ROVER}}}\ncommands:\n"
+        "  - {topic: /r/forward_velocity_controller/commands, data: [1]}\n"
+    )
+    assert f"{scenario}:4: commands.0: " in refused(capsys, scenario)
+
+
+def test_two_robots_of_one_name(capsys, tmp_path):
+    scenario = tmp_path / "twin.yaml"
+    scenario.write_text(f"robots:\n  - {{name: r, model: {ROVER}}}\n  - {{name: r, model: {ROVER}}}\n")
+    assert f"{scenario}:3: robots.1.name: two robots are named 'r'" in refused(capsys, scenario)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        (["--robots", "0"], "--robots 0: a twin needs at least one robot"),
+        (["--robots", "-1"], "--robots -1: a twin needs at least one robot"),
+        (["--robots", "two"], "argument --robots: invalid int value: 'two'"),
+        (["--time-step", "-0.001"], "--time-step -0.001: the value must be above zero"),
+        (["--time-step", "nan"], "--time-step nan: the value must be above zero"),
+        (["--real-time-rate", "0"], "--real-time-rate 0: the value must be above zero"),
+        (["--robot", "car"], "--robot car: the twin has no such robot of its own. Valid: rover, arduinobot"),
+        (["--summary", "/nowhere/out.json"], "--summary /nowhere/out.json: no file can be written there"),
+        (["--port", "0"], "--port 0: a port is a number from 1 to 65535"),
+        (["--fly"], "unrecognized arguments: --fly (--help lists the options)"),
+        (["a.urdf", "b.urdf"], "one scenario or robot file can be run at a time, but there are a.urdf, b.urdf"),
+        (["x:=1"], "x:=1: xacro arguments need a robot file to go to"),
+        (["--package-path", "/nowhere"], "/nowhere: the package folder does not exist"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_a_wrong_option(capsys, arguments, match):
+    assert match in refused(capsys, *arguments)
+
+
+def test_a_busy_port():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        result = run("--port", port, "--duration", 0.1, "--no-browser")
+    assert result.returncode == 2
+    assert f"port {port} of 127.0.0.1 cannot be used" in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_debug_shows_the_traceback():
+    result = run("/nowhere/robot.urdf", "--headless", "--debug")
+    assert "Traceback" in result.stderr
+
+
+def test_the_same_warning_about_several_robots_is_printed_once(tmp_path):
+    text = ARM.read_text().replace('<material name="steel"><color', '<material name="stel"><color')
+    for name in ("arm_links.xacro", "arduinobot.ros2_control.xacro", "arduinobot.gazebo.xacro"):
+        (tmp_path / name).write_text((ARM.parent / name).read_text())
+    (tmp_path / "arm.urdf.xacro").write_text(text)
+    result = run(Path("arm.urdf.xacro"), "--robots", 3, "--headless", "--duration", 0.01, cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stderr.count("'steel' is not defined") == 1
+    assert "warning: robot_1, robot_2, robot_3: " in result.stderr
