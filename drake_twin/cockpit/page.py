@@ -50,4 +50,4 @@ def set_scene(meshcat: Meshcat, twin: Twin) -> None:
     meshcat.SetProperty("/Axes/<object>", "visible", False)
     for light, intensity in _LIGHTS.items():
         meshcat.SetProperty(f"/Lights/{light}/<object>", "intensity", intensity)
-    meshcat.SetCameraPose(center + reach * np.array([0.9, -0.7, 0.75]), center)
+    meshcat.SetCameraPose(center + reach * np.array([0.75, -0.65, 0.65]), center)

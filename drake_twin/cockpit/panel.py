@@ -71,9 +71,9 @@ class Panel:
     def _add_joint_slider(self, robot: str, joint: str, lower: float, upper: float) -> str:
         """A slider whose name still tells joints apart where the panel cuts it off, after some sixteen letters."""
         short = joint.removeprefix(f"{robot}_").removesuffix("_joint")
-        name = f"{robot} {short}"
+        name = f"{robot}/{short}"
         if name in self._meshcat.GetSliderNames():
-            name = f"{robot} {joint}"
+            name = f"{robot}/{joint}"
         lower, upper = max(lower, -_WIDEST_SLIDER), min(upper, _WIDEST_SLIDER)
         step = 10.0 ** floor(log10(max(upper - lower, 1e-3) / 100.0))
         self._meshcat.AddSlider(name, lower, max(upper, lower + step), step, min(max(0.0, lower), upper))

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import re
 import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -44,8 +45,9 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
             raise InputError(f"xacro cannot read {missing} ({error.strerror})", file=_file_at_fault(file)) from None
         except Exception as error:  # expressions in the file are Python and raise whatever they like
             raise InputError(f"xacro: {_reason(error)}{_chain()}", file=_file_at_fault(file)) from None
-    warnings = [line.removeprefix("warning: ") for line in printed.getvalue().splitlines() if line.strip()]
-    return document.toxml(), warnings
+    # xacro's warnings are followed by lines with the chain of files.
+    warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
+    return document.toxml(), [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
 
 
 def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:

@@ -116,7 +116,7 @@ def test_the_step_and_reset_buttons_work(cockpit):
 def test_a_joint_slider_moved_in_the_page_commands_that_joint(cockpit):
     twin, panel, page = cockpit
     controls(page)
-    row = page.locator(".number", has_text="robot_1 rear_left").first
+    row = page.locator(".number", has_text="robot_1/rear_left").first
     row.locator("input").fill("3")
     row.locator("input").press("Enter")
     topic = "/robot_1/forward_velocity_controller/commands"

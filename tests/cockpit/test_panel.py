@@ -74,7 +74,7 @@ def test_the_speed_slider_sets_the_real_time_rate(meshcat, page):
 
 def test_a_wheels_slider_drives_that_wheel_and_no_other_robot(meshcat, page):
     twin, panel = page
-    move(meshcat, "robot_1 rear_left_wheel", 3.0)
+    move(meshcat, "robot_1/rear_left_wheel", 3.0)
     panel.obey()
     twin.advance_to(0.01)
     assert twin.command(WHEELS_1).tolist() == [0, 0, 3, 0]
@@ -84,10 +84,10 @@ def test_a_wheels_slider_drives_that_wheel_and_no_other_robot(meshcat, page):
 def test_a_slider_moved_while_paused_keeps_its_value_and_acts_when_time_goes_on(meshcat, page):
     twin, panel = page
     twin.pause()
-    move(meshcat, "robot_1 rear_left_wheel", 3.0)
+    move(meshcat, "robot_1/rear_left_wheel", 3.0)
     for _ in range(3):
         panel.obey()
-    assert meshcat.GetSliderValue("robot_1 rear_left_wheel") == 3.0
+    assert meshcat.GetSliderValue("robot_1/rear_left_wheel") == 3.0
     twin.play()
     twin.advance_to(0.01)
     assert twin.command(WHEELS_1)[2] == 3.0
@@ -98,7 +98,7 @@ def test_sliders_show_commands_that_came_from_elsewhere(meshcat, page):
     twin.publish(WHEELS_1, [1, 2, 3, 4])
     twin.advance_to(0.01)
     panel.obey()
-    assert meshcat.GetSliderValue("robot_1 front_right_wheel") == pytest.approx(2, abs=0.1)
+    assert meshcat.GetSliderValue("robot_1/front_right_wheel") == pytest.approx(2, abs=0.1)
     panel.obey()
     assert twin.command(WHEELS_1).tolist() == [1, 2, 3, 4]  # showing it does not round it
 
@@ -109,7 +109,7 @@ def test_whoever_moves_a_slider_takes_over_from_the_scenario(meshcat):
     panel = Panel(meshcat, twin)
     twin.advance_to(0.05)
     panel.obey()
-    move(meshcat, "robot_1 rear_left_wheel", 3.0)
+    move(meshcat, "robot_1/rear_left_wheel", 3.0)
     panel.obey()
     twin.advance_to(0.5)
     assert twin.command(WHEELS_1)[2] == 3.0
@@ -134,8 +134,8 @@ def test_a_joint_without_limits_has_a_slider_with_a_range(meshcat, tmp_path):
     twin = TwinBuilder().robot("cart", file).build()
     meshcat.DeleteAddedControls()
     Panel(meshcat, twin)
-    move(meshcat, "cart j", 5.0)
-    assert meshcat.GetSliderValue("cart j") == 5.0
+    move(meshcat, "cart/j", 5.0)
+    assert meshcat.GetSliderValue("cart/j") == 5.0
     meshcat.DeleteAddedControls()
 
 

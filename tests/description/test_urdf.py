@@ -267,7 +267,7 @@ def test_two_joints_of_one_name_are_refused_at_the_second():
 
 
 def test_a_robot_without_links_is_refused():
-    assert refusal(robot, "") == "arm.urdf:1: <robot>: the robot has no <link>."
+    assert refusal(robot, "") == 'arm.urdf:1: <robot name="r">: the robot has no <link>.'
 
 
 def test_another_kind_of_xml_is_refused():
@@ -275,7 +275,7 @@ def test_another_kind_of_xml_is_refused():
 
 
 def test_lines_of_text_that_xacro_made_are_not_shown():
-    with pytest.raises(InputError, match=r"^arm\.urdf: <robot>"):
+    with pytest.raises(InputError, match=r"^arm\.urdf: <robot "):
         robot("", lines_are_the_files=False)
 
 

@@ -104,10 +104,11 @@ def test_an_entity_bomb_is_refused(tmp_path):
     assert "amplification" in refusal(file)
 
 
-def test_xacros_warnings_are_returned_and_not_printed(tmp_path, capsys):
-    body = '<xacro:property name="a.b" value="1"/><link name="a"/>'
-    _, warnings = expand_xacro(write_xacro(tmp_path / "r.xacro", body), {}, PackageIndex((), {}))
-    assert any("a.b" in warning for warning in warnings)
+def test_xacros_warnings_are_returned_with_their_file_and_not_printed(tmp_path, capsys):
+    properties = "".join(f'<xacro:property name="{name}" value="1" unit="m"/>' for name in ("radius", "length"))
+    file = write_xacro(tmp_path / "r.xacro", properties + '<link name="a"/>')
+    _, warnings = expand_xacro(file, {}, PackageIndex((), {}))
+    assert warnings == [f"xacro:property: unknown attribute(s): unit, when processing file: {file}"] * 2
     assert capsys.readouterr().err == ""
 
 

@@ -1,0 +1,144 @@
+from pathlib import Path
+
+import pytest
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import RobotModel, is_xacro_text, load_robot_model
+from drake_twin.errors import InputError
+
+URDF = '<robot name="own">\n<link name="base"/></robot>'
+XACRO = (
+    '<robot name="own" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    '<xacro:arg name="side" default="left"/><link name="$(arg side)_base"/></robot>'
+)
+SDF = '<sdf version="1.9"><model name="own"><link name="base"/></model></sdf>'
+
+
+@pytest.fixture
+def load(tmp_path):
+    def load(text: str | bytes, name: str | None = None, suffix: str = "urdf", **xacro_args: str) -> RobotModel:
+        file = tmp_path / f"robot.{suffix}"
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return load_robot_model(str(file), PackageIndex((), {}), name=name, xacro_args=xacro_args)
+
+    return load
+
+
+def instances_in_drake(model: RobotModel) -> list[str]:
+    plant = MultibodyPlant(time_step=0.001)
+    return [
+        plant.GetModelInstanceName(instance)
+        for instance in Parser(plant).AddModelsFromString(model.drake_text, model.drake_format)
+    ]
+
+
+@pytest.mark.parametrize(("text", "kind"), [(URDF, "urdf"), (XACRO, "urdf"), (SDF, "sdf")])
+@pytest.mark.parametrize(("name", "expected"), [(None, "own"), ("robot_1", "robot_1")])
+def test_the_model_instance_has_the_name_in_the_twin_or_the_one_in_the_file(load, text, kind, name, expected):
+    model = load(text, name)
+    assert model.drake_format == kind
+    assert instances_in_drake(model) == [expected]
+    assert model.description.name == "own"
+
+
+def test_arguments_reach_a_xacro_file(load):
+    assert load(XACRO, side="right").description.links == ("right_base",)
+
+
+@pytest.mark.parametrize("text", [URDF, SDF])
+def test_arguments_to_a_file_that_takes_none_are_refused(load, tmp_path, text):
+    with pytest.raises(InputError) as raised:
+        load(text, side="right")
+    assert str(raised.value) == (
+        f"{tmp_path}/robot.urdf: side:=right cannot be used: only a xacro file takes arguments, and this is none."
+    )
+
+
+@pytest.mark.parametrize("suffix", ["urdf", "xacro", "urdf.xacro", "xml"])
+def test_a_xacro_file_is_known_by_its_content(load, suffix):
+    assert load(XACRO, suffix=suffix).description.links == ("left_base",)
+
+
+@pytest.mark.parametrize("namespace", ["http://www.ros.org/wiki/xacro", "http://wiki.ros.org/xacro"])
+def test_each_of_xacros_namespaces_is_known(namespace):
+    assert is_xacro_text(f'<robot xmlns:xacro="{namespace}"/>')
+    assert not is_xacro_text("<robot/>")
+
+
+def test_an_error_in_a_urdf_has_its_line_and_one_in_expanded_xacro_has_none(load, tmp_path):
+    with pytest.raises(InputError, match=rf"^{tmp_path}/robot\.urdf:2: "):
+        load(URDF.replace('name="base"', ""))
+    with pytest.raises(InputError, match=rf"^{tmp_path}/robot\.urdf: <link>"):
+        load(XACRO.replace('link name="$(arg side)_base"', "link"))
+
+
+def test_a_robot_that_is_rooted_in_the_world_is_fixed(load):
+    links = '<link name="world"/><link name="base"/>'
+    joint = '<joint name="j" type="fixed"><parent link="world"/><child link="base"/></joint>'
+    model = load(f'<robot name="own">{links}{joint}</robot>')
+    assert model.is_fixed
+    assert (model.description.root_link, model.root_body) == ("world", "robot_world")
+    assert not load(URDF).is_fixed
+
+
+def test_a_static_sdf_is_fixed(load):
+    assert load(SDF.replace("<link", "<static>true</static><link")).is_fixed
+
+
+def test_what_was_given_up_is_warned_of(load):
+    shape = '<visual><geometry><box size="1 1 1"/></geometry><material name="pink"/></visual>'
+    text = XACRO.replace('"left"', '"left" unit="m"').replace('_base"/>', f'_base">{shape}</link>')
+    first, second = load(text).warnings
+    assert first.startswith("xacro:arg: unknown attribute(s): unit")
+    assert second.startswith("material 'pink' is not defined")
+
+
+def test_a_file_of_another_kind_is_refused(load):
+    with pytest.raises(InputError, match=r"robot\.urdf: a robot file is a xacro or URDF .* and this is neither"):
+        load("<mujoco/>")
+
+
+def test_a_file_that_is_no_text_is_refused(load):
+    with pytest.raises(InputError, match=r"robot\.urdf: the robot file is not UTF-8 text"):
+        load(b"<robot \xff>")
+
+
+def test_a_folder_is_refused(tmp_path):
+    with pytest.raises(InputError, match="the robot file cannot be read"):
+        load_robot_model(str(tmp_path), PackageIndex((), {}))
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=rf"{tmp_path}/gone\.urdf: there is no such file"):
+        load_robot_model(f"{tmp_path}/gone.urdf", PackageIndex((), {}))
+
+
+@pytest.mark.parametrize("robot", ["rover", "arduinobot"])
+def test_the_twins_own_robots_load_without_warnings(robot, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    model = load_robot_model(f"package://{robot}_description/urdf/{robot}.urdf.xacro", PackageIndex((), {}))
+    assert model.warnings == ()
+    assert len(instances_in_drake(model)) == 1
+
+
+@pytest.mark.parametrize(
+    ("robot", "actuated", "absent"),
+    [
+        ("arduinobot", {"joint_1", "joint_2", "joint_3", "joint_4"}, []),
+        ("bumperbot", {"wheel_left_joint", "wheel_right_joint"}, ["base_link.STL"] * 2),
+    ],
+)
+def test_robots_that_nobody_here_wrote_load_with_the_meshes_they_have(
+    corpus, robot, actuated, absent, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    (file,) = Path(corpus / robot).rglob(f"{robot}.urdf.xacro")
+    model = load_robot_model(str(file), PackageIndex((), {}))
+    assert {joint.name for joint in model.description.actuated_joints} == actuated
+    warnings = " ".join(model.warnings)
+    assert warnings.count(" goes without its ") == len(absent)
+    assert warnings.count(": there is no such file") == len(absent)
+    assert all(f"/{name}: there is no such file" in warnings for name in absent)
+    assert len(instances_in_drake(model)) == 1

@@ -1,0 +1,151 @@
+from math import inf
+from pathlib import Path
+
+import pytest
+import trimesh
+from lxml import etree
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.sdf import describe_sdf, prepare_sdf
+from drake_twin.errors import InputError
+
+ARM = '<link name="base"/><link name="arm"/>'
+JOINT = '<joint name="elbow" type="{kind}"><parent>base</parent><child>arm</child>{inside}</joint>'
+TO_WORLD = '<joint name="weld" type="{kind}"><parent>world</parent><child>base</child>{inside}</joint>'
+AXIS = "<axis><xyz>0 0 1</xyz>{}</axis>"
+
+
+def sdf(body: str) -> str:
+    return f'<sdf version="1.9">\n<model name="own">{body}</model>\n</sdf>'
+
+
+def prepare(body: str, file: Path = Path("arm.sdf"), *folders: Path) -> tuple[str, bool]:
+    text, is_fixed, _ = prepare_sdf(sdf(body), file, "robot_1", PackageIndex(folders, {}))
+    return text, is_fixed
+
+
+def describe(body: str) -> RobotDescription:
+    return describe_sdf(prepare(body)[0], sdf(body), Path("arm.sdf"), "own")
+
+
+def refusal(call, *arguments) -> str:
+    with pytest.raises(InputError) as raised:
+        call(*arguments)
+    return str(raised.value)
+
+
+@pytest.mark.parametrize(("name", "expected"), [("robot_1", "robot_1"), (None, "own")])
+def test_the_model_takes_the_name_in_the_twin_and_its_own_one_by_default(name, expected):
+    text, _, own_name = prepare_sdf(sdf(ARM), Path("arm.sdf"), name, PackageIndex((), {}))
+    assert etree.fromstring(text).find("model").get("name") == expected
+    assert own_name == "own"
+
+
+def test_a_model_that_stands_free_is_not_fixed():
+    assert prepare(ARM)[1] is False
+
+
+def test_a_fixed_joint_to_the_world_becomes_a_fixed_robot():
+    text, is_fixed = prepare(ARM + TO_WORLD.format(kind="fixed", inside=""))
+    assert is_fixed
+    assert "weld" not in text
+
+
+@pytest.mark.parametrize(("value", "expected"), [("true", True), ("1", True), ("True", True), ("false", False)])
+def test_a_static_model_is_a_fixed_robot_with_moving_joints(value, expected):
+    text, is_fixed = prepare(f"<static>{value}</static>{ARM}")
+    assert is_fixed is expected
+    assert "<static>" not in text
+
+
+def test_another_joint_to_the_world_is_refused():
+    text = refusal(prepare, ARM + TO_WORLD.format(kind="revolute", inside=AXIS.format("")))
+    assert text == 'arm.sdf:2: <joint name="weld">: a joint to the world is supported when it is fixed.'
+
+
+def test_a_world_file_is_refused():
+    text = refusal(prepare_sdf, '<sdf version="1.9"><world name="w"/></sdf>', Path("w.sdf"), "r", PackageIndex((), {}))
+    assert text == "w.sdf:1: <sdf>: a robot is an SDF file with one <model>, but this holds a world."
+
+
+@pytest.mark.parametrize("count", [0, 2])
+def test_any_other_number_of_models_is_refused(count):
+    models = '<model name="m"/>' * count
+    text = refusal(prepare_sdf, f"<sdf>{models}</sdf>", Path("m.sdf"), "r", PackageIndex((), {}))
+    assert f"but this holds {count} models" in text
+
+
+def test_a_model_inside_a_model_is_refused():
+    text = refusal(prepare, '\n<link name="base"/><model name="inner"/>')
+    assert text == 'arm.sdf:3: <model name="inner">: a model inside a model is not supported.'
+
+
+def test_plugins_are_left_out():
+    assert "plugin" not in prepare('<link name="base"/><plugin name="p" filename="f"/>')[0]
+
+
+@pytest.mark.parametrize("folder", ["arm", "my arm"])
+def test_meshes_become_files_that_drake_reads(tmp_path, monkeypatch, folder):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache of mine"))
+    (tmp_path / folder).mkdir()
+    (tmp_path / folder / "part.stl").write_bytes(trimesh.creation.box().export(file_type="stl"))
+    mesh = f"<geometry><mesh><uri>model://{folder}/part.stl</uri></mesh></geometry>"
+    shapes = f'<visual name="v">{mesh}</visual><collision name="c">{mesh}</collision>'
+    text, _ = prepare(f'<link name="base">{shapes}</link>', Path("arm.sdf"), tmp_path)
+    addresses = [uri.text for uri in etree.fromstring(text).iter("uri")]
+    assert len(addresses) == 2
+    assert all(address.startswith(f"file://{tmp_path}/cache of mine/") for address in addresses)
+    assert describe_sdf(text, "", Path("arm.sdf"), "own").links == ("base",)
+
+
+def test_a_missing_mesh_is_refused(tmp_path):
+    mesh = '<visual name="v"><geometry><mesh><uri>gone.stl</uri></mesh></geometry></visual>'
+    text = refusal(prepare, f'<link name="base">{mesh}</link>', tmp_path / "arm.sdf")
+    assert text == f"{tmp_path}/gone.stl: there is no such file."
+
+
+def test_links_joints_and_text_are_those_of_the_file():
+    body = ARM + JOINT.format(kind="prismatic", inside=AXIS.format("<limit><lower>-1</lower><upper>2</upper></limit>"))
+    description = describe(body)
+    assert (description.name, description.links, description.text) == ("own", ("base", "arm"), sdf(body))
+    (joint,) = description.joints
+    assert (joint.name, joint.type, joint.parent, joint.child) == ("elbow", "prismatic", "base", "arm")
+    assert tuple(joint.axis) == (0.0, 0.0, 1.0)
+    assert (joint.limits.lower, joint.limits.upper) == (-1.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "inside", "expected"),
+    [
+        ("fixed", "", "fixed"),
+        ("revolute", AXIS.format("<limit><lower>0</lower><upper>1</upper></limit>"), "revolute"),
+        ("revolute", AXIS.format(""), "continuous"),
+        ("continuous", AXIS.format(""), "continuous"),
+        ("ball", "", "floating"),
+    ],
+)
+def test_joint_types_are_those_of_urdf(kind, inside, expected):
+    assert describe(ARM + JOINT.format(kind=kind, inside=inside)).joints[0].type == expected
+
+
+def test_velocity_limits_and_damping_are_read():
+    inside = AXIS.format("<limit><velocity>3</velocity></limit><dynamics><damping>0.3</damping></dynamics>")
+    (joint,) = describe(ARM + JOINT.format(kind="continuous", inside=inside)).joints
+    assert (joint.limits.velocity, joint.damping, joint.limits.effort) == (3.0, 0.3, inf)
+
+
+def test_a_joint_frame_apart_from_its_child_is_read_from_both_sides():
+    links = '<link name="base"/><link name="arm"><pose>1 0 0 0 0 0</pose></link>'
+    body = links + JOINT.format(kind="continuous", inside="<pose>0 0 0.5 0 0 0</pose>" + AXIS.format(""))
+    (joint,) = describe(body).joints
+    assert joint.origin.xyz == pytest.approx((1.0, 0.0, 0.5))
+    assert joint.child_origin.xyz == pytest.approx((0.0, 0.0, -0.5))
+
+
+def test_links_that_form_several_trees_are_refused_by_name():
+    assert refusal(describe, ARM) == "arm.sdf: the links must form one tree, but base, arm have no parent."
+
+
+def test_what_drake_refuses_gives_drakes_reason():
+    assert refusal(describe, "").startswith("arm.sdf: Drake cannot read this SDF: ")
