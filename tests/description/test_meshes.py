@@ -158,9 +158,9 @@ def _convert(file: Path, barrier, results) -> None:
 def test_two_processes_that_fill_the_cache_at_once_leave_one_readable_file(tmp_path, cache):
     file = tmp_path / "ball.stl"
     file.write_bytes(trimesh.creation.icosphere(subdivisions=4).export(file_type="stl"))
-    fork = multiprocessing.get_context("fork")
-    barrier, results = fork.Barrier(2), fork.Queue()
-    processes = [fork.Process(target=_convert, args=(file, barrier, results)) for _ in range(2)]
+    spawn = multiprocessing.get_context("spawn")
+    barrier, results = spawn.Barrier(2), spawn.Queue()
+    processes = [spawn.Process(target=_convert, args=(file, barrier, results)) for _ in range(2)]
     for process in processes:
         process.start()
     sizes = [results.get(timeout=60) for _ in processes]
