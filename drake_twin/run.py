@@ -243,21 +243,11 @@ def _twin(scenario: Scenario, file: ScenarioFile | None, meshcat: Any) -> Any:
 
 def _simulate(twin: Any, meshcat: Any, options: argparse.Namespace) -> float:
     """Runs to the end or to Ctrl-C; returns the wall time it took (s)."""
-    panel = None
     if options.real_time_rate is not None:
         twin.real_time_rate = options.real_time_rate
-    if meshcat is not None:
-        from drake_twin.cockpit.page import set_scene
-        from drake_twin.cockpit.panel import Panel
-
-        set_scene(meshcat, twin)
-        panel = Panel(meshcat, twin)
-        twin.draw()
-        print(f"page: {meshcat.web_url()}", flush=True)
-        if not options.no_browser:
-            _open_browser(meshcat.web_url())
     status = _StatusLine(twin)
     with _stop_signals() as stopped:
+        panel = None if meshcat is None else _show(twin, meshcat, open_browser=not options.no_browser)
 
         def each_frame() -> bool:
             if panel is not None:
@@ -275,6 +265,20 @@ def _simulate(twin: Any, meshcat: Any, options: argparse.Namespace) -> float:
         finally:
             status.end()
         return time.perf_counter() - start
+
+
+def _show(twin: Any, meshcat: Any, *, open_browser: bool) -> Any:
+    """Sets up the page and says where it is; returns its panel."""
+    from drake_twin.cockpit.page import set_scene
+    from drake_twin.cockpit.panel import Panel
+
+    set_scene(meshcat, twin)
+    panel = Panel(meshcat, twin)
+    twin.draw()
+    print(f"page: {meshcat.web_url()}", flush=True)
+    if open_browser:
+        _open_browser(meshcat.web_url())
+    return panel
 
 
 def _open_browser(url: str) -> None:

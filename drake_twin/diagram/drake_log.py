@@ -6,8 +6,10 @@ from contextlib import contextmanager
 
 _LOGGER = logging.getLogger("drake")
 
-# The twin has no deformable bodies, and says so on every ground otherwise.
-_NOT_FOR_USERS = ("half spaces are not currently supported for deformable contact",)
+_NOT_FOR_USERS = (
+    "half spaces are not currently supported for deformable contact",  # the twin has no deformable bodies
+    "Meshcat listening for connections",  # the program says where its page is
+)
 
 
 def _concerns_users(record: logging.LogRecord) -> bool:
