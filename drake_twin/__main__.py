@@ -3,7 +3,10 @@
 import sys
 from importlib import import_module
 
-PROGRAMS = {"run": "run robots in one simulation, with a page in the browser"}
+PROGRAMS = {
+    "run": "run robots in one simulation, with a page in the browser",
+    "check": "report what a robot file holds, what is mended in it and what is ignored",
+}
 
 
 def main() -> int:

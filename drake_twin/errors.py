@@ -51,7 +51,7 @@ class InputError(TwinError):
             place = f"{self.file}: " if self.line is None else f"{self.file}:{self.line}: "
         text = place + self.message.rstrip(".") + "."
         if self.valid is not None:
-            close = get_close_matches(self.value, self.valid, n=1) if self.value else []
+            close = get_close_matches(str(self.value), self.valid, n=1) if self.value else []
             if close:
                 text += f" Did you mean {close[0]!r}?"
             text += f" Valid: {', '.join(self.valid)}." if self.valid else " There is none to choose from."

@@ -1,19 +1,18 @@
 """``python -m drake_twin.run``: robots in one Drake simulation, seen in the browser."""
 
 import argparse
-import contextlib
 import json
 import os
-import signal
 import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-from drake_twin.errors import InputError, TwinError
-from drake_twin.scenario import Command, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
+from drake_twin.errors import CommandError, InputError, RunError
+from drake_twin.program import ArgumentParser, open_in_browser, run_program, say, stop_signals
+from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
 
 _DESCRIPTION = """\
 Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
@@ -32,36 +31,19 @@ examples:
 _STATUS_PERIOD = 0.2  # s
 
 
-class _Parser(argparse.ArgumentParser):
-    """Reports wrong arguments as every other wrong input is reported."""
-
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message} (--help lists the options)")
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs the program.
-
-    Args:
-        arguments: the command line without the program's name; the process's own by default.
-
-    Returns:
-        The exit code: 0, 1 for a failure while running, 2 for input that cannot be used.
-    """
-    arguments = sys.argv[1:] if arguments is None else arguments
-    try:
-        return _run(_parser().parse_args(arguments))
-    except TwinError as error:
-        if "--debug" in arguments:
-            raise
-        print(f"error: {error}", file=sys.stderr)
-        return error.exit_code
-    except KeyboardInterrupt:
-        return 130
+    """Runs the program; see `drake_twin.program.run_program`."""
+    return run_program(_program, arguments)
 
 
-def _parser() -> _Parser:
-    parser = _Parser(
+def _program(arguments: Sequence[str]) -> int:
+    options = _parser().parse_args(arguments)
+    with stop_signals() as stopped:  # from here on: interrupting an import would break it
+        return _run(options, stopped)
+
+
+def _parser() -> ArgumentParser:
+    parser = ArgumentParser(
         prog="python -m drake_twin.run",
         description=_DESCRIPTION,
         epilog=_EXAMPLES,
@@ -108,11 +90,11 @@ def _parser() -> _Parser:
     return parser
 
 
-def _run(options: argparse.Namespace) -> int:
+def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     _check(options)
     scenario, file = _scenario(options)
     if options.show_scenario:
-        sys.stdout.write(scenario_to_yaml(scenario))
+        say(scenario_to_yaml(scenario), end="")
         return 0
     meshcat = None
     if not options.headless and options.graphviz is None:
@@ -124,12 +106,12 @@ def _run(options: argparse.Namespace) -> int:
         from drake_twin.diagram.picture import write_picture
 
         write_picture(twin.diagram, options.graphviz)
-        print(f"wrote {options.graphviz}")
+        say(f"wrote {options.graphviz}")
         return 0
     for kind, sentences in (("warning", twin.warnings), ("not started", twin.not_started)):
         for sentence in _grouped(sentences, twin.robots):
-            print(f"{kind}: {sentence}", file=sys.stderr)
-    wall_time = _simulate(twin, meshcat, options)
+            say(f"{kind}: {sentence}", sys.stderr)
+    wall_time = _simulate(twin, meshcat, options, stopped)
     _report(twin, wall_time, options.summary)
     return 0
 
@@ -140,14 +122,16 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError(f"--robots {options.robots}: a twin needs at least one robot")
     for name in ("duration", "time_step", "real_time_rate"):
         value = getattr(options, name)
-        if value is not None and not 0 < value < float("inf"):
-            raise InputError(f"--{name.replace('_', '-')} {value:g}: the value must be above zero")
+        if value is not None and not 0 < value <= LONGEST_TIME:
+            bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"
+            raise InputError(f"--{name.replace('_', '-')} {value:g}: {bounds}")
     if options.summary is not None:
         folder = options.summary.absolute().parent
-        if not folder.is_dir() or not os.access(folder, os.W_OK) or options.summary.is_dir():
+        target = options.summary if options.summary.exists() else folder
+        if not folder.is_dir() or options.summary.is_dir() or not os.access(target, os.W_OK):
             raise InputError(f"--summary {options.summary}: no file can be written there")
-    if options.port is not None and not 1 <= options.port <= 65535:
-        raise InputError(f"--port {options.port}: a port is a number from 1 to 65535")
+    if options.port is not None and not 1024 <= options.port <= 65535:
+        raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
 
 
 def _scenario(options: argparse.Namespace) -> tuple[Scenario, ScenarioFile | None]:
@@ -224,8 +208,10 @@ def _command(topic: str, text: str) -> Command:
     try:
         value = yaml.safe_load(text)
         data = value["data"] if isinstance(value, dict) else value
+        if not isinstance(data, list) or any(isinstance(item, bool) for item in data):
+            raise TypeError
         numbers = tuple(float(item) for item in data)
-    except (yaml.YAMLError, KeyError, TypeError, ValueError):
+    except (yaml.YAMLError, KeyError, TypeError, ValueError, OverflowError):
         raise InputError(
             f'--pub {topic} {text!r}: the data must be a list of numbers, such as "[2, 2, 2, 2]" or "{{data: [2, 2]}}"'
         ) from None
@@ -238,33 +224,34 @@ def _twin(scenario: Scenario, file: ScenarioFile | None, meshcat: Any) -> Any:
     try:
         return Twin(scenario, meshcat)
     except ScenarioError as error:
+        if file is None and error.path[0] == "commands":  # typed with --pub: it has no place in a file
+            raise CommandError(error.reason, **error.more) from None
         raise (error if file is None else file.located(error)) from None
 
 
-def _simulate(twin: Any, meshcat: Any, options: argparse.Namespace) -> float:
-    """Runs to the end or to Ctrl-C; returns the wall time it took (s)."""
+def _simulate(twin: Any, meshcat: Any, options: argparse.Namespace, stopped: Sequence[int]) -> float:
+    """Runs to the end or until stopped; returns the wall time it took (s)."""
     if options.real_time_rate is not None:
         twin.real_time_rate = options.real_time_rate
     status = _StatusLine(twin)
-    with _stop_signals() as stopped:
-        panel = None if meshcat is None else _show(twin, meshcat, open_browser=not options.no_browser)
+    panel = None if meshcat is None else _show(twin, meshcat, open_browser=not options.no_browser)
 
-        def each_frame() -> bool:
-            if panel is not None:
-                panel.obey()
-            status.show()
-            return not stopped
+    def each_frame() -> bool:
+        if panel is not None:
+            panel.obey()
+        status.show()
+        return not stopped
 
-        start = time.perf_counter()
-        try:
-            twin.run(
-                options.duration,
-                each_frame=each_frame,
-                as_fast_as_possible=meshcat is None and options.real_time_rate is None,
-            )
-        finally:
-            status.end()
-        return time.perf_counter() - start
+    start = time.perf_counter()
+    try:
+        twin.run(
+            options.duration,
+            each_frame=each_frame,
+            as_fast_as_possible=meshcat is None and options.real_time_rate is None,
+        )
+    finally:
+        status.end()
+    return time.perf_counter() - start
 
 
 def _show(twin: Any, meshcat: Any, *, open_browser: bool) -> Any:
@@ -275,38 +262,10 @@ def _show(twin: Any, meshcat: Any, *, open_browser: bool) -> Any:
     set_scene(meshcat, twin)
     panel = Panel(meshcat, twin)
     twin.draw()
-    print(f"page: {meshcat.web_url()}", flush=True)
+    say(f"page: {meshcat.web_url()}")
     if open_browser:
-        _open_browser(meshcat.web_url())
+        open_in_browser(meshcat.web_url())
     return panel
-
-
-def _open_browser(url: str) -> None:
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin":
-        import webbrowser
-
-        webbrowser.open(url)
-
-
-@contextlib.contextmanager
-def _stop_signals() -> Iterator[list[int]]:
-    """Collects Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
-    stopped: list[int] = []
-    previous: dict[int, Any] = {}
-
-    def stop(number: int, _frame: Any) -> None:
-        stopped.append(number)
-        for each, handler in previous.items():
-            signal.signal(each, handler)
-
-    number: int
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        previous[number] = signal.signal(number, stop)
-    try:
-        yield stopped
-    finally:
-        for number, handler in previous.items():
-            signal.signal(number, handler)
 
 
 class _StatusLine:
@@ -314,7 +273,7 @@ class _StatusLine:
 
     def __init__(self, twin: Any):
         self._twin = twin
-        self._shown = sys.stdout.isatty()
+        self._shown = sys.stdout is not None and sys.stdout.isatty()
         self._last = (time.perf_counter(), twin.time)
 
     def show(self) -> None:
@@ -324,25 +283,28 @@ class _StatusLine:
             return
         factor = max(0.0, sim_time - sim_then) / (now - then)
         state = "paused" if self._twin.paused else f"real-time factor {factor:.2f}"
-        print(f"\r\033[Ksim time {sim_time:.2f} s   {state}", end="", flush=True)
+        say(f"\r\033[Ksim time {sim_time:.2f} s   {state}", end="")
         self._last = (now, sim_time)
 
     def end(self) -> None:
         if self._shown:
-            print("\r\033[K", end="", flush=True)
+            say("\r\033[K", end="")
 
 
 def _report(twin: Any, wall_time: float, file: Path | None) -> None:
     from drake_twin.summary import summary
 
     result = summary(twin, wall_time)
-    if file is not None:
-        file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
     count = len(result["robots"])
-    print(
+    say(
         f"{count} robot{'s' if count > 1 else ''}, {result['sim_time']:.3f} s simulated in {wall_time:.3f} s"
         f" (real-time factor {result['real_time_factor']:.2f}), state {result['state_sha256'][:12]}"
     )
+    if file is not None:
+        try:
+            file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise RunError(f"the summary {file} cannot be written ({error.strerror})") from None
 
 
 def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:

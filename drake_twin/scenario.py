@@ -10,7 +10,7 @@ import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from math import isfinite
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,17 @@ from drake_twin.errors import InputError
 
 # Drake's discrete solvers that honour joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
+
+# Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
+SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
+
+# Names that a robot cannot have: its sub-diagram and its model instance would clash with another part's.
+RESERVED_NAMES = frozenset(
+    ("world", "plant", "scene_graph", "clock", "tf", "meshcat_visualizer", "WorldModelInstance", "DefaultModelInstance")
+)
+
+# What a collision mesh becomes: its convex hull, or convex pieces of it.
+COLLISION_KINDS = ("hull", "decomposition")
 
 
 @dataclass(frozen=True)
@@ -55,7 +66,9 @@ class Robot:
         controllers: parameters files of its controllers; by default the ones that its ``<gazebo>`` plugin names.
         active_controllers: the controllers to activate; by default all in the parameters files, in their order.
         initial_positions: joint name → position at the start (rad or m).
-        self_collision: whether its links collide with each other.
+        self_collision: whether its links collide with each other; without it those do that ``<selfCollide>`` names.
+        collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
+        without_repairs: names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
     """
 
     name: str
@@ -69,6 +82,8 @@ class Robot:
     active_controllers: tuple[str, ...] | None = None
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     self_collision: bool = False
+    collision: str = "hull"
+    without_repairs: tuple[str, ...] = ()
 
     @property
     def topic_namespace(self) -> str:
@@ -148,10 +163,14 @@ class ScenarioError(InputError):
 
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
+    yield from _values_of_no_use(scenario, ())
     if not scenario.robots:
         yield ("robots",), "a twin needs at least one robot"
-    if not (isfinite(scenario.time_step) and scenario.time_step > 0):
+    if not scenario.time_step > 0:
         yield ("time_step",), f"{scenario.time_step:g} s is not a step: it must be above zero"
+    elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:
+        bounds = f"{SHORTEST_STEP:g} s to {LONGEST_STEP:g} s"
+        yield ("time_step",), f"{scenario.time_step:g} s is no step that simulates robots: valid are {bounds}"
     if scenario.contact_approximation not in CONTACT_APPROXIMATIONS:
         valid = ", ".join(CONTACT_APPROXIMATIONS)
         yield ("contact_approximation",), f"{scenario.contact_approximation!r} is none of {valid}"
@@ -159,10 +178,12 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         yield ("world", "ground_friction"), f"{scenario.world.ground_friction:g} is below zero"
     names: set[str] = set()
     for index, robot in enumerate(scenario.robots):
+        if robot.collision not in COLLISION_KINDS:
+            yield ("robots", index, "collision"), f"{robot.collision!r} is none of {', '.join(COLLISION_KINDS)}"
         if not robot.name or not all(character.isalnum() or character in "_-" for character in robot.name):
             yield ("robots", index, "name"), f"{robot.name!r} is not a name: use letters, digits, '_' and '-'"
-        if robot.name == "world":
-            yield ("robots", index, "name"), "'world' is the world's name"
+        if robot.name in RESERVED_NAMES:
+            yield ("robots", index, "name"), f"{robot.name!r} is the name of another part of the twin"
         if robot.name in names:
             yield ("robots", index, "name"), f"two robots are named {robot.name!r}"
         names.add(robot.name)
@@ -173,11 +194,44 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if transform.child == transform.parent:
             yield ("static_transforms", index, "child"), f"frame {transform.child!r} would be its own parent"
         children.add(transform.child)
+    yield from _circles(scenario.static_transforms)
     for index, command in enumerate(scenario.commands):
-        if not command.time >= 0:
-            yield ("commands", index, "time"), f"{command.time:g} s lies before the start"
-        if command.period is not None and not command.period > 0:
-            yield ("commands", index, "period"), f"{command.period:g} s is not a period: it must be above zero"
+        if not 0 <= command.time <= LONGEST_TIME:
+            what = "lies before the start" if command.time < 0 else f"is later than {LONGEST_TIME:g} s"
+            yield ("commands", index, "time"), f"{command.time:g} s {what}"
+        if command.period is not None and not scenario.time_step <= command.period <= LONGEST_TIME:
+            what = f"it must be {scenario.time_step:g} s (the step) or more"
+            yield ("commands", index, "period"), f"{command.period:g} s is not a period: {what}"
+
+
+def _values_of_no_use(value: Any, path: ValuePath) -> typing.Iterator[tuple[ValuePath, str]]:
+    """Numbers that are not finite and names that are not text, wherever they stand."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        for item in dataclasses.fields(value):
+            below = getattr(value, item.name)
+            if item.type in ("str", str) and not isinstance(below, str):
+                yield (*path, item.name), f"{below!r} is not text"
+            yield from _values_of_no_use(below, (*path, item.name))
+    elif isinstance(value, Mapping):
+        for key, below in value.items():
+            yield from _values_of_no_use(below, (*path, key))
+    elif isinstance(value, tuple) and path and path[-1] != "data":  # a command's data is its controller's to judge
+        for index, below in enumerate(value):
+            yield from _values_of_no_use(below, (*path, index))
+    elif isinstance(value, float) and not isfinite(value):
+        yield path, f"{value!r} is not a finite number"
+
+
+def _circles(transforms: tuple[StaticTransform, ...]) -> typing.Iterator[tuple[ValuePath, str]]:
+    parents = {transform.child: transform.parent for transform in transforms}
+    for index, transform in enumerate(transforms):
+        frame, seen = transform.child, set()
+        while frame in parents and frame not in seen:
+            seen.add(frame)
+            frame = parents[frame]
+        if frame in seen:
+            yield ("static_transforms", index, "parent"), f"the static transforms form a circle through {frame!r}"
+            return
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
@@ -289,14 +343,14 @@ def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any
 def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if kind is float:
-        if isinstance(value, str):  # YAML 1.1 reads 1e-3 as text
-            try:
-                value, is_number = float(value), True
-            except ValueError:
-                is_number = False
-        if not is_number or not isfinite(value):
-            raise document.error(path, f"{value!r} is not a finite number")
-        return float(value)
+        try:  # YAML 1.1 reads 1e-3 as text, and an integer may be too large for a float
+            number = float(value) if is_number or isinstance(value, str) else nan
+        except (ValueError, OverflowError):
+            number = nan
+        if not isfinite(number):
+            shown = repr(value) if len(repr(value)) <= 80 else repr(value)[:80] + "…"
+            raise document.error(path, f"{shown} is not a finite number")
+        return number
     if kind is bool and not isinstance(value, bool):
         raise document.error(path, f"{value!r} is neither true nor false")
     if kind is str:
@@ -308,6 +362,8 @@ def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath
 
 
 def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
+    if value is None and not path:
+        raise document.error(path, "the file is empty, where a scenario is needed")
     if not isinstance(value, dict):
         raise document.error(path, f"{value!r} is not a mapping")
     field_types = _field_types(kind)

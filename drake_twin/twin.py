@@ -6,7 +6,7 @@ repeatable to the last bit.
 
 import hashlib
 import time as wall_clock
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
@@ -17,9 +17,10 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
 from drake_twin import messages
+from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, build_twin_diagram
 from drake_twin.errors import CommandError, InputError, RunError
-from drake_twin.scenario import Command, Scenario, ScenarioError
+from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError
 
 _FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
 _MOST_STEPS_A_FRAME = 10_000
@@ -44,7 +45,7 @@ class RobotState:
     base_pose: tuple[float, ...]
 
 
-@dataclass
+@dataclass(eq=False)
 class _Subscription:
     topic: str
     callback: Callable[[Any], None]
@@ -78,7 +79,7 @@ class Twin:
         self._queue: list[tuple[str, np.ndarray]] = []
         self._silenced: set[str] = set()
         self.paused = False
-        self.real_time_rate = 1.0
+        self._real_time_rate = 1.0
         self._start()
 
     def _start(self) -> None:
@@ -86,7 +87,10 @@ class Twin:
         self._built.fix_commands(self._context)
         self._commands: dict[str, np.ndarray] = {}
         self._schedule = [_ScheduledCommand(command, self.scenario.time_step) for command in self.scenario.commands]
-        self._simulator.Initialize()
+        try:
+            self._simulator.Initialize()
+        except (RuntimeError, SystemExit) as error:
+            raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
 
     @property
     def diagram(self) -> Any:
@@ -119,6 +123,11 @@ class Twin:
         return tuple(plan.name for plan in self._built.plans)
 
     @property
+    def plans(self) -> tuple[RobotPlan, ...]:
+        """What each robot's files amount to."""
+        return self._built.plans
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What was given up or changed to make the robots run."""
         return self._built.warnings
@@ -132,6 +141,21 @@ class Twin:
     def base_frames(self) -> dict[str, str]:
         """Robot → the tf frame of its root link."""
         return {plan.name: plan.base_frame for plan in self._built.plans}
+
+    @property
+    def real_time_rate(self) -> float:
+        """How many simulated seconds `run` grants a second of wall time.
+
+        Raises:
+            InputError: when it is set to something that is not above zero.
+        """
+        return self._real_time_rate
+
+    @real_time_rate.setter
+    def real_time_rate(self, rate: float) -> None:
+        if not 0 < rate < float("inf"):
+            raise InputError(f"{rate!r} is not a real-time rate: it must be above zero")
+        self._real_time_rate = float(rate)
 
     def topics(self) -> dict[str, str]:
         """Topic → ROS message type: what the twin publishes, then what it listens to."""
@@ -185,8 +209,8 @@ class Twin:
         published = self._built.published
         if topic not in published:
             raise InputError(f"nothing is published on {topic!r}", value=topic, valid=published)
-        if rate is not None and not rate > 0:
-            raise InputError(f"a rate of {rate!r} Hz is not above zero")
+        if rate is not None and not 1e-6 <= rate < float("inf"):
+            raise InputError(f"a rate of {rate!r} Hz is none: it must be a number above zero")
         rate = published[topic].rate and (rate or published[topic].rate)
         subscription = _Subscription(topic, callback, None if rate is None else 1.0 / rate)
         subscription.next_point = self._first_grid_point(subscription)
@@ -233,6 +257,27 @@ class Twin:
             base_pose=(*pose.translation().tolist(), *pose.rotation().ToQuaternion().wxyz().tolist()),
         )
 
+    def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
+        """Puts joints where they are told to be, at once and without forces; their velocities stay.
+
+        Args:
+            robot: the robot's name.
+            positions: joint name → position (rad or m).
+
+        Raises:
+            InputError: no such robot or joint.
+        """
+        plan, parts = self._plan(robot), self._built.robots[robot]
+        context = self._built.plant.GetMyMutableContextFromRoot(self._context)
+        q = self._built.plant.GetPositions(context, parts.instance)
+        for joint, position in positions.items():
+            if joint not in parts.layout.positions:
+                raise InputError(
+                    f"robot {plan.name!r} has no movable joint {joint!r}", value=joint, valid=parts.layout.positions
+                )
+            q[parts.layout.positions[joint]] = position
+        self._built.plant.SetPositions(context, parts.instance, q)
+
     def advance_to(self, time: float) -> float:
         """Runs until a simulation time (s), as fast as it can.
 
@@ -245,10 +290,7 @@ class Twin:
         Raises:
             InputError: the time is not a finite number, or lies in the past.
         """
-        steps = time / self.scenario.time_step
-        if not np.isfinite(steps):
-            raise InputError(f"{time!r} is not a time to advance to")
-        target = ceil(steps - 1e-6)
+        target = self._step_at(time)
         if target < self._step:
             raise InputError(f"{time:g} s lies in the past: the twin is at {self.time:g} s. Use reset() to start again")
         self._advance(target)
@@ -266,7 +308,7 @@ class Twin:
         Raises:
             InputError: the count is below one.
         """
-        if count < 1:
+        if not isinstance(count, int) or count < 1:
             raise InputError(f"{count!r} steps cannot be made: the number must be at least 1")
         was_paused, self.paused = self.paused, False
         try:
@@ -316,7 +358,7 @@ class Twin:
             each_frame: called about 30 times a second between steps, also while paused; False ends the run.
             as_fast_as_possible: ignore ``real_time_rate`` and never wait.
         """
-        end = None if until is None else ceil(until / self.scenario.time_step - 1e-6)
+        end = None if until is None else self._step_at(until)
         frame_start = wall_clock.perf_counter()
         owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
         while (end is None or self._step < end) and each_frame():
@@ -351,6 +393,12 @@ class Twin:
             digest.update(b"none\n" if command is None else np.asarray(command, dtype="<f8").tobytes())
         return digest.hexdigest()
 
+    def _step_at(self, time: float) -> int:
+        """The first step that is not before a time (s)."""
+        if not isinstance(time, int | float | np.number) or not -LONGEST_TIME <= time <= LONGEST_TIME:
+            raise InputError(f"{time!r} is not a simulation time")
+        return ceil(time / self.scenario.time_step - 1e-6)
+
     def _plan(self, robot: str) -> Any:
         for plan in self._built.plans:
             if plan.name == robot:
@@ -378,10 +426,34 @@ class Twin:
             next_step = min(target, *self._due_steps()) if self._schedule or self._subscriptions else target
             try:
                 self._simulator.AdvanceTo(next_step * time_step)
-            except RuntimeError as error:
+            except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
                 reason = " ".join(str(error).split())
                 raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
+            self._check_state()
             self._step = next_step
+
+    def _check_state(self) -> None:
+        """Refuses to go on with a state that is not made of finite numbers."""
+        plant = self._built.plant
+        if np.isfinite(plant.GetPositionsAndVelocities(self._plant_context)).all():
+            return
+        for plan in self._built.plans:
+            parts = self._built.robots[plan.name]
+            state = plant.GetPositionsAndVelocities(self._plant_context, parts.instance)
+            if np.isfinite(state).all():
+                continue
+            layout = parts.layout
+            joints = [
+                name
+                for name, index in layout.positions.items()
+                if not np.isfinite([state[index], state[layout.velocities[name]]]).all()
+            ]
+            what = f"joint {', '.join(joints)}" if joints else "the base"
+            raise RunError(
+                f"the simulation failed after {self.time:g} s: {what} of robot {plan.name!r} is no longer at a finite"
+                " position. Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so"
+                " does a step that is too long"
+            )
 
     def _advance_for(self, wall_time: float, end: int | None) -> None:
         """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
@@ -407,7 +479,7 @@ class Twin:
 
     def _deliver(self) -> None:
         for subscription in tuple(self._subscriptions):
-            if self._due_step(subscription) <= self._step:
+            if subscription in self._subscriptions and self._due_step(subscription) <= self._step:
                 message = self._built.published[subscription.topic].port.Eval(self._context)
                 subscription.next_point = self._first_grid_point(subscription) + 1
                 subscription.callback(message)

@@ -292,7 +292,7 @@ def test_two_robots_of_one_name(capsys, tmp_path):
         (["--real-time-rate", "0"], "--real-time-rate 0: the value must be above zero"),
         (["--robot", "car"], "--robot car: the twin has no such robot of its own. Valid: rover, arduinobot"),
         (["--summary", "/nowhere/out.json"], "--summary /nowhere/out.json: no file can be written there"),
-        (["--port", "0"], "--port 0: a port is a number from 1 to 65535"),
+        (["--port", "0"], "--port 0: the page's port is a number from 1024 to 65535"),
         (["--fly"], "unrecognized arguments: --fly (--help lists the options)"),
         (["a.urdf", "b.urdf"], "one scenario or robot file can be run at a time, but there are a.urdf, b.urdf"),
         (["x:=1"], "x:=1: xacro arguments need a robot file to go to"),

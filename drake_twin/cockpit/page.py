@@ -1,5 +1,7 @@
 """Drake's Meshcat page, set up for robots on a ground."""
 
+import socket
+
 import numpy as np
 from pydrake.geometry import Box, Meshcat, MeshcatParams, Rgba
 from pydrake.math import RigidTransform
@@ -23,6 +25,11 @@ def open_meshcat(port: int | None = None, host: str = "127.0.0.1") -> Meshcat:
     Raises:
         InputError: the port is taken or may not be used.
     """
+    try:
+        with socket.socket() as probe:  # Drake waits for ever for an address that this machine does not have
+            probe.bind((host, 0))
+    except (OSError, UnicodeError):
+        raise InputError(f"no page can be served at {host!r}: it is no address of this machine") from None
     try:
         return Meshcat(MeshcatParams(host=host, port=port, show_stats_plot=True))
     except RuntimeError as error:

@@ -1,13 +1,28 @@
 """A robot's URDF made ready for Drake's parser, which is stricter than ROS's tools and knows other extensions.
 
-Each rule is one function on the XML tree, applied in order by `prepare_urdf`; what a rule gives up is returned as a
-warning. The robot that ROS sees (names, frames, ``robot_description``) stays the one in the file.
+Each rule is one function on the XML tree, applied in order by `prepare_urdf`. The robot that ROS sees (names, frames,
+``robot_description``) stays the one in the file.
 """
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
 
 from lxml import etree
 
-from drake_twin.description.meshes import mesh_address, mesh_for_drake
+from drake_twin.description.gazebo_colors import GAZEBO_COLORS
+from drake_twin.description.meshes import (
+    Primitive,
+    collision_mesh,
+    collision_pieces,
+    mesh_address,
+    mesh_primitive,
+    visual_mesh,
+)
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -18,6 +33,42 @@ _WORLD_LINK_IN_DRAKE = "robot_world"
 
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
 
+DRAKE_RULES = ("mesh_elsewhere", "missing_mesh", "undefined_material", "joint_friction")
+
+
+@dataclass(frozen=True)
+class Ignored:
+    """Something in the file that the twin makes no use of.
+
+    Attributes:
+        what: the element, as it is written.
+        lines: where it stands, where the file's own lines are known.
+    """
+
+    what: str
+    lines: tuple[int, ...] = ()
+
+    def __str__(self) -> str:
+        places = f" (line {', '.join(map(str, self.lines))})" if self.lines else ""
+        return self.what + places
+
+
+@dataclass(frozen=True)
+class PreparedUrdf:
+    """URDF text that Drake's parser takes without a question, and what it took to get there.
+
+    Attributes:
+        text: the URDF; its meshes have absolute addresses and its visuals their own materials.
+        repairs: what was mended.
+        ignored: what the twin makes no use of.
+        meshes: the mesh files that the robot refers to.
+    """
+
+    text: str
+    repairs: tuple[Repair, ...]
+    ignored: tuple[Ignored, ...]
+    meshes: tuple[Path, ...]
+
 
 def drake_link_name(link: str) -> str:
     """The name of a link's body in the Drake model."""
@@ -25,40 +76,88 @@ def drake_link_name(link: str) -> str:
 
 
 def prepare_urdf(
-    description: RobotDescription, model_name: str, packages: PackageIndex, *, lines_are_the_files: bool = True
-) -> tuple[str, list[str]]:
+    reader: XmlReader,
+    description: RobotDescription,
+    model_name: str,
+    packages: PackageIndex,
+    *,
+    without: Collection[str] = (),
+    collision: str = "hull",
+) -> PreparedUrdf:
     """The URDF that Drake is given.
 
     Args:
-        description: the robot, with its expanded text.
+        reader: the document, already repaired; it is not changed.
+        description: the robot that it describes.
         model_name: the name of its model instance in the plant.
         packages: resolves the addresses of meshes.
-        lines_are_the_files: false for text that xacro made.
-
-    Returns:
-        URDF text without mesh addresses to resolve, materials to look up or transmissions, and the warnings.
+        without: names of `DRAKE_RULES` to leave out.
+        collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` of it.
 
     Raises:
-        InputError: a mesh without a file name.
+        InputError: a mesh without a file name, or one that is missing when that rule is left out.
     """
-    reader = XmlReader(description.text, description.file, lines_are_the_files=lines_are_the_files)
-    warnings: list[str] = []
+    original, reader = reader, reader.copy()
+    repairs: list[Repair] = []
     reader.root.set("name", model_name)
-    _drop_what_drake_must_not_act_on(reader)
-    _inline_materials(reader, warnings)
-    _resolve_meshes(reader, packages, warnings)
+    ignored = _ignored(original)
+    _drop_what_drake_does_not_know(reader)
+    repairs += _inline_materials(reader, original, without)
+    meshes: list[Path] = []
+    repairs += _resolve_meshes(reader, packages, without, collision, meshes)
     _give_friction(reader, description)
     _give_mimic(reader, description)
-    _drop_joint_friction(reader, warnings)
+    _drop_what_drake_warns_of(reader)
+    if "joint_friction" in without:
+        joints = [joint.name for joint in description.movable_joints if joint.friction > 0]
+        ignored += [Ignored(f"friction of joint {', '.join(joints)}")] if joints else []
     _rename_world_link(reader)
-    return etree.tostring(reader.root, encoding="unicode"), warnings
+    return PreparedUrdf(
+        etree.tostring(reader.root, encoding="unicode"),
+        tuple(repairs),
+        tuple(ignored),
+        tuple(dict.fromkeys(meshes)),
+    )
 
 
-def _drop_what_drake_must_not_act_on(reader: XmlReader) -> None:
-    """Actuators come from ``<ros2_control>``; Drake would make others from ``<transmission>``."""
-    for tag in ("ros2_control", "gazebo", "transmission"):
+# What has a meaning in the twin, by the element it stands in; anything else is ignored, and said to be.
+_KNOWN = {
+    "robot": {"link", "joint", "material", "ros2_control", "gazebo"},
+    "link": {"inertial", "visual", "collision"},
+    "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"},
+    # Fixed joints are never lumped together here, which is what preserveFixedJoint asks for.
+    "gazebo": {"mu1", "mu2", "selfCollide", "self_collide", "material", "plugin", "preserveFixedJoint"},
+}
+
+
+def _ignored(reader: XmlReader) -> list[Ignored]:
+    found: dict[str, list[int]] = defaultdict(list)
+    for parent, child in _unknown_elements(reader.root):
+        what = f"<{etree.QName(child).localname}>"
+        if parent.tag != "robot":
+            what += f" in <{parent.tag}>"
+        found[what] += [line] if (line := reader.line(child)) is not None else []
+    for plugin in reader.root.iterfind("gazebo/plugin"):
+        if "ros2_control" not in plugin.get("filename", "") + plugin.get("name", ""):
+            name = plugin.get("name") or plugin.get("filename") or "?"
+            found[f"Gazebo plugin {name}"] += [line] if (line := reader.line(plugin)) is not None else []
+    return [Ignored(what, tuple(lines)) for what, lines in found.items()]
+
+
+def _unknown_elements(root: etree._Element) -> Iterator[tuple[etree._Element, etree._Element]]:
+    for parent in [root, *root.iterfind("link"), *root.iterfind("joint"), *root.iterfind("gazebo")]:
+        for child in parent:
+            if isinstance(child.tag, str) and child.tag not in _KNOWN[str(parent.tag)]:
+                yield parent, child
+
+
+def _drop_what_drake_does_not_know(reader: XmlReader) -> None:
+    """Actuators come from ``<ros2_control>`` (Drake would make others from ``<transmission>``); the rest is noise."""
+    for tag in ("ros2_control", "gazebo"):
         for element in reader.root.findall(tag):
             reader.root.remove(element)
+    for parent, child in list(_unknown_elements(reader.root)):
+        parent.remove(child)
 
 
 def _rename_world_link(reader: XmlReader) -> None:
@@ -69,8 +168,11 @@ def _rename_world_link(reader: XmlReader) -> None:
             element.set("link", drake_link_name(element.get("link", "")))
 
 
-def _inline_materials(reader: XmlReader, warnings: list[str]) -> None:
-    """Drake refuses a material that is defined twice, even with the same colour; ROS's tools take the first."""
+def _inline_materials(reader: XmlReader, original: XmlReader, without: Collection[str]) -> list[Repair]:
+    """Drake refuses a material that is defined twice, even with the same colour; ROS's tools take the first.
+
+    ``<gazebo reference="link"><material>Gazebo/Red</material>`` colours a link that has no colour of its own.
+    """
     colors: dict[str, str] = {}
     for material in reader.root.iter("material"):
         color = material.find("color")
@@ -78,32 +180,130 @@ def _inline_materials(reader: XmlReader, warnings: list[str]) -> None:
             colors.setdefault(material.get("name", ""), color.get("rgba", ""))
     for material in reader.root.findall("material"):
         reader.root.remove(material)
+    gazebo_colors = {
+        element.get("reference"): GAZEBO_COLORS.get((element.findtext("material") or "").strip().rpartition("/")[2])
+        for element in original.root.iterfind("gazebo")
+    }
+    repairs = []
+    undefined: set[str] = set()
     for index, visual in enumerate(reader.root.iterfind("link/visual")):
+        link = visual.getparent()
         material = visual.find("material")
-        if material is None:
-            continue
-        own = material.find("color")
-        name = material.get("name", "")
-        color_text = own.get("rgba") if own is not None else colors.get(name)
-        visual.remove(material)
-        if color_text is None:
-            warnings.append(f"material {name!r} is not defined; the visual keeps its own colours")
-            continue
-        inlined = etree.SubElement(visual, "material", name=f"material_{index}")
-        etree.SubElement(inlined, "color", rgba=color_text)
+        text = gazebo_colors.get(None if link is None else link.get("name"))
+        if material is not None:
+            own = material.find("color")
+            name = material.get("name", "")
+            text = (own.get("rgba") if own is not None else colors.get(name)) or text
+            visual.remove(material)
+            if text is None and name not in undefined and material.find("texture") is None:
+                undefined.add(name)
+                what = f"material {name!r} is not defined: its visuals keep the colours of their meshes, or grey"
+                if "undefined_material" in without:
+                    raise reader.error(material, f"the material {name!r} is not defined")
+                repairs.append(Repair("undefined_material", what, reader.line(material)))
+        if text is not None:
+            inlined = etree.SubElement(visual, "material", name=f"material_{index}")
+            etree.SubElement(inlined, "color", rgba=text)
+    return repairs
 
 
-def _resolve_meshes(reader: XmlReader, packages: PackageIndex, warnings: list[str]) -> None:
-    """A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs."""
+def _resolve_meshes(
+    reader: XmlReader, packages: PackageIndex, without: Collection[str], collision: str, meshes: list[Path]
+) -> list[Repair]:
+    """Gives each mesh a form that Drake reads.
+
+    A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
+    of someone else's machine is looked for in the packages that its folders are named after.
+    """
+    repairs = []
     for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
-        for mesh in shape.iterfind("geometry/mesh"):
+        for mesh in shape.findall("geometry/mesh"):
             address = reader.text(mesh, "filename")
             try:
-                mesh.set("filename", mesh_address(mesh_for_drake(packages.resolve(address, reader.file))))
+                file, elsewhere = _find_mesh(address, packages, reader.file, "mesh_elsewhere" not in without)
+                if elsewhere:
+                    what = f"mesh {address!r} is not on this machine: {file} is used"
+                    repairs.append(Repair("mesh_elsewhere", what, reader.line(mesh)))
+                if shape.tag == "visual":
+                    mesh.set("filename", mesh_address(visual_mesh(file)))
+                else:
+                    _give_collision_shape(reader, shape, mesh, file, collision)
+                meshes.append(file)
             except InputError as error:
+                if "missing_mesh" in without:
+                    raise reader.error(mesh, str(error)) from None
                 link = shape.getparent()
-                warnings.append(f"link {link.get('name')!r} goes without its {shape.tag} mesh: {error}")
-                link.remove(shape)
+                if link is not None:
+                    what = f"link {link.get('name')!r} goes without its {shape.tag} mesh: {str(error).rstrip('.')}"
+                    repairs.append(Repair("missing_mesh", what, reader.line(mesh)))
+                    link.remove(shape)
+    return repairs
+
+
+def _find_mesh(address: str, packages: PackageIndex, near: Path | None, look_elsewhere: bool) -> tuple[Path, bool]:
+    try:
+        return packages.resolve(address, near), False
+    except InputError:
+        parts = Path(address.partition("://")[2] or address).parts
+        for index in range(len(parts) - 1, 0, -1) if look_elsewhere else ():
+            try:
+                return packages.resolve(f"package://{'/'.join(parts[index - 1 :])}".replace(":////", "://"), near), True
+            except InputError:
+                continue
+        raise
+
+
+def _give_collision_shape(
+    reader: XmlReader, shape: etree._Element, mesh: etree._Element, file: Path, collision: str
+) -> None:
+    pieces = collision_pieces(file) if collision == "decomposition" else ()
+    primitive = mesh_primitive(file, reader.vector3(mesh, "scale", (1.0, 1.0, 1.0)))
+    link = shape.getparent()
+    if primitive is not None and len(pieces) <= 1:  # an open bin is several pieces, though its hull is a box
+        _replace_by_primitive(reader, shape, mesh, primitive)
+    elif pieces and link is not None:
+        for piece in pieces:
+            copy = deepcopy(shape)
+            copy.attrib.pop("name", "")
+            for copied in copy.iterfind("geometry/mesh"):
+                copied.set("filename", mesh_address(piece))
+            link.append(copy)
+        link.remove(shape)
+    else:
+        mesh.set("filename", mesh_address(collision_mesh(file)))
+
+
+def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree._Element, primitive: Primitive) -> None:
+    import numpy as np
+    from pydrake.math import RollPitchYaw, RotationMatrix
+
+    geometry = mesh.getparent()
+    assert geometry is not None
+    geometry.remove(mesh)
+    if primitive.kind == "box":
+        etree.SubElement(geometry, "box", size=" ".join(f"{side:.17g}" for side in primitive.size))
+    elif primitive.kind == "sphere":
+        etree.SubElement(geometry, "sphere", radius=f"{primitive.size[0]:.17g}")
+    else:
+        radius, length = primitive.size
+        etree.SubElement(geometry, "cylinder", radius=f"{radius:.17g}", length=f"{length:.17g}")
+    origin = shape.find("origin")
+    zero = (0.0, 0.0, 0.0)
+    xyz = zero if origin is None else reader.vector3(origin, "xyz", zero)
+    rpy = zero if origin is None else reader.vector3(origin, "rpy", zero)
+    if origin is None:
+        origin = etree.SubElement(shape, "origin")
+    rotation = RotationMatrix(RollPitchYaw(*rpy))
+    moved = rotation @ np.array(primitive.center) + np.array(xyz)
+    # URDF's cylinders lie along z: z goes to the mesh's axis first, then all turns with the shape.
+    along = {
+        0: RollPitchYaw(0.0, np.pi / 2, 0.0),
+        1: RollPitchYaw(-np.pi / 2, 0.0, 0.0),
+        2: RollPitchYaw(0.0, 0.0, 0.0),
+    }
+    turned = RollPitchYaw(rotation @ RotationMatrix(along[primitive.axis])).vector()
+    origin.set("xyz", " ".join(f"{value:.17g}" for value in moved))
+    origin.set("rpy", " ".join(f"{value:.17g}" for value in turned))
 
 
 def _give_friction(reader: XmlReader, description: RobotDescription) -> None:
@@ -131,12 +331,11 @@ def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
             etree.SubElement(joint, "mimic", joint=mimic.joint, multiplier=multiplier, offset=offset)
 
 
-def _drop_joint_friction(reader: XmlReader, warnings: list[str]) -> None:
-    """Drake has no dry friction in joints."""
-    joints = [
-        joint.get("name", "")
-        for joint in reader.root.iterfind("joint")
-        if any(float(dynamics.attrib.pop("friction", "0")) != 0.0 for dynamics in joint.iterfind("dynamics"))
-    ]
-    if joints:
-        warnings.append(f"joint friction is not simulated (joints {', '.join(joints)})")
+def _drop_what_drake_warns_of(reader: XmlReader) -> None:
+    """Dry friction in joints, which the plant models with an actuator of its own, and bounds below zero."""
+    for dynamics in reader.root.iterfind("joint/dynamics"):
+        dynamics.attrib.pop("friction", "")
+    for limit in reader.root.iterfind("joint/limit"):
+        for name in ("effort", "velocity"):
+            if limit.get(name, "0").strip().startswith("-"):  # stands for "no bound"; Drake takes it for a mistake
+                del limit.attrib[name]

@@ -1,56 +1,49 @@
-"""Mesh files in the formats that Drake draws and collides, converted once and kept in the user's cache folder."""
+"""Mesh files as Drake draws and collides them: visuals with their colours, and a convex shape for contact."""
 
-import hashlib
-import os
-import tempfile
+import base64
+import json
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from drake_twin.description.mesh_cache import cached
+from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 
-# Drake takes these as they are, for the picture and for contact (of which it uses the convex hull).
-_DRAKE_FORMATS = {".obj", ".gltf", ".vtk"}
-_CONVERTED_FORMATS = {".stl", ".dae", ".ply", ".glb", ".off", ".3mf"}
+_READ_BY_DRAKE = (".obj", ".gltf")
+_READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off", ".3mf")
+MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
 
-# Part of every cached file's name: change it when the conversion below gives other files.
-_CONVERSION = "2"
+# A primitive stands for a mesh whose hull's vertices lie on it within this part of the mesh's size.
+_PRIMITIVE_TOLERANCE = 1e-3
+_THINNEST = 1e-3  # of the mesh's size: what a flat mesh is given as thickness, because Drake needs volume
+
+_MOST_CORNERS = 400  # of a hull; more cost time in every contact and change it by less than a thousandth
+
+# Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
+_Z_UP_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
 
 
-def mesh_for_drake(file: Path) -> Path:
-    """The mesh itself where Drake reads its format, else its conversion to Wavefront OBJ.
+@dataclass(frozen=True)
+class Primitive:
+    """A box, cylinder or sphere that a mesh is.
 
-    The cache is addressed by the mesh's content, so a changed mesh is converted anew and a moved one is not. Two
-    processes may fill it at once: a file appears whole or not at all.
-
-    Args:
-        file: the mesh file.
-
-    Raises:
-        InputError: the format is not known, the file holds no triangles, or the cache cannot be written.
+    Attributes:
+        kind: ``box``, ``cylinder`` or ``sphere``, as URDF names them.
+        size: the sides of a box; radius and length of a cylinder; the radius of a sphere (m).
+        center: its centre in the mesh's frame (m).
+        axis: the mesh's axis (0, 1 or 2) that a cylinder's length lies along.
     """
-    suffix = file.suffix.lower()
-    if suffix in _DRAKE_FORMATS:
-        return file
-    if suffix not in _CONVERTED_FORMATS:
-        raise InputError(
-            f"the mesh format {suffix or 'without a suffix'!r} is not understood",
-            file=file,
-            valid=sorted(_DRAKE_FORMATS | _CONVERTED_FORMATS),
-        )
-    try:
-        content = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
-    digest = hashlib.sha256(content + suffix.encode() + _CONVERSION.encode()).hexdigest()
-    cached = mesh_cache_folder() / f"{digest}.obj"
-    if not cached.exists():
-        _write_whole(cached, _as_obj(file))
-    return cached
 
-
-def mesh_cache_folder() -> Path:
-    """``$XDG_CACHE_HOME/drake_twin/meshes``, or ``~/.cache/drake_twin/meshes``."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base).absolute() / "drake_twin" / "meshes"
+    kind: str
+    size: tuple[float, ...]
+    center: Vector3
+    axis: int = 2
 
 
 def mesh_address(file: Path) -> str:
@@ -58,27 +51,226 @@ def mesh_address(file: Path) -> str:
     return f"file://{file.absolute()}"
 
 
-def _as_obj(file: Path) -> str:
-    import trimesh  # a third of a second, and only the first start of a robot needs it
+def visual_mesh(file: Path) -> Path:
+    """The mesh as Drake's Meshcat and renderer accept it.
 
+    OBJ with normals and glTF are taken as they are. Other formats become glTF, with their colours and textures inside,
+    or OBJ when they have none, so that the URDF's material colours them.
+
+    Args:
+        file: the mesh file.
+
+    Raises:
+        InputError: the format is not known, or the file holds no triangles.
+    """
+    _check_suffix(file)
+    suffix = file.suffix.lower()
+    if suffix == ".gltf" or (suffix == ".obj" and _has_normals(file)):
+        return file
+    plain = _has_no_colors(file)
+    return cached(file, ".visual.obj" if plain else ".visual.gltf", _visual_obj if plain else _visual_gltf)
+
+
+def collision_mesh(file: Path) -> Path:
+    """The convex hull of a mesh, as an OBJ file.
+
+    Raises:
+        InputError: the format is not known, or the file holds no triangles.
+    """
+    _check_suffix(file)
+    return cached(file, ".hull.obj", _hull_obj)
+
+
+def collision_pieces(file: Path) -> tuple[Path, ...]:
+    """A mesh decomposed into convex pieces by CoACD, as OBJ files.
+
+    Raises:
+        InputError: as `collision_mesh`, or the package coacd (the extra ``decomposition``) is not installed.
+    """
+    _check_suffix(file)
+    index = cached(file, ".pieces.json", _pieces_json)
+    pieces = json.loads(index.read_text())
+    return tuple(
+        cached(file, f".piece{number}.obj", lambda _, piece=piece: str(piece).encode())  # type: ignore[misc]
+        for number, piece in enumerate(pieces)
+    )
+
+
+def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
+    """The box, cylinder or sphere that a mesh is when it is scaled; None when it is no primitive.
+
+    Raises:
+        InputError: as `collision_mesh`.
+    """
+    lines = collision_mesh(file).read_text().splitlines()
+    corners = [[float(number) for number in line.split()[1:]] for line in lines if line.startswith("v ")]
+    points = np.array(corners) * np.array(scale)
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    center, sides = (lower + upper) / 2, upper - lower
+    tolerance = _PRIMITIVE_TOLERANCE * float(sides.max())
+    if sides.min() <= tolerance:
+        return None
+    around = points - center
+    place: Vector3 = (float(center[0]), float(center[1]), float(center[2]))
+    if len(points) == 8 and np.all(np.abs(np.abs(around) - sides / 2) < tolerance):
+        return Primitive("box", tuple(sides.tolist()), place)
+    distances = np.linalg.norm(around, axis=1)
+    if len(points) >= 100 and np.ptp(sides) < 2 * tolerance and np.ptp(distances) < tolerance:
+        return Primitive("sphere", (float(distances.max()),), place)
+    for axis in range(3):
+        across = np.delete(around, axis, axis=1)
+        radii = np.linalg.norm(across, axis=1)
+        ends = np.abs(np.abs(around[:, axis]) - sides[axis] / 2) < tolerance
+        if len(points) >= 32 and ends.all() and np.ptp(radii) < tolerance:
+            return Primitive("cylinder", (float(radii.max()), float(sides[axis])), place, axis)
+    return None
+
+
+def _check_suffix(file: Path) -> None:
+    suffix = file.suffix.lower()
+    if suffix not in MESH_SUFFIXES:
+        raise InputError(
+            f"the mesh format {suffix or 'without a suffix'!r} is not understood", file=file, valid=MESH_SUFFIXES
+        )
+
+
+def _has_normals(file: Path) -> bool:
     try:
-        mesh = trimesh.load_mesh(file)
-        if mesh.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
-            mesh.convert_units("meters")
+        with file.open("rb") as lines:
+            return any(line.startswith(b"vn ") for line in lines)
+    except OSError as error:
+        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
+
+
+def _has_no_colors(file: Path) -> bool:
+    """Whether a format, or this very file, carries no colours; asked without loading it where its bytes tell."""
+    suffix = file.suffix.lower()
+    if suffix in (".stl", ".off", ".obj"):
+        return suffix != ".obj" or b"mtllib" not in _bytes(file)
+    if suffix == ".dae":
+        return b"<material" not in _bytes(file)
+    if suffix == ".ply":
+        return b"property uchar red" not in _bytes(file)[:4096]
+    return False
+
+
+def _bytes(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
+
+
+@contextmanager
+def _reading(file: Path) -> Iterator[None]:
+    """Readers and exporters of meshes raise whatever a broken file makes them stumble over."""
+    try:
+        yield
+    except InputError:
+        raise
     except ModuleNotFoundError:  # trimesh asks for one to guess the encoding of bytes that are no text
         raise InputError(f"the mesh is cut short, or no {file.suffix} file", file=file) from None
-    except Exception as error:  # trimesh's readers raise whatever a broken file makes them stumble over
-        raise InputError(f"the mesh cannot be read ({error})", file=file) from None
+    except Exception as error:
+        raise InputError(f"the mesh cannot be read ({' '.join(str(error).split())})", file=file) from None
+
+
+def _scene(file: Path) -> Any:
+    """A mesh file as a trimesh scene in metres."""
+    import trimesh  # a third of a second, and only the first start of a robot needs it
+
+    with _reading(file):
+        scene = trimesh.load_scene(file)
+        if scene.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
+            scene = scene.convert_units("meters")
+        if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: its hull must stand likewise
+            scene.apply_transform(_Z_UP_TO_Y_UP.T)
+        return scene
+
+
+def _single_mesh(file: Path, scene: Any = None) -> Any:
+    """All triangles of a mesh file in one trimesh, in metres."""
+    scene = _scene(file) if scene is None else scene
+    with _reading(file):
+        mesh = scene.to_mesh()
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
-    return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False))
+    if not np.isfinite(mesh.vertices).all():
+        raise InputError("the mesh has vertices that are not finite numbers", file=file)
+    return mesh
 
 
-def _write_whole(file: Path, text: str) -> None:
+def _visual_obj(file: Path) -> bytes:
+    mesh = _single_mesh(file)
+    return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False)).encode()
+
+
+def _visual_gltf(file: Path) -> bytes:
+    """glTF with everything inside: trimesh's GLB with its binary part as a data address."""
+    scene = _scene(file)
+    _single_mesh(file, scene)  # refuses what has no triangles
+    with _reading(file):
+        scene.apply_transform(_Z_UP_TO_Y_UP)
+        glb = scene.export(file_type="glb", include_normals=True)
+    (length,) = struct.unpack_from("<I", glb, 12)
+    document = json.loads(glb[20 : 20 + length])
+    binary = glb[20 + length + 8 :]
+    document["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+    return json.dumps(document).encode()
+
+
+def _hull_obj(file: Path) -> bytes:
+    """The convex hull by Qhull, through SciPy: Drake's own needs over ten seconds for a mesh of 50,000 triangles."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    vertices = _with_thickness(np.unique(np.asarray(_single_mesh(file).vertices, dtype=float), axis=0))
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile("w", dir=file.parent, suffix=".part", delete=False) as part:
-            part.write(text)
-        os.replace(part.name, file)
-    except OSError as error:
-        raise InputError(f"the mesh cache cannot be written ({error.strerror})", file=file.parent) from None
+        corners = vertices[ConvexHull(vertices).vertices]
+        if len(corners) > _MOST_CORNERS:
+            corners = _coarser(corners)
+        hull = ConvexHull(corners)
+    except (QhullError, ValueError) as error:
+        reason = str(error).strip().splitlines()[0] if str(error).strip() else "Qhull failed"
+        raise InputError(f"the mesh has no convex hull ({reason})", file=file) from None
+    return _obj_text(corners, hull.simplices.tolist()).encode()
+
+
+def _coarser(corners: np.ndarray) -> np.ndarray:
+    """A hull's corners thinned out to a bearable number: the farthest ones in evenly spread directions."""
+    index = np.arange(_MOST_CORNERS) + 0.5
+    polar, around = np.arccos(1 - 2 * index / _MOST_CORNERS), np.pi * (1 + 5**0.5) * index  # a Fibonacci sphere
+    directions = np.stack([np.cos(around) * np.sin(polar), np.sin(around) * np.sin(polar), np.cos(polar)], axis=1)
+    directions = np.vstack([directions, np.eye(3), -np.eye(3)])  # the box around it stays as it is
+    scaled = (corners - corners.mean(axis=0)) / np.ptp(corners, axis=0)
+    return np.asarray(corners[np.unique(np.argmax(directions @ scaled.T, axis=1))])
+
+
+def _with_thickness(vertices: np.ndarray) -> np.ndarray:
+    """Flat meshes made a little thick, along the directions they are flat in."""
+    centered = vertices - vertices.mean(axis=0)
+    size = float(np.abs(centered).max())
+    _, directions = np.linalg.eigh(centered.T @ centered)
+    for direction in directions.T:
+        if np.ptp(centered @ direction) < _THINNEST * size:
+            shift = 0.5 * _THINNEST * size * direction
+            vertices = np.vstack([vertices + shift, vertices - shift])
+    return vertices
+
+
+def _obj_text(vertices: np.ndarray, faces: list[list[int]]) -> str:
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]
+    lines += ["f " + " ".join(str(corner + 1) for corner in face) for face in faces]
+    return "\n".join(lines) + "\n"
+
+
+def _pieces_json(file: Path) -> bytes:
+    try:
+        import coacd
+    except ImportError:
+        raise InputError(
+            "collision: decomposition needs the package coacd: pip install 'drake-twin[decomposition]'"
+        ) from None
+    mesh = _single_mesh(file)
+    coacd.set_log_level("error")
+    pieces = coacd.run_coacd(coacd.Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
+    texts = [_obj_text(np.asarray(vertices), np.asarray(faces).tolist()) for vertices, faces in pieces]
+    return json.dumps(texts).encode()

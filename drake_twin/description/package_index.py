@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lxml import etree
 
+from drake_twin.description.share_layout import installed_layout
 from drake_twin.errors import InputError
 
 # Folders that hold no source packages, or copies of them.
@@ -50,7 +51,7 @@ class PackageIndex:
         ]
 
     def find(self, package: str, near: str | Path | None = None) -> Path:
-        """The share folder of a package.
+        """The share folder of a package; that of a source package looks as if it were installed.
 
         Args:
             package: the package's name.
@@ -61,7 +62,7 @@ class PackageIndex:
         """
         for folder in self._candidates(package, near):
             if folder.is_dir():
-                return folder
+                return installed_layout(folder)
         looked_in = [str(folder) for folder in self._source_folders(near)]
         looked_in += [f"{prefix}/share" for prefix in self._prefixes]
         raise InputError(
@@ -86,14 +87,21 @@ class PackageIndex:
             package, _, inside = rest.partition("/")
             path = self.find(package, base) / inside
         elif scheme == "file":
-            path = Path(rest).expanduser()
+            try:
+                path = Path(rest).expanduser()
+            except RuntimeError:  # ~nobody
+                path = Path(rest)
             if not path.is_absolute():
                 path = (Path.cwd() if base is None else Path(base).absolute().parent) / path
         else:
             raise InputError(
                 f"{address!r} has a scheme that is not understood", valid=["package://", "model://", "file://"]
             )
-        if not path.exists():
+        try:
+            exists = path.exists()
+        except OSError as error:  # a name that is too long, say
+            raise InputError(f"this is not a file's name ({error.strerror})", file=path) from None
+        if not exists:
             raise InputError("there is no such file", file=path)
         return Path(os.path.abspath(path))
 

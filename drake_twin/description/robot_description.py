@@ -186,6 +186,24 @@ class RobotDescription:
         """The controllers' YAML files that the ros2_control plugins of the ``<gazebo>`` tags name."""
         return tuple(file for plugin in self.plugins for file in plugin.parameters)
 
+    def with_followers(self, positions: Mapping[str, float]) -> dict[str, float]:
+        """Joint positions (rad or m) with each mimic follower where its leader puts it.
+
+        Args:
+            positions: joint name → position of the joints that follow nothing; values of followers are replaced.
+        """
+        result = dict(positions)
+
+        def position(joint: Joint) -> float:
+            if joint.mimic is None:
+                return result[joint.name]
+            leader = position(self.joints_by_name[joint.mimic.joint])
+            return joint.mimic.multiplier * leader + joint.mimic.offset
+
+        for joint in self.movable_joints:
+            result[joint.name] = position(joint)
+        return result
+
     def limits_of_command(self, joint: str, interface: str) -> tuple[float, float]:
         """The tightest bounds on a command: those of the URDF joint and of its ``<ros2_control>`` interface.
 

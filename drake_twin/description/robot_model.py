@@ -1,14 +1,17 @@
 """A robot file of any kind (xacro, URDF, SDF) → its description and the text that Drake is given."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from drake_twin.description.drake_urdf import drake_link_name, prepare_urdf
+from drake_twin.description.drake_urdf import DRAKE_RULES, Ignored, drake_link_name, prepare_urdf
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.urdf import parse_urdf
+from drake_twin.description.urdf import describe_urdf
+from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro
+from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
 
@@ -21,7 +24,10 @@ class RobotModel:
         drake_text: the model for Drake's parser; its model instance has the robot's name in the twin.
         drake_format: ``urdf`` or ``sdf``.
         is_fixed: whether the root link is welded to the world where the robot is spawned.
-        warnings: what was given up on the way.
+        warnings: what xacro warned of.
+        repairs: what was mended in the file.
+        ignored: what of the file the twin makes no use of.
+        meshes: the mesh files that the robot refers to.
     """
 
     description: RobotDescription
@@ -29,6 +35,9 @@ class RobotModel:
     drake_format: str
     is_fixed: bool
     warnings: tuple[str, ...] = ()
+    repairs: tuple[Repair, ...] = ()
+    ignored: tuple[Ignored, ...] = ()
+    meshes: tuple[Path, ...] = ()
 
     @property
     def root_body(self) -> str:
@@ -37,7 +46,13 @@ class RobotModel:
 
 
 def load_robot_model(
-    address: str, packages: PackageIndex, *, name: str | None = None, xacro_args: Mapping[str, str] | None = None
+    address: str,
+    packages: PackageIndex,
+    *,
+    name: str | None = None,
+    xacro_args: Mapping[str, str] | None = None,
+    without_repairs: Collection[str] = (),
+    collision: str = "hull",
 ) -> RobotModel:
     """Loads a robot.
 
@@ -46,10 +61,13 @@ def load_robot_model(
         packages: resolves it and what it refers to.
         name: its name in the twin; by default the name that the file gives.
         xacro_args: values for the ``<xacro:arg>``s of a xacro file.
+        without_repairs: names of repairs to leave out.
+        collision: what a collision mesh becomes: ``hull`` or ``decomposition``.
 
     Raises:
         InputError: a file that is missing or wrong; see the functions of this package that read it.
     """
+    check_rule_names(without_repairs, (*RULES, *DRAKE_RULES))
     file = packages.resolve(address)
     text = read_robot_file(file)
     arguments = dict(xacro_args or {})
@@ -57,19 +75,31 @@ def load_robot_model(
         from drake_twin.description.sdf import describe_sdf, prepare_sdf
 
         _refuse_arguments(arguments, file)
-        prepared, is_fixed, own_name = prepare_sdf(text, file, name, packages)
-        return RobotModel(describe_sdf(prepared, text, file, own_name), prepared, "sdf", is_fixed)
+        sdf, is_fixed, own_name = prepare_sdf(text, file, name, packages)
+        return RobotModel(describe_sdf(sdf, text, file, own_name), sdf, "sdf", is_fixed)
     warnings: list[str] = []
     is_xacro = is_xacro_text(text)
     if is_xacro:
         text, warnings = expand_xacro(file, arguments, packages)
     else:
         _refuse_arguments(arguments, file)
-    description = parse_urdf(text, file, lines_are_the_files=not is_xacro)
-    prepared, more_warnings = prepare_urdf(
-        description, name or description.name, packages, lines_are_the_files=not is_xacro
+    reader = XmlReader(text, file, lines_are_the_files=not is_xacro)
+    check_values(reader)
+    repairs = repair_urdf(reader, without_repairs)
+    description = describe_urdf(reader, text)
+    prepared = prepare_urdf(
+        reader, description, name or description.name, packages, without=without_repairs, collision=collision
     )
-    return RobotModel(description, prepared, "urdf", description.root_link == "world", (*warnings, *more_warnings))
+    return RobotModel(
+        description=description,
+        drake_text=prepared.text,
+        drake_format="urdf",
+        is_fixed=description.root_link == "world",
+        warnings=tuple(warnings),
+        repairs=(*repairs, *prepared.repairs),
+        ignored=prepared.ignored,
+        meshes=prepared.meshes,
+    )
 
 
 def read_robot_file(file: Path) -> str:
@@ -78,6 +108,8 @@ def read_robot_file(file: Path) -> str:
     Raises:
         InputError: the file cannot be read as text, or its kind is not understood.
     """
+    if not file.is_file():
+        raise InputError("a robot file is needed, and this is none", file=file)
     try:
         text = file.read_text(encoding="utf-8")
     except OSError as error:
@@ -90,8 +122,8 @@ def read_robot_file(file: Path) -> str:
 
 
 def is_xacro_text(text: str) -> bool:
-    """Whether a robot file needs xacro: it declares xacro's namespace, whatever its suffix."""
-    return "ros.org/wiki/xacro" in text or "wiki.ros.org/xacro" in text
+    """Whether a robot file, whatever its suffix, needs xacro: it declares its namespace or uses its substitutions."""
+    return "ros.org/wiki/xacro" in text or "wiki.ros.org/xacro" in text or any(mark in text for mark in ("$(", "${"))
 
 
 def _refuse_arguments(arguments: Mapping[str, str], file: Path) -> None:

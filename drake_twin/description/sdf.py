@@ -6,7 +6,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from drake_twin.description.meshes import mesh_address, mesh_for_drake
+from drake_twin.description.meshes import collision_mesh, mesh_address, visual_mesh
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, JointLimits, Pose, RobotDescription, Vector3
 from drake_twin.description.xml_reader import XmlReader
@@ -49,7 +49,8 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
     for uri in model.iter("uri"):
         parent = uri.getparent()
         if parent is not None and parent.tag == "mesh":
-            uri.text = mesh_address(mesh_for_drake(packages.resolve((uri.text or "").strip(), file)))
+            for_drake = visual_mesh if next(uri.iterancestors("visual"), None) is not None else collision_mesh
+            uri.text = mesh_address(for_drake(packages.resolve((uri.text or "").strip(), file)))
     return etree.tostring(reader.root, encoding="unicode"), is_fixed, own_name
 
 

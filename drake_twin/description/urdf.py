@@ -36,7 +36,16 @@ def parse_urdf(text: str, file: Path | None = None, *, lines_are_the_files: bool
     Raises:
         InputError: not a URDF, a wrong value, a link or joint that is missing, double or not part of one tree.
     """
-    reader = XmlReader(text, file, lines_are_the_files=lines_are_the_files)
+    return describe_urdf(XmlReader(text, file, lines_are_the_files=lines_are_the_files), text)
+
+
+def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
+    """The description of a parsed URDF; see `parse_urdf`.
+
+    Args:
+        reader: the document, with whatever was repaired in it.
+        text: the document's own text, which is published as ``robot_description``.
+    """
     root = reader.root
     if root.tag != "robot":
         raise reader.error(root, "a URDF's outermost element is <robot>")
@@ -52,7 +61,7 @@ def parse_urdf(text: str, file: Path | None = None, *, lines_are_the_files: bool
         plugins=tuple(_plugins(root)),
         surfaces=_surfaces(reader),
         text=text,
-        file=file,
+        file=reader.file,
     )
 
 

@@ -1,5 +1,6 @@
 """XML elements read with checks: a wrong value raises an error that names file, line, element and value."""
 
+from copy import copy, deepcopy
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -38,10 +39,20 @@ class XmlReader:
             line = error.lineno if lines_are_the_files else None
             raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
 
+    def copy(self) -> "XmlReader":
+        """The same document once more, to be changed on its own."""
+        copied = copy(self)
+        copied.root = deepcopy(self.root)
+        return copied
+
+    def line(self, element: etree._Element) -> int | None:
+        """The element's line in the file, where the file's own lines are known."""
+        line: Any = element.sourceline if self._show_lines else None  # the stubs' type is not a number's
+        return line if line else None
+
     def error(self, element: etree._Element, message: str) -> InputError:
         """An error that points at an element."""
-        line: Any = element.sourceline if self._show_lines else None  # the stubs' type is not a number's
-        return InputError(f"{described(element)}: {message}", file=self.file, line=line)
+        return InputError(f"{described(element)}: {message}", file=self.file, line=self.line(element))
 
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
         """A required (or defaulted) attribute."""

@@ -60,7 +60,8 @@ def dot_text_of_svg(svg: str) -> str:
 def _with_sorted_edges(lines: list[str]) -> Iterator[str]:
     """Drake lists a system's edges in the order of a hash table: runs of edges are sorted, other lines stay."""
     for is_edge, run in groupby(lines, key=lambda line: " -> " in line):
-        yield from sorted(run) if is_edge else run
+        run_of_lines = list(run)
+        yield from sorted(run_of_lines) if is_edge else run_of_lines
 
 
 def _svg(text: str, file: Path) -> str:

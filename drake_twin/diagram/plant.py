@@ -1,8 +1,10 @@
 """The one MultibodyPlant and SceneGraph of a twin: the world, the robots, their actuators and where they start."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite
+from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import (
@@ -20,7 +22,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_twin.description.robot_description import Pose
 from drake_twin.diagram.drake_log import captured_warnings
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.diagram.servo_gains import set_servo_gains
+from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, set_servo_gains
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario
 from drake_twin.systems.state_layout import StateLayout
@@ -63,20 +65,34 @@ def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[Robot
     if scenario.world.ground:
         _add_ground(plant, scenario.world.ground_friction)
     warnings: list[str] = []
-    instances = {plan.name: _add_robot(plant, scene_graph, plan, warnings) for plan in plans}
-    plant.Finalize()
-    robots = {}
+    instances = {}
     for plan in plans:
-        layout = _state_layout(plant, instances[plan.name], plan)
-        _set_start(plant, instances[plan.name], plan, layout)
-        robots[plan.name] = RobotInPlant(instances[plan.name], layout)
-    set_servo_gains(plant, [(plan, robots[plan.name].instance, robots[plan.name].layout) for plan in plans])
+        with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
+            instances[plan.name] = _add_robot(plant, scene_graph, plan, warnings)
+    robots = {}
+    with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
+        plant.Finalize()
+        for plan in plans:
+            layout = _state_layout(plant, instances[plan.name], plan)
+            _set_start(plant, instances[plan.name], plan, layout)
+            robots[plan.name] = RobotInPlant(instances[plan.name], layout)
+        set_servo_gains(plant, [(plan, robots[plan.name].instance, robots[plan.name].layout) for plan in plans])
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings))
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:
     """A pose as Drake's transform."""
     return RigidTransform(RollPitchYaw(*pose.rpy), np.array(pose.xyz))
+
+
+@contextmanager
+def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
+    """Turns what Drake raises into an error for the user; some of its checks arrive as SystemExit."""
+    try:
+        yield
+    except (RuntimeError, ValueError, SystemExit) as error:
+        reason = " ".join(str(error).split()) or "it gives no reason"
+        raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
 
 
 def _add_ground(plant: MultibodyPlant, friction: float) -> None:
@@ -88,13 +104,12 @@ def _add_ground(plant: MultibodyPlant, friction: float) -> None:
 def _add_robot(
     plant: MultibodyPlant, scene_graph: SceneGraph, plan: RobotPlan, warnings: list[str]
 ) -> ModelInstanceIndex:
-    try:
-        with captured_warnings() as messages:
-            (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
-        warnings.extend(f"{plan.name}: {message.removeprefix('<literal-string>.urdf:')}" for message in messages)
-    except (RuntimeError, SystemExit) as error:  # a zero-size shape arrives as SystemExit
-        reason = " ".join(str(error).split()) or "Drake ended the parsing without a reason"
-        raise InputError(f"Drake refuses robot {plan.name!r}: {reason}", file=plan.description.file) from None
+    with captured_warnings() as messages:
+        (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
+    warnings.extend(f"{plan.name}: {message.removeprefix('<literal-string>.urdf:')}" for message in messages)
+    bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
+    if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
+        warnings.append(f"{plan.name}: the robot has no collision shape: it falls through the ground")
     for joint in plan.description.actuated_joints:
         limit = joint.limits.effort
         plant.AddJointActuator(
@@ -102,14 +117,27 @@ def _add_robot(
             plant.GetJointByName(joint.name, instance),
             limit if isfinite(limit) else float("inf"),
         )
+    for joint in plan.friction_joints:
+        name = f"{joint.name}{FRICTION_SUFFIX}"
+        plant.AddJointActuator(name, plant.GetJointByName(joint.name, instance), joint.friction)
     if plan.model.is_fixed:
         root = plant.GetBodyByName(plan.model.root_body, instance)
         plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))
     if not plan.robot.self_collision:
-        bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
-        geometries: GeometrySet = plant.CollectRegisteredGeometries(bodies)
-        scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(geometries))
+        _exclude_self_collision(plant, scene_graph, plan, instance)
     return instance
+
+
+def _exclude_self_collision(
+    plant: MultibodyPlant, scene_graph: SceneGraph, plan: RobotPlan, instance: ModelInstanceIndex
+) -> None:
+    """Links of one robot pass through each other, as in Gazebo, unless both have ``<selfCollide>``."""
+    colliding = {link for link, surface in plan.description.surfaces.items() if surface.self_collide}
+    bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
+    apart: GeometrySet = plant.CollectRegisteredGeometries([body for body in bodies if body.name() in colliding])
+    others: GeometrySet = plant.CollectRegisteredGeometries([body for body in bodies if body.name() not in colliding])
+    declaration = CollisionFilterDeclaration().ExcludeWithin(others).ExcludeBetween(others, apart)
+    scene_graph.collision_filter_manager().Apply(declaration)
 
 
 def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan) -> StateLayout:
@@ -123,7 +151,12 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
         size=len(positions) + len(velocities),
         positions={name: positions.index(joint.position_start()) for name, joint in joints.items()},
         velocities={name: len(positions) + velocities.index(joint.velocity_start()) for name, joint in joints.items()},
-        efforts={actuator.joint().name(): index for index, actuator in enumerate(actuators)},
+        efforts={
+            actuator.joint().name(): index
+            for index, actuator in enumerate(actuators)
+            if not actuator.name().endswith(FRICTION_SUFFIX)
+        },
+        num_actuators=len(actuators),
         base_position=positions.index(root.floating_positions_start()) if floats else None,
         base_velocity=(len(positions) + velocities.index(root.floating_velocities_start_in_v()) if floats else None),
     )

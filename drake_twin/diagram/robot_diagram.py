@@ -49,7 +49,9 @@ def build_robot_diagram(plan: RobotPlan, layout: StateLayout) -> RobotDiagram:
         )
         for controller in plan.controllers
     }
-    hold_positions = [plan.start_positions[joint] for joint in layout.efforts]
+    hold_positions = [0.0] * layout.num_actuators
+    for joint, actuator in layout.efforts.items():
+        hold_positions[actuator] = plan.start_positions[joint]
     claims = {
         controller.name: [layout.efforts[joint] for joint in controller.joints] for controller in plan.controllers
     }

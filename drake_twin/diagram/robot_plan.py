@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from drake_twin.description.controllers_yaml import (
     ControllerManagerParameters,
@@ -10,7 +9,7 @@ from drake_twin.description.controllers_yaml import (
     read_controllers,
 )
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_description import Pose, RobotDescription
+from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
@@ -79,6 +78,13 @@ class RobotPlan:
         return Pose(self.robot.xyz, self.robot.rpy)
 
     @property
+    def friction_joints(self) -> tuple[Joint, ...]:
+        """The joints whose dry friction is modelled; a follower's is its leader's business."""
+        if "joint_friction" in self.robot.without_repairs:
+            return ()
+        return tuple(joint for joint in self.description.movable_joints if joint.friction > 0 and joint.mimic is None)
+
+    @property
     def base_frame(self) -> str:
         """The root link's frame."""
         return self.frame_prefix + self.description.root_link
@@ -100,11 +106,24 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         file = packages.resolve(robot.model)
     except InputError as error:
         raise ScenarioError((*path, "model"), str(error)) from None
-    if "robot_name" not in xacro_args and "robot_name" in xacro_arguments(file, packages):
-        xacro_args["robot_name"] = robot.name
-    model = load_robot_model(robot.model, packages, name=robot.name, xacro_args=xacro_args)
+    declared = xacro_arguments(file, packages)
+    if "robot_name" in declared:
+        xacro_args.setdefault("robot_name", robot.name)
+    warnings = [
+        f"{file.name} has no xacro argument {name!r} (it has {', '.join(sorted(declared)) or 'none'})"
+        for name in xacro_args
+        if name not in declared
+    ]
+    model = load_robot_model(
+        robot.model,
+        packages,
+        name=robot.name,
+        xacro_args=xacro_args,
+        without_repairs=robot.without_repairs,
+        collision=robot.collision,
+    )
     description = model.description
-    warnings = [f"{robot.name}: {warning}" for warning in model.warnings]
+    warnings += [*model.warnings, *map(str, model.repairs), *_unused_interfaces(description)]
     manager = _controller_manager(robot, path, description, packages, xacro_args)
     controllers, not_started = _plan_controllers(robot, path, description, manager, xacro_args.get("prefix", ""))
     positions, position_warnings = _start_positions(robot, path, description)
@@ -116,8 +135,21 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         frame_prefix=_frame_prefix(robot, description),
         start_positions=positions,
         not_started=tuple(f"{robot.name}: {reason}" for reason in not_started),
-        warnings=(*warnings, *(f"{robot.name}: {warning}" for warning in position_warnings)),
+        warnings=tuple(f"{robot.name}: {warning}" for warning in (*warnings, *position_warnings)),
     )
+
+
+def _unused_interfaces(description: RobotDescription) -> list[str]:
+    """``<ros2_control>`` joints that the twin cannot drive: the robot has none of the name, or it has no position."""
+    warnings = []
+    for system in description.systems:
+        for joint in system.joints:
+            known = description.joints_by_name.get(joint.name)
+            if known is None:
+                warnings.append(f"<ros2_control> names a joint {joint.name!r} that the robot does not have")
+            elif joint.command_interfaces and not known.is_movable:
+                warnings.append(f"joint {joint.name!r} has command interfaces, but it is {known.type}")
+    return warnings
 
 
 def _controller_manager(
@@ -232,6 +264,9 @@ def _velocity_plan(
         if description.joints_by_name[joint].mimic is not None:
             return f"joint {joint} follows another joint (mimic) and cannot be commanded"
     limits = [description.limits_of_command(joint, "velocity") for joint in joints]
+    for joint, (low, high) in zip(joints, limits, strict=True):
+        if low > high:
+            return f"joint {joint}: no velocity is within both its URDF and its <ros2_control> limits"
     lower, upper = zip(*limits, strict=True)
     return ControllerPlan(parameters.name, parameters.type, tuple(joints), lower, upper)
 
@@ -239,7 +274,8 @@ def _velocity_plan(
 def _frame_prefix(robot: Robot, description: RobotDescription) -> str:
     if robot.frame_prefix is not None:
         return robot.frame_prefix
-    named_after_robot = all(link == "world" or link.startswith(robot.name) for link in description.links)
+    own = (f"{robot.name}_", f"{robot.name}/")
+    named_after_robot = all(link == "world" or link.startswith(own) for link in description.links)
     return "" if named_after_robot else f"{robot.name}/"
 
 
@@ -266,18 +302,4 @@ def _start_positions(
         if clamped != value:
             warnings.append(f"joint {name} starts at its limit {clamped:g} instead of {value:g}")
         positions[name] = clamped
-    for name, joint in joints.items():
-        positions[name] = _follow(joint.name, description, positions)
-    return positions, warnings
-
-
-def _follow(name: str, description: RobotDescription, positions: Mapping[str, float], depth: int = 0) -> float:
-    mimic = description.joints_by_name[name].mimic
-    if mimic is None:
-        return positions[name]
-    if mimic.joint not in positions or depth > len(positions):
-        raise InputError(
-            f"joint {name!r} mimics {mimic.joint!r}, which is no movable joint that it could follow",
-            file=Path(description.file) if description.file else None,
-        )
-    return mimic.multiplier * _follow(mimic.joint, description, positions, depth + 1) + mimic.offset
+    return description.with_followers(positions), warnings

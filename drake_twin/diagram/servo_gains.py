@@ -26,6 +26,11 @@ _SETTLING_TIME = 0.2
 _SAG_UNDER_GRAVITY = 5e-4
 _YIELD_UNDER_CONTACT = 1e-2
 
+# Drake has no dry friction in joints. An actuator that brakes towards zero velocity and can do no more than the
+# friction is the same, but for a creep at rest of this velocity under the full friction (rad/s or m/s).
+FRICTION_SUFFIX = "/friction"
+_CREEP = 1e-3
+
 _SAMPLES = 16
 _LEAST_INERTIA = 1e-9  # keeps the damping above zero: Drake ends the process when both gains are zero
 
@@ -71,11 +76,14 @@ def position_gains(load: JointLoad) -> PdControllerGains:
 
 def set_servo_gains(plant: MultibodyPlant, robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]]) -> None:
     """Gives every actuator its gains: a velocity servo where a controller claims the joint, else a position hold."""
-    actuators = [
-        (plan, plant.get_joint_actuator(index))
-        for plan, instance, _ in robots
-        for index in plant.GetJointActuatorIndices(instance)
-    ]
+    actuators = []
+    for plan, instance, _ in robots:
+        for index in plant.GetJointActuatorIndices(instance):
+            actuator = plant.get_joint_actuator(index)
+            if actuator.name().endswith(FRICTION_SUFFIX):
+                actuator.set_controller_gains(PdControllerGains(p=0.0, d=actuator.effort_limit() / _CREEP))
+            else:
+                actuators.append((plan, actuator))
     loads = _joint_loads(plant, robots, actuators)
     for (plan, actuator), load in zip(actuators, loads, strict=True):
         claimed = {joint for controller in plan.controllers for joint in controller.joints}

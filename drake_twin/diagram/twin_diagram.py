@@ -195,6 +195,7 @@ def _add_transform_broadcaster(
                 raise InputError(f"frame {frame!r} of robot {plan.name!r} would have two parents", value=frame)
     own = [plan for plan in plans if plan.base_frame not in placed]
     fixed_bases = [FixedFrame("world", plan.base_frame, plan.spawn_pose) for plan in own if plan.model.is_fixed]
+    _refuse_circles(plans, static_transforms)
     broadcaster = TransformBroadcaster(
         robots=[plan.name for plan in plans],
         moving_bases=[plan.name for plan in own if not plan.model.is_fixed],
@@ -202,3 +203,17 @@ def _add_transform_broadcaster(
     )
     builder.AddNamedSystem("tf", broadcaster)
     return broadcaster
+
+
+def _refuse_circles(plans: Sequence[RobotPlan], static_transforms: Sequence[FixedFrame]) -> None:
+    """A static transform may place a robot's base in another frame, but not in one that hangs on that base."""
+    parents = {frame.child: frame.parent for frame in static_transforms}
+    for plan in plans:
+        parents.update({plan.frame_prefix + j.child: plan.frame_prefix + j.parent for j in plan.description.joints})
+    for frame in [plan.base_frame for plan in plans]:
+        seen = []
+        while frame in parents and frame not in seen:
+            seen.append(frame)
+            frame = parents[frame]
+        if frame in seen:
+            raise InputError(f"the static transforms put frame {frame!r} in a circle: {' in '.join([*seen, frame])}")

@@ -61,6 +61,8 @@ class TwinBuilder:
         frame_prefix: str | None = None,
         initial_positions: Mapping[str, float] | None = None,
         self_collision: bool = False,
+        collision: str = "hull",
+        without_repairs: Iterable[str] = (),
     ) -> TwinBuilder:
         """Adds a robot; see `drake_twin.scenario.Robot` for what each argument means."""
         files = [controllers] if isinstance(controllers, str | Path) else list(controllers)
@@ -77,6 +79,8 @@ class TwinBuilder:
                 active_controllers=None if active_controllers is None else tuple(active_controllers),
                 initial_positions={key: float(value) for key, value in (initial_positions or {}).items()},
                 self_collision=self_collision,
+                collision=collision,
+                without_repairs=tuple(without_repairs),
             )
         )
         return self

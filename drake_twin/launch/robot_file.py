@@ -9,7 +9,7 @@ from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import Footprint, footprint
 from drake_twin.diagram.robot_plan import plan_robot
-from drake_twin.scenario import Robot, Scenario
+from drake_twin.scenario import RESERVED_NAMES, Robot, Scenario
 
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
 
@@ -63,7 +63,7 @@ def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex)
     """The name that the file gives the robot, as a name in the twin."""
     name = load_robot_model(str(file), packages, xacro_args=xacro_args).description.name
     name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
-    return "robot" if name in ("", "world") else name
+    return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
 
 
 def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str | None:

@@ -29,7 +29,8 @@ class JointServo(LeafSystem):
       on the controllers' ports alone, so it is computed once a command.
 
     Args:
-        hold_positions: the position at which each actuator's joint is held (rad or m).
+        hold_positions: the position at which each actuator's joint is held (rad or m); of no meaning for an actuator
+            without stiffness, such as one that models joint friction.
         controllers: controller name → for each of its joints the index of that joint's actuator.
     """
 

@@ -94,7 +94,9 @@ class JointStatePublisher(LeafSystem):
         return np.asarray(values[self._gather])
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
-        position, velocity, effort = self._values(context)
+        values = self._values(context)
+        values.setflags(write=False)  # the port hands the same message to everybody
+        position, velocity, effort = values
         output.set_value(
             messages.JointState(
                 header=messages.header(context.get_time()),

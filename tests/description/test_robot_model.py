@@ -1,6 +1,7 @@
 from pathlib import Path
 
 import pytest
+import trimesh
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
@@ -16,12 +17,21 @@ XACRO = (
 SDF = '<sdf version="1.9"><model name="own"><link name="base"/></model></sdf>'
 
 
+@pytest.fixture(autouse=True)
+def _cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
 @pytest.fixture
 def load(tmp_path):
-    def load(text: str | bytes, name: str | None = None, suffix: str = "urdf", **xacro_args: str) -> RobotModel:
+    def load(
+        text: str | bytes, name: str | None = None, suffix: str = "urdf", without_repairs=(), **xacro_args: str
+    ) -> RobotModel:
         file = tmp_path / f"robot.{suffix}"
         file.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return load_robot_model(str(file), PackageIndex((), {}), name=name, xacro_args=xacro_args)
+        return load_robot_model(
+            str(file), PackageIndex((), {}), name=name, xacro_args=xacro_args, without_repairs=without_repairs
+        )
 
     return load
 
@@ -87,12 +97,49 @@ def test_a_static_sdf_is_fixed(load):
     assert load(SDF.replace("<link", "<static>true</static><link")).is_fixed
 
 
-def test_what_was_given_up_is_warned_of(load):
-    shape = '<visual><geometry><box size="1 1 1"/></geometry><material name="pink"/></visual>'
-    text = XACRO.replace('"left"', '"left" unit="m"').replace('_base"/>', f'_base">{shape}</link>')
-    first, second = load(text).warnings
-    assert first.startswith("xacro:arg: unknown attribute(s): unit")
-    assert second.startswith("material 'pink' is not defined")
+PINK_BOX = '<visual><geometry><box size="1 1 1"/></geometry><material name="pink"/></visual>'
+
+
+def test_what_xacro_warns_of_is_a_warning(load):
+    (warning,) = load(XACRO.replace('"left"', '"left" unit="m"')).warnings
+    assert warning.startswith("xacro:arg: unknown attribute(s): unit")
+
+
+def test_what_was_mended_is_listed_in_the_order_of_the_rules(load):
+    repairs = load(f'<robot>\n<link name="base">{PINK_BOX}</link></robot>').repairs
+    assert [(repair.rule, repair.line) for repair in repairs] == [
+        ("robot_without_name", 1),
+        ("massless_link", 2),
+        ("undefined_material", 2),
+    ]
+
+
+def test_lines_of_repairs_are_not_given_for_text_that_xacro_made(load):
+    repairs = load(XACRO.replace('_base"/>', f'_base">{PINK_BOX}</link>')).repairs
+    assert {repair.rule: repair.line for repair in repairs} == {"massless_link": None, "undefined_material": None}
+
+
+def test_a_repair_that_is_left_out_is_not_made(load):
+    assert load(URDF.replace("own", ""), without_repairs=["massless_link"]).repairs[0].rule == "robot_without_name"
+    assert load(URDF, without_repairs=["massless_link"]).repairs == ()
+
+
+@pytest.mark.parametrize("text", [URDF, XACRO, SDF])
+def test_a_repair_that_does_not_exist_is_refused_with_those_there_are(load, text):
+    with pytest.raises(InputError, match=r"there is no repair 'mimick'\. Did you mean 'mimic'\? Valid: .*inertia"):
+        load(text, without_repairs=["mimick"])
+
+
+def test_the_published_text_is_the_files_own_not_the_mended_one(load):
+    assert load(URDF).description.text == URDF
+
+
+def test_what_is_made_no_use_of_and_the_meshes_are_listed(load, tmp_path):
+    (tmp_path / "part.stl").write_bytes(trimesh.creation.cone(1.0, 1.0).export(file_type="stl"))
+    mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
+    model = load(f'<robot name="own"><link name="base">{mesh}</link>\n<transmission name="t"/></robot>')
+    assert [str(item) for item in model.ignored] == ["<transmission> (line 2)"]
+    assert model.meshes == (tmp_path / "part.stl",)
 
 
 def test_a_file_of_another_kind_is_refused(load):
@@ -106,7 +153,7 @@ def test_a_file_that_is_no_text_is_refused(load):
 
 
 def test_a_folder_is_refused(tmp_path):
-    with pytest.raises(InputError, match="the robot file cannot be read"):
+    with pytest.raises(InputError, match="a robot file is needed, and this is none"):
         load_robot_model(str(tmp_path), PackageIndex((), {}))
 
 
@@ -116,10 +163,9 @@ def test_a_missing_file_is_named(tmp_path):
 
 
 @pytest.mark.parametrize("robot", ["rover", "arduinobot"])
-def test_the_twins_own_robots_load_without_warnings(robot, tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+def test_the_twins_own_robots_load_without_warnings(robot):
     model = load_robot_model(f"package://{robot}_description/urdf/{robot}.urdf.xacro", PackageIndex((), {}))
-    assert model.warnings == ()
+    assert (model.warnings, model.repairs, model.ignored) == ((), (), ())
     assert len(instances_in_drake(model)) == 1
 
 
@@ -130,15 +176,11 @@ def test_the_twins_own_robots_load_without_warnings(robot, tmp_path, monkeypatch
         ("bumperbot", {"wheel_left_joint", "wheel_right_joint"}, ["base_link.STL"] * 2),
     ],
 )
-def test_robots_that_nobody_here_wrote_load_with_the_meshes_they_have(
-    corpus, robot, actuated, absent, tmp_path, monkeypatch
-):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+def test_robots_that_nobody_here_wrote_load_with_the_meshes_they_have(corpus, robot, actuated, absent):
     (file,) = Path(corpus / robot).rglob(f"{robot}.urdf.xacro")
     model = load_robot_model(str(file), PackageIndex((), {}))
     assert {joint.name for joint in model.description.actuated_joints} == actuated
-    warnings = " ".join(model.warnings)
-    assert warnings.count(" goes without its ") == len(absent)
-    assert warnings.count(": there is no such file") == len(absent)
-    assert all(f"/{name}: there is no such file" in warnings for name in absent)
+    missing = [repair.what for repair in model.repairs if repair.rule == "missing_mesh"]
+    assert len(missing) == len(absent)
+    assert all(f"/{name}: there is no such file" in what for name, what in zip(absent, missing, strict=True))
     assert len(instances_in_drake(model)) == 1

@@ -10,6 +10,7 @@ LAYOUT = StateLayout(
     positions={"a": 7, "b": 8},
     velocities={"a": 15, "b": 16},
     efforts={"b": 0, "a": 1},
+    num_actuators=2,
     base_position=0,
     base_velocity=9,
 )

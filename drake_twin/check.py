@@ -1,0 +1,179 @@
+"""``python -m drake_twin.check FILE``: what a robot file holds, what the twin mends in it and what it ignores."""
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drake_twin.errors import InputError, TwinError
+from drake_twin.program import ArgumentParser, run_program, say, stop_signals
+
+_DESCRIPTION = """\
+Reads a robot file (xacro, URDF, SDF or MJCF), builds it, steps it for a moment, and reports what it is, what was mended
+in it and what the twin makes no use of. Exit code 0: it runs; 1: it does not, or with --strict it needed mending;
+2: the arguments cannot be used. Made for a package's own CI."""
+
+_STEPS = 100
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a check found.
+
+    Attributes:
+        file: the robot file.
+        ok: whether the robot loads and steps.
+        error: why it does not.
+        robot: name, counts, mass, actuators, interfaces, meshes; empty when it does not load.
+        repairs: each ``rule``, ``what`` and ``line``.
+        ignored: each ``what`` and its ``lines``.
+        warnings: anything else that was said while it was built.
+    """
+
+    file: str
+    ok: bool
+    error: str | None
+    robot: dict[str, Any]
+    repairs: list[dict[str, Any]]
+    ignored: list[dict[str, Any]]
+    warnings: list[str]
+
+
+def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = ()) -> Report:
+    """Checks one robot file; what is wrong with it is in the report, not raised."""
+    from drake_twin.description.package_index import PackageIndex
+    from drake_twin.launch.robot_file import robot_file_scenario
+    from drake_twin.twin import Twin
+
+    try:
+        resolved = PackageIndex(package_paths).resolve(file)
+        twin = Twin(robot_file_scenario(resolved, xacro_args=xacro_args, package_paths=package_paths))
+        twin.step(_STEPS)
+    except TwinError as error:
+        return Report(file, ok=False, error=str(error), robot={}, repairs=[], ignored=[], warnings=[])
+    (plan,) = twin.plans
+    model = plan.model
+    mended = {f"{plan.name}: {repair}" for repair in model.repairs}
+    return Report(
+        file=str(resolved),
+        ok=True,
+        error=None,
+        robot=_describe(twin),
+        repairs=[{"rule": item.rule, "what": item.what, "line": item.line} for item in model.repairs],
+        ignored=[{"what": item.what, "lines": list(item.lines)} for item in model.ignored],
+        warnings=[text for text in (*twin.warnings, *twin.not_started) if text not in mended],
+    )
+
+
+def _describe(twin: Any) -> dict[str, Any]:
+    (plan,) = twin.plans
+    description, plant = plan.description, twin.plant
+    instance = plant.GetModelInstanceByName(plan.name)
+    context = plant.GetMyContextFromRoot(twin.context)
+    kinds: dict[str, int] = {}
+    for joint in description.joints:
+        kinds[joint.type] = kinds.get(joint.type, 0) + 1
+    return {
+        "name": description.name,
+        "format": plan.model.drake_format,
+        "links": len(description.links),
+        "joints": kinds,
+        "degrees_of_freedom": plant.num_velocities(instance),
+        "fixed_to_the_world": plan.model.is_fixed,
+        "mass": plant.CalcTotalMass(context, [instance]),
+        "actuators": [joint.name for joint in description.actuated_joints],
+        "command_interfaces": {
+            name: [item.name for item in joint.command_interfaces]
+            for name, joint in description.controlled_joints.items()
+            if joint.command_interfaces
+        },
+        "state_interfaces": {
+            name: [item.name for item in joint.state_interfaces]
+            for name, joint in description.controlled_joints.items()
+            if joint.state_interfaces
+        },
+        "controllers": [controller.name for controller in plan.controllers],
+        "meshes": {str(mesh): mesh.stat().st_size for mesh in plan.model.meshes},
+    }
+
+
+def _lines(report: Report) -> Iterator[str]:
+    """The report as a person reads it."""
+    yield report.file
+    if report.error is not None:
+        yield f"  error: {report.error}"
+    if report.robot:
+        yield from _robot_lines(report.robot)
+    for item in report.repairs:
+        place = "" if item["line"] is None else f"line {item['line']}: "
+        yield f"  mended: {place}{item['what']} [{item['rule']}]"
+    for item in report.ignored:
+        places = f" (line {', '.join(map(str, item['lines']))})" if item["lines"] else ""
+        yield f"  ignored: {item['what']}{places}"
+    for text in report.warnings:
+        yield f"  warning: {text}"
+    verdict = "does not run" if not report.ok else "runs, mended" if report.repairs else "runs as it is"
+    yield f"  verdict: {verdict}"
+
+
+def _robot_lines(robot: dict[str, Any]) -> Iterator[str]:
+    joints = ", ".join(f"{count} {kind}" for kind, count in robot["joints"].items()) or "none"
+    base = "fixed to the world" if robot["fixed_to_the_world"] else "free"
+    yield f"  robot: {robot['name']} ({robot['format']}), {base}"
+    yield f"  links: {robot['links']}; joints: {joints}; degrees of freedom: {robot['degrees_of_freedom']}"
+    yield f"  mass: {robot['mass']:.4g} kg"
+    yield f"  actuators: {', '.join(robot['actuators']) or 'none'}"
+    for kind in ("command_interfaces", "state_interfaces"):
+        by_names: dict[str, list[str]] = {}
+        for joint, names in robot[kind].items():
+            by_names.setdefault(", ".join(names), []).append(joint)
+        for names, of_joints in by_names.items():
+            yield f"  {kind.replace('_', ' ')}: {names}: {', '.join(of_joints)}"
+    yield f"  active controllers: {', '.join(robot['controllers']) or 'none'}"
+    total = sum(robot["meshes"].values())
+    if robot["meshes"]:
+        yield f"  meshes: {len(robot['meshes'])} files, {total / 1e6:.2f} MB"
+    for mesh, size in robot["meshes"].items():
+        yield f"    {size / 1e3:9.1f} kB  {mesh}"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the program; see `drake_twin.program.run_program`."""
+    return run_program(_program, arguments)
+
+
+def _program(arguments: Sequence[str]) -> int:
+    parser = ArgumentParser(
+        prog="python -m drake_twin.check",
+        description=_DESCRIPTION,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("file", metavar="FILE", help="the robot file")
+    parser.add_argument("xacro_args", nargs="*", metavar="name:=value", help="xacro arguments")
+    parser.add_argument("--package-path", action="append", default=[], metavar="DIR", help="a folder of ROS packages")
+    parser.add_argument("--json", action="store_true", help="print the report as JSON")
+    parser.add_argument("--strict", action="store_true", help="exit code 1 also when something had to be mended")
+    parser.add_argument("--view", action="store_true", help="show the robot in the page, with a slider for each joint")
+    parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    options = parser.parse_args(arguments)
+    for argument in options.xacro_args:
+        if ":=" not in argument:
+            raise InputError(f"{argument!r} is neither the robot file nor a xacro argument name:=value")
+    xacro_args = dict(argument.split(":=", 1) for argument in options.xacro_args)
+    paths = [str(Path(folder).absolute()) for folder in options.package_path]
+    with stop_signals() as stopped:
+        report = check(options.file, xacro_args, paths)
+        say(json.dumps(vars(report), indent=2) if options.json else "\n".join(_lines(report)))
+        if options.view and report.ok:
+            from drake_twin.cockpit.joint_viewer import view_joints
+
+            view_joints(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
+    return 0 if report.ok and not (options.strict and report.repairs) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

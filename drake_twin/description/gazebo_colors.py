@@ -1,0 +1,26 @@
+"""The colours of Gazebo's material scripts, by their names after ``Gazebo/``, as red, green, blue and alpha."""
+
+GAZEBO_COLORS = {
+    "Black": "0 0 0 1",
+    "Blue": "0 0 1 1",
+    "BlueLaser": "0 0 1 0.4",
+    "DarkGray": "0.175 0.175 0.175 1",
+    "DarkGrey": "0.175 0.175 0.175 1",
+    "DarkYellow": "0.7 0.7 0 1",
+    "FlatBlack": "0.1 0.1 0.1 1",
+    "Gold": "0.8 0.65 0.07 1",
+    "Gray": "0.7 0.7 0.7 1",
+    "Green": "0 1 0 1",
+    "Grey": "0.7 0.7 0.7 1",
+    "Indigo": "0.33 0 0.5 1",
+    "Orange": "1 0.508 0.088 1",
+    "Purple": "1 0 1 1",
+    "Red": "1 0 0 1",
+    "RedBright": "0.87 0.26 0.07 1",
+    "SkyBlue": "0.13 0.44 0.7 1",
+    "Turquoise": "0 1 1 1",
+    "White": "1 1 1 1",
+    "Wood": "0.6 0.4 0.2 1",
+    "Yellow": "1 1 0 1",
+    "ZincYellow": "0.97 0.95 0.20 1",
+}

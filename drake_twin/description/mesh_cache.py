@@ -1,0 +1,104 @@
+"""A content-addressed cache of converted meshes in the user's cache folder."""
+
+import contextlib
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+
+from drake_twin.errors import InputError
+
+# Part of every cached file's name: change it when a conversion gives other files.
+_CONVERSION = "4"
+
+_MOST_BYTES = 2 * 1024**3
+_TRIMMED_TO = 3 * _MOST_BYTES // 4
+
+
+def mesh_cache_folder() -> Path:
+    """``$XDG_CACHE_HOME/drake_twin/meshes``, or ``~/.cache/drake_twin/meshes``.
+
+    Where neither can be written, a folder in the system's temporary folder that belongs to this user.
+    """
+    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    with contextlib.suppress(OSError, RuntimeError):  # RuntimeError: a user without a home
+        if not base.is_absolute():  # which the specification says to ignore
+            base = Path("~/.cache").expanduser()
+        folder = base / "drake_twin" / "meshes"
+        folder.mkdir(parents=True, exist_ok=True)
+        if os.access(folder, os.W_OK):
+            return folder
+    return _temporary_folder()
+
+
+@lru_cache(maxsize=1)
+def _temporary_folder() -> Path:
+    return Path(tempfile.mkdtemp(prefix="drake_twin_meshes_"))
+
+
+def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
+    """The converted form of a mesh: from the cache, or converted now and kept.
+
+    It is addressed by the content of the source, so a changed mesh is converted anew and a moved one is not. Two
+    processes may fill the cache at once: a file appears whole or not at all.
+
+    Args:
+        source: the mesh file.
+        suffix: how the converted file's name ends, for example ``.hull.obj``; it tells conversions apart.
+        convert: makes the converted file's bytes.
+
+    Raises:
+        InputError: the source cannot be read, or the cache cannot be written.
+    """
+    target = mesh_cache_folder() / (_digest(source) + suffix)
+    if target.exists():
+        with contextlib.suppress(OSError):
+            os.utime(target)  # what was used last is kept longest
+        return target
+    content = convert(source)
+    try:
+        with tempfile.NamedTemporaryFile("wb", dir=target.parent, suffix=".part", delete=False) as part:
+            try:
+                part.write(content)
+                part.flush()
+                os.replace(part.name, target)
+            except OSError:  # a full disk
+                os.unlink(part.name)
+                raise
+        _trim(target.parent)
+    except OSError as error:
+        raise InputError(f"the mesh cache cannot be written ({error.strerror})", file=target.parent) from None
+    return target
+
+
+def _digest(source: Path) -> str:
+    try:
+        status = source.stat()
+        return _digest_of_version(source, status.st_mtime_ns, status.st_size)
+    except OSError as error:
+        raise InputError(f"the mesh cannot be read ({error.strerror})", file=source) from None
+
+
+@lru_cache(maxsize=4096)
+def _digest_of_version(source: Path, _modified: int, _size: int) -> str:
+    content = source.read_bytes()
+    return hashlib.sha256(content + source.suffix.lower().encode() + _CONVERSION.encode()).hexdigest()
+
+
+def _trim(folder: Path) -> None:
+    """Removes what was used longest ago once the cache is larger than its bound."""
+    files = []
+    for entry in os.scandir(folder):
+        with contextlib.suppress(OSError):  # another process may be trimming too
+            files.append((entry.stat().st_mtime_ns, entry.stat().st_size, entry.path))
+    total = sum(size for _, size, _ in files)
+    if total <= _MOST_BYTES:
+        return
+    for _, size, path in sorted(files):
+        if total <= _TRIMMED_TO:
+            return
+        with contextlib.suppress(OSError):
+            os.unlink(path)
+        total -= size

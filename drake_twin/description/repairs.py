@@ -1,0 +1,321 @@
+"""What is wrong with so many robot files that the twin mends it: one rule a function, applied in the order of `RULES`.
+
+A rule changes the parsed XML and says what it did. Each can be switched off by its name (``without_repairs`` of a
+scenario's robot); then the file is used as it is, or refused. ``docs/repairs.md`` lists them for users.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+
+from drake_twin.description.xml_reader import XmlReader, described
+from drake_twin.errors import InputError
+
+_MOVABLE = ("revolute", "continuous", "prismatic")
+_DENSITY_LEVER = 0.4  # of a solid sphere: I = 0.4 m r²
+_LEAST_RADIUS = 0.01  # m: the sphere that a link without inertia is taken for
+_LEAST_MASS = 1e-3  # kg: what a link that moves and carries nothing is taken to weigh
+_PHYSICAL_MARGIN = 1e-9  # relative
+
+
+@dataclass(frozen=True)
+class Repair:
+    """One thing that was mended.
+
+    Attributes:
+        rule: the rule's name.
+        what: what was wrong and what was done, in one sentence.
+        line: the line in the file, where the file's own lines are known.
+    """
+
+    rule: str
+    what: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        place = "" if self.line is None else f"line {self.line}: "
+        return f"{place}{self.what} [{self.rule}]"
+
+
+Rule = Callable[[XmlReader], Iterator[tuple[etree._Element, str]]]
+
+
+def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Repair]:
+    """Applies the structural rules to a URDF's tree.
+
+    Args:
+        reader: the document; its tree is changed.
+        without: names of rules to leave out.
+
+    Returns:
+        What was mended, in order.
+    """
+    done = []
+    for name, rule in RULES.items():
+        if name not in without:
+            done += [Repair(name, what, reader.line(element)) for element, what in rule(reader)]
+    return done
+
+
+def check_rule_names(names: Collection[str], all_names: Collection[str]) -> None:
+    """Refuses a name that is no rule's.
+
+    Raises:
+        InputError: with the names there are.
+    """
+    for name in names:
+        if name not in all_names:
+            raise InputError(f"there is no repair {name!r}", value=name, valid=sorted(all_names))
+
+
+def _robot_without_name(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """``<robot>`` without a name is called after its file."""
+    if not (reader.root.get("name") or "").strip():
+        name = Path(reader.file).name.split(".")[0] if reader.file is not None else "robot"
+        reader.root.set("name", name)
+        yield reader.root, f"the robot has no name: it is called {name!r} after its file"
+
+
+def _robot_without_links(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A robot without any link is an empty frame."""
+    if reader.root.find("link") is None and reader.root.find("joint") is None:
+        etree.SubElement(reader.root, "link", name="world")
+        yield reader.root, "the robot has no link: it is an empty frame, fixed where it is spawned"
+
+
+def _joint_without_limits(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A revolute joint without ``<limit>`` turns without end; limits in the wrong order change places."""
+    for joint in reader.root.iterfind("joint"):
+        kind, limit = joint.get("type"), joint.find("limit")
+        if limit is None and kind == "revolute":
+            joint.set("type", "continuous")
+            yield joint, f"{described(joint)} is revolute without <limit>: it turns without end"
+        elif limit is None and kind == "prismatic":
+            etree.SubElement(joint, "limit", lower="-1e3", upper="1e3", effort="0", velocity="0")
+            yield joint, f"{described(joint)} is prismatic without <limit>: it slides a kilometre either way"
+        elif limit is not None and kind in ("revolute", "prismatic"):
+            lower, upper = _number(limit.get("lower")), _number(limit.get("upper"))
+            if lower is not None and upper is not None and lower > upper:
+                limit.set("lower", f"{upper:.17g}")
+                limit.set("upper", f"{lower:.17g}")
+                yield joint, f"{described(joint)}: lower {lower:g} is above upper {upper:g}: they change places"
+
+
+def _floating_joint(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A floating joint from ``world`` to the robot makes the robot free, as it is anyway; any other becomes fixed."""
+    for joint in reader.root.findall("joint"):
+        parent = joint.find("parent")
+        if joint.get("type") != "floating" or parent is None:
+            continue
+        siblings = [other for other in reader.root.iterfind("joint/parent") if other.get("link") == "world"]
+        world = next((link for link in reader.root.iterfind("link") if link.get("name") == "world"), None)
+        if parent.get("link") == "world" and world is not None and len(siblings) == 1:
+            reader.root.remove(joint)
+            reader.root.remove(world)
+            yield world, f"{described(joint)} to the world is what a robot that is not fixed has anyway: it is left out"
+        else:
+            joint.set("type", "fixed")
+            yield (
+                joint,
+                f"{described(joint)} floats, which a joint between two links of a robot cannot here: it is fixed",
+            )
+
+
+def _effort_limit(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """An effort limit of zero on a joint that is commanded stands for "not known"."""
+    commanded = {
+        joint.get("name")
+        for joint in reader.root.iterfind("ros2_control/joint")
+        if joint.find("command_interface") is not None
+    }
+    for joint in reader.root.iterfind("joint"):
+        limit = joint.find("limit")
+        effort = None if limit is None else _number(limit.get("effort"))
+        if joint.get("name") in commanded and limit is not None and effort is not None and effort <= 0:
+            del limit.attrib["effort"]
+            yield joint, f"{described(joint)} is commanded, but its effort limit is {effort:g}: it has none"
+
+
+def _mimic(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A joint that mimics nothing that moves moves on its own, or stays fixed."""
+    kinds = {joint.get("name"): joint.get("type") for joint in reader.root.iterfind("joint")}
+    leaders = {
+        joint.get("name"): mimic.get("joint")
+        for joint in reader.root.iterfind("joint")
+        if (mimic := joint.find("mimic")) is not None
+    }
+    for joint in reader.root.iterfind("joint"):
+        mimic = joint.find("mimic")
+        if mimic is None:
+            continue
+        leader = mimic.get("joint")
+        reason = None
+        if joint.get("type") not in _MOVABLE:
+            reason = "it does not move itself"
+        elif leader not in kinds:
+            reason = "there is no such joint"
+        elif kinds[leader] not in _MOVABLE:
+            reason = "that joint does not move"
+        elif _follows_itself(joint.get("name"), leaders):
+            reason = "it follows itself"
+        if reason is not None:
+            joint.remove(mimic)
+            leaders.pop(joint.get("name"), None)
+            yield joint, f"{described(joint)} mimics {leader!r}, but {reason}: it mimics nothing"
+
+
+def _follows_itself(name: str | None, leaders: Mapping[str | None, str | None]) -> bool:
+    seen = {name}
+    while name in leaders:
+        name = leaders[name]
+        if name in seen:
+            return True
+        seen.add(name)
+    return False
+
+
+def _shape_without_size(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A shape of no size is left out: Drake ends the process over it."""
+    for kind in ("visual", "collision"):
+        for shape in reader.root.findall(f"link/{kind}"):
+            for tag, attributes in _SIZES.items():
+                for element in shape.iterfind(f"geometry/{tag}"):
+                    sizes = [_number(part) for name in attributes for part in (element.get(name) or "").split()]
+                    if any(size is not None and size <= 0 for size in sizes):
+                        link = shape.getparent()
+                        text = " ".join(f"{name}={element.get(name)!r}" for name in attributes)
+                        if link is not None and shape in link:
+                            link.remove(shape)
+                            yield link, f"{described(link)}: a {kind} <{tag} {text}> has no size: it is left out"
+
+
+_SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
+
+
+def _shape_without_geometry(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A visual or collision without a shape is left out."""
+    known = {*_SIZES, "mesh"}
+    for kind in ("visual", "collision"):
+        for shape in reader.root.findall(f"link/{kind}"):
+            geometry = shape.find("geometry")
+            if geometry is None or not any(child.tag in known for child in geometry):
+                link = shape.getparent()
+                assert link is not None
+                link.remove(shape)
+                yield link, f"{described(link)}: a {kind} has no shape: it is left out"
+
+
+def _inertia(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """An inertia that no body can have becomes the nearest that one can; a mass without inertia is a small sphere."""
+    for link in reader.root.iterfind("link"):
+        inertial = link.find("inertial")
+        if inertial is None:
+            continue
+        mass_element, inertia = inertial.find("mass"), inertial.find("inertia")
+        mass = None if mass_element is None else _number(mass_element.get("value"))
+        if mass is None or mass <= 0:
+            continue  # massless links are another rule's; a negative mass is refused
+        if inertia is None:
+            inertia = etree.SubElement(inertial, "inertia")
+        values = {name: _number(inertia.get(name, "0")) for name in _MOMENTS}
+        if any(value is None or not isfinite(value) for value in values.values()):
+            continue  # what is no number is refused where it is read
+        numbers = {name: float(value or 0.0) for name, value in values.items()}
+        tensor = _tensor(numbers)
+        if not np.any(tensor):
+            moment = _DENSITY_LEVER * mass * _LEAST_RADIUS**2
+            _set_tensor(inertia, moment * np.eye(3))
+            yield link, f"{described(link)} has mass but no inertia: that of a sphere of {_LEAST_RADIUS:g} m is used"
+            continue
+        moments, axes = np.linalg.eigh(tensor)
+        repaired = _physical(moments)
+        if np.abs(repaired - moments).max() > _PHYSICAL_MARGIN * float(np.abs(moments).max()):
+            _set_tensor(inertia, axes @ np.diag(repaired) @ axes.T)
+            text = ", ".join(f"{moment:.3g}" for moment in moments)
+            yield link, f"{described(link)}: no body has the principal moments {text}: the nearest possible are used"
+
+
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def _tensor(numbers: Mapping[str, float]) -> np.ndarray:
+    ixx, ixy, ixz, iyy, iyz, izz = (numbers[name] for name in _MOMENTS)
+    return np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+
+
+def _set_tensor(inertia: etree._Element, tensor: np.ndarray) -> None:
+    rows, columns = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
+    for name, row, column in zip(_MOMENTS, rows, columns, strict=True):
+        inertia.set(name, f"{float(tensor[row, column]):.17g}")
+
+
+def _physical(moments: np.ndarray) -> np.ndarray:
+    """Principal moments (ascending) raised until each is positive and none is larger than the other two together."""
+    largest = float(np.abs(moments).max())
+    raised = np.maximum(moments, 1e-6 * largest)
+    missing = raised[2] - raised[0] - raised[1]
+    if missing > -_PHYSICAL_MARGIN * largest:
+        raised = raised + (max(0.0, missing) + _PHYSICAL_MARGIN * largest) * np.array([0.5, 0.5, 0.0])
+        missing = raised[2] - raised[0] - raised[1]
+    return np.asarray(raised)
+
+
+def _massless_link(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A joint that moves no mass moves a little one: Drake cannot accelerate nothing."""
+    parents: dict[str, str] = {}
+    moved: list[str] = []
+    for joint in reader.root.iterfind("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        if parent is None or child is None:
+            return  # refused where it is read
+        parents[child.get("link", "")] = parent.get("link", "")
+        if joint.get("type") != "fixed":
+            moved.append(child.get("link", ""))
+    links = {link.get("name", ""): link for link in reader.root.iterfind("link")}
+    moved += [name for name in links if name not in parents and name != "world"]  # a floating root
+    carrying: set[str] = set()
+    for name, link in links.items():
+        mass = link.find("inertial/mass")
+        above: str | None = name if mass is not None and (_number(mass.get("value")) or 0.0) > 0 else None
+        while above is not None and above not in carrying:
+            carrying.add(above)
+            above = parents.get(above)
+    for name in dict.fromkeys(moved):
+        if name not in links or name in carrying:
+            continue
+        link = links[name]
+        for inertial in link.findall("inertial"):
+            link.remove(inertial)
+        inertial = etree.SubElement(link, "inertial")
+        etree.SubElement(inertial, "mass", value=f"{_LEAST_MASS:g}")
+        _set_tensor(etree.SubElement(inertial, "inertia"), _DENSITY_LEVER * _LEAST_MASS * _LEAST_RADIUS**2 * np.eye(3))
+        yield (
+            link,
+            f"{described(link)} moves, but neither it nor what it carries has mass: it weighs {_LEAST_MASS:g} kg",
+        )
+
+
+def _number(text: str | None) -> float | None:
+    """Text as a number; None where it is none, which is refused where the value is used."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return None
+
+
+RULES: Mapping[str, Rule] = {
+    "robot_without_name": _robot_without_name,
+    "robot_without_links": _robot_without_links,
+    "joint_without_limits": _joint_without_limits,
+    "floating_joint": _floating_joint,
+    "effort_limit": _effort_limit,
+    "mimic": _mimic,
+    "shape_without_size": _shape_without_size,
+    "shape_without_geometry": _shape_without_geometry,
+    "inertia": _inertia,
+    "massless_link": _massless_link,
+}

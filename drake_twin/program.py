@@ -1,0 +1,92 @@
+"""What the programs of this package share: errors in one paragraph, exit codes, output that never gets in the way."""
+
+import argparse
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NoReturn, TextIO
+
+from drake_twin.errors import InputError, TwinError
+
+
+class ArgumentParser(argparse.ArgumentParser):
+    """Reports wrong arguments as every other wrong input is reported."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises `InputError`."""
+        raise InputError(f"{message} (--help lists the options)")
+
+
+def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str] | None) -> int:
+    """Runs a program and turns its errors into messages and exit codes.
+
+    Args:
+        program: is given the arguments and returns the exit code.
+        arguments: the command line without the program's name; the process's own by default.
+
+    Returns:
+        The exit code: the program's, 1 for a failure while running, 2 for input that cannot be used, 130 for Ctrl-C.
+    """
+    arguments = sys.argv[1:] if arguments is None else arguments
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a terminal without "…" shows a question mark
+    try:
+        return program(arguments)
+    except TwinError as error:
+        if "--debug" in arguments:
+            raise
+        say(f"error: {error}", sys.stderr)
+        return error.exit_code
+    except OSError as error:  # a folder that is gone, a disk that is full
+        if "--debug" in arguments:
+            raise
+        say(f"error: {error}", sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+
+
+def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
+    """Prints, and goes on when nobody reads: a closed pipe or terminal must not end a simulation."""
+    stream = sys.stdout if stream is None else stream
+    if stream is None:  # closed before the program started
+        return
+    try:
+        stream.write(text + end)
+        stream.flush()
+    except (OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError):  # what the interpreter flushes at its end goes nowhere
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def open_in_browser(url: str) -> None:
+    """Opens a page where there is a desktop."""
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin":
+        import webbrowser
+
+        webbrowser.open(url)
+
+
+@contextlib.contextmanager
+def stop_signals() -> Iterator[list[int]]:
+    """Collects Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
+    stopped: list[int] = []
+    previous: dict[int, Any] = {}
+
+    def stop(number: int, _frame: Any) -> None:
+        stopped.append(number)
+        for each, handler in previous.items():
+            signal.signal(each, handler)
+
+    number: int
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        with contextlib.suppress(ValueError):  # signals are the main thread's
+            previous[number] = signal.signal(number, stop)
+    try:
+        yield stopped
+    finally:
+        for number, handler in previous.items():
+            signal.signal(number, handler)

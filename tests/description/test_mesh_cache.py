@@ -1,0 +1,166 @@
+import multiprocessing
+import os
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from drake_twin.description import mesh_cache
+from drake_twin.description.mesh_cache import cached, mesh_cache_folder
+from drake_twin.description.meshes import collision_mesh
+from drake_twin.errors import InputError
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    return tmp_path / "cache" / "drake_twin" / "meshes"
+
+
+@pytest.fixture
+def source(tmp_path):
+    def source(name: str, content: bytes | None = None) -> Path:
+        file = tmp_path / name
+        file.write_bytes(name.encode() if content is None else content)
+        return file
+
+    return source
+
+
+def ten_bytes(_: Path) -> bytes:
+    return b"0123456789"
+
+
+def never(file: Path) -> bytes:
+    raise AssertionError(f"{file} was converted again")
+
+
+def age(file: Path, seconds: int) -> None:
+    """Makes a file's last use so long ago."""
+    then = file.stat().st_mtime - seconds
+    os.utime(file, (then, then))
+
+
+def test_what_was_converted_is_in_the_users_cache_folder(cache, source):
+    kept = cached(source("a.stl"), ".hull.obj", ten_bytes)
+    assert kept.parent == cache == mesh_cache_folder()
+    assert kept.name.endswith(".hull.obj")
+    assert kept.read_bytes() == b"0123456789"
+
+
+def test_without_xdg_cache_home_the_cache_is_in_the_home_folder(tmp_path, monkeypatch):
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert mesh_cache_folder() == tmp_path / ".cache" / "drake_twin" / "meshes"
+
+
+def test_the_second_time_nothing_is_converted(source):
+    file = source("a.stl")
+    assert cached(file, ".obj", ten_bytes) == cached(file, ".obj", never)
+
+
+def test_the_same_content_at_another_place_is_not_converted_again(source):
+    kept = cached(source("a.stl", b"same"), ".obj", ten_bytes)
+    assert cached(source("b.stl", b"same"), ".obj", never) == kept
+
+
+def test_another_content_another_format_and_another_conversion_are_kept_apart(source):
+    files = {
+        cached(source("a.stl", b"one"), ".obj", ten_bytes),
+        cached(source("b.stl", b"two"), ".obj", ten_bytes),
+        cached(source("a.ply", b"one"), ".obj", ten_bytes),
+        cached(source("c.stl", b"one"), ".hull.obj", ten_bytes),
+    }
+    assert len(files) == 4
+
+
+def test_a_newer_conversion_does_not_use_what_an_older_one_left(source, monkeypatch):
+    before = cached(source("a.stl"), ".obj", ten_bytes)
+    monkeypatch.setattr(mesh_cache, "_CONVERSION", "another")
+    mesh_cache._digest_of_version.cache_clear()
+    assert cached(source("a.stl"), ".obj", ten_bytes) != before
+    mesh_cache._digest_of_version.cache_clear()
+
+
+def test_a_conversion_that_fails_leaves_nothing_behind(cache, source):
+    def fail(file: Path) -> bytes:
+        raise InputError("the mesh holds no triangles", file=file)
+
+    with pytest.raises(InputError):
+        cached(source("a.stl"), ".obj", fail)
+    assert list(cache.iterdir()) == []
+
+
+def test_a_cache_above_its_bound_keeps_what_was_used_last(source, monkeypatch):
+    kept = [cached(source(f"{name}.stl"), ".obj", ten_bytes) for name in "abcd"]
+    for number, file in enumerate(kept):
+        age(file, 1000 - number)
+    cached(source("a.stl"), ".obj", never)  # used again: now the most recent
+    monkeypatch.setattr(mesh_cache, "_MOST_BYTES", 40)
+    monkeypatch.setattr(mesh_cache, "_TRIMMED_TO", 30)
+    newest = cached(source("e.stl"), ".obj", ten_bytes)
+    assert [file.exists() for file in (*kept, newest)] == [True, False, False, True, True]
+
+
+def test_a_cache_within_its_bound_keeps_everything(cache, source, monkeypatch):
+    monkeypatch.setattr(mesh_cache, "_MOST_BYTES", 40)
+    for name in "abcd":
+        cached(source(f"{name}.stl"), ".obj", ten_bytes)
+    assert len(list(cache.iterdir())) == 4
+
+
+def test_what_was_trimmed_is_converted_again(source, monkeypatch):
+    first = cached(source("a.stl"), ".obj", ten_bytes)
+    first.unlink()
+    assert cached(source("a.stl"), ".obj", ten_bytes) == first
+    assert first.exists()
+
+
+def test_a_cache_folder_that_cannot_be_made_falls_back_to_a_temporary_one(tmp_path, cache, source):
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    kept = cached(source("a.stl"), ".obj", ten_bytes)
+    assert kept.read_bytes() == b"0123456789"
+    assert cache not in kept.parents
+    assert cached(source("a.stl"), ".obj", never) == kept
+
+
+def test_a_cache_folder_that_cannot_be_written_falls_back_to_a_temporary_one(cache, source, monkeypatch):
+    cache.mkdir(parents=True)
+    monkeypatch.setattr(os, "access", lambda path, mode: False)  # file modes do not bind root, who may run the tests
+    assert cache not in cached(source("a.stl"), ".obj", ten_bytes).parents
+
+
+def test_a_disk_that_is_full_is_named_and_no_part_is_left(cache, source, monkeypatch):
+    def full(*_) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(InputError, match=rf"^{cache}: the mesh cache cannot be written \(No space left on device\)\."):
+        cached(source("a.stl"), ".obj", ten_bytes)
+    assert list(cache.iterdir()) == []
+
+
+def test_a_missing_source_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"gone\.stl: the mesh cannot be read \(No such file or directory\)\."):
+        cached(tmp_path / "gone.stl", ".obj", never)
+
+
+def _convert(file: Path, barrier, results) -> None:
+    barrier.wait()
+    results.put(trimesh.load_mesh(collision_mesh(file)).extents.tolist())
+
+
+def test_two_processes_that_fill_the_cache_at_once_leave_one_readable_file(tmp_path, cache):
+    file = tmp_path / "ball.stl"
+    file.write_bytes(trimesh.creation.icosphere(subdivisions=4).export(file_type="stl"))
+    spawn = multiprocessing.get_context("spawn")
+    barrier, results = spawn.Barrier(2), spawn.Queue()
+    processes = [spawn.Process(target=_convert, args=(file, barrier, results)) for _ in range(2)]
+    for process in processes:
+        process.start()
+    sizes = [results.get(timeout=60) for _ in processes]
+    for process in processes:
+        process.join()
+    assert sizes == [pytest.approx([2.0, 2.0, 2.0], abs=0.01)] * 2
+    (left,) = cache.iterdir()
+    assert left == collision_mesh(file)
