@@ -427,6 +427,7 @@ class Twin:
             try:
                 self._simulator.AdvanceTo(next_step * time_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
+                self._check_state()
                 reason = " ".join(str(error).split())
                 raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
             self._check_state()

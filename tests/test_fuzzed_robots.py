@@ -11,14 +11,24 @@ import re
 import traceback
 from collections.abc import Iterator
 from copy import deepcopy
+from math import isfinite
 from pathlib import Path
 
 import pytest
+import trimesh
 from conftest import ARM, ROVER
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
+from drake_twin import TwinBuilder
+from drake_twin.description.drake_urdf import DRAKE_RULES
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.repairs import RULES
+from drake_twin.description.xacro_file import expand_xacro
+from drake_twin.errors import InputError, RunError, TwinError
+
+REPAIRS = [*RULES, *DRAKE_RULES]
 LONGEST = 10.0  # s of wall time that a mutated robot may take
 
 # Every kind of element that the twin reads, once.
@@ -200,9 +210,6 @@ def _change(kind: str, elements: list[etree._Element], element: etree._Element, 
 
 
 def good_robots() -> list[str]:
-    from drake_twin.description.package_index import PackageIndex
-    from drake_twin.description.xacro_file import expand_xacro
-
     packages = PackageIndex((), {})
     return [
         EVERYTHING,
@@ -212,24 +219,18 @@ def good_robots() -> list[str]:
 
 def _serve(connection, folder: Path) -> None:
     """In the worker: texts of robots come in, what became of each goes out."""
-    import trimesh
-
     os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
     (folder / "tip.stl").write_bytes(trimesh.creation.cone(1.0, 1.0).export(file_type="stl"))
     while True:
-        (folder / "robot.urdf").write_text(connection.recv(), encoding="utf-8")
-        connection.send(_outcome(folder / "robot.urdf"))
+        text, without = connection.recv()
+        (folder / "robot.urdf").write_text(text, encoding="utf-8")
+        connection.send(_outcome(folder / "robot.urdf", without))
 
 
-def _outcome(file: Path) -> str:
+def _outcome(file: Path, without: list[str]) -> str:
     """``works``, ``refused: …`` or ``failed: …``."""
-    from math import isfinite
-
-    from drake_twin import TwinBuilder
-    from drake_twin.errors import TwinError
-
     try:
-        twin = TwinBuilder().robot("r", file, xyz=(0, 0, 0.5)).build()
+        twin = TwinBuilder().robot("r", file, xyz=(0, 0, 0.5), without_repairs=without).build()
         twin.advance_to(0.01)
         state = twin.robot_state("r")
         numbers = [*state.positions, *state.velocities, *state.efforts, *state.base_pose]
@@ -251,10 +252,10 @@ class Worker:
         self._folder = folder
         self._process: multiprocessing.process.BaseProcess | None = None
 
-    def outcome(self, text: str) -> str:
+    def outcome(self, text: str, without: list[str] | None = None) -> str:
         if self._process is None:
             self._start()
-        self._connection.send(text)
+        self._connection.send((text, without or []))
         try:
             if self._connection.poll(LONGEST):
                 return self._connection.recv()
@@ -277,7 +278,7 @@ class Worker:
         self._process = spawn.Process(target=_serve, args=(its_end, self._folder), daemon=True)
         self._process.start()
         its_end.close()
-        self._connection.send(EVERYTHING)
+        self._connection.send((EVERYTHING, []))
         assert self._connection.poll(60)  # the first twin takes the time of the imports
         self._connection.recv()
 
@@ -306,13 +307,32 @@ def fuzz(worker: Worker, robots: list[str], examples: int) -> None:
         robot=st.sampled_from(range(len(robots))),
         mutations=MUTATIONS,
         kept=st.one_of(*[st.none()] * 9, st.floats(0.0, 1.0)),
+        without=st.one_of(st.just([]), st.lists(st.sampled_from(REPAIRS), max_size=3, unique=True), st.just(REPAIRS)),
     )
-    def run_or_refuse(robot: int, mutations: list[tuple[str, int, int, int]], kept: float | None) -> None:
+    def run_or_refuse(
+        robot: int, mutations: list[tuple[str, int, int, int]], kept: float | None, without: list[str]
+    ) -> None:
         text = mutate(robots[robot], mutations, kept)
-        outcome = worker.outcome(text)
-        assert not outcome.startswith("failed"), f"{outcome}\n\nThe robot:\n{text}"
+        outcome = worker.outcome(text, without)
+        assert not outcome.startswith("failed"), f"{outcome}\n\nWithout the repairs {without}, the robot:\n{text}"
 
     run_or_refuse()
+
+
+@pytest.mark.parametrize(("index", "what"), [(6, "joint joint_2"), (16, "joint joint_2")])
+def test_a_state_that_is_no_longer_finite_names_the_robot_and_its_joint(index, what):
+    twin = TwinBuilder().robot("arm_1", ARM).robot("arm_2", ARM, xyz=(2, 0, 0)).build()
+    context = twin.plant.GetMyMutableContextFromRoot(twin.context)
+    context.get_mutable_discrete_state_vector().SetAtIndex(index, float("nan"))
+    with pytest.raises(RunError, match=f"{what} of robot 'arm_2' is no longer at a finite position"):
+        twin.advance_to(0.01)
+
+
+def test_a_robot_that_drake_refuses_is_named_with_its_file_and_drakes_reason(tmp_path):
+    file = tmp_path / "robot.urdf"
+    file.write_text(EVERYTHING.replace('size="0.2 0.2 0.2"', ""), encoding="utf-8")
+    with pytest.raises(InputError, match=rf"^{file}: Drake refuses robot 'r': .*size"):
+        TwinBuilder().robot("r", file, without_repairs=["shape_without_size"]).build()
 
 
 def test_the_good_robots_run(worker, robots):

@@ -158,6 +158,9 @@ def _drop_what_drake_does_not_know(reader: XmlReader) -> None:
             reader.root.remove(element)
     for parent, child in list(_unknown_elements(reader.root)):
         parent.remove(child)
+    for shape in (*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")):
+        if not shape.get("name", "").strip():
+            shape.attrib.pop("name", "")
 
 
 def _rename_world_link(reader: XmlReader) -> None:
@@ -194,7 +197,8 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
             own = material.find("color")
             name = material.get("name", "")
             text = (own.get("rgba") if own is not None else colors.get(name)) or text
-            visual.remove(material)
+            for each in visual.findall("material"):
+                visual.remove(each)
             if text is None and name not in undefined and material.find("texture") is None:
                 undefined.add(name)
                 what = f"material {name!r} is not defined: its visuals keep the colours of their meshes, or grey"

@@ -25,6 +25,8 @@ _THINNEST = 1e-3  # of the mesh's size: what a flat mesh is given as thickness, 
 
 _MOST_CORNERS = 400  # of a hull; more cost time in every contact and change it by less than a thousandth
 
+_FARTHEST = 1e12  # of a mesh's units; what is beyond is no robot's, and overflows in the simulation
+
 # Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
 
@@ -69,6 +71,16 @@ def visual_mesh(file: Path) -> Path:
         return file
     plain = _has_no_colors(file)
     return cached(file, ".visual.obj" if plain else ".visual.gltf", _visual_obj if plain else _visual_gltf)
+
+
+def mesh_for_mjcf(file: Path) -> Path:
+    """The mesh as an OBJ file, which is the one format that Drake's MJCF parser takes; it is drawn and collides.
+
+    Raises:
+        InputError: as `visual_mesh`.
+    """
+    _check_suffix(file)
+    return file if file.suffix.lower() == ".obj" and _has_normals(file) else cached(file, ".visual.obj", _visual_obj)
 
 
 def collision_mesh(file: Path) -> Path:
@@ -183,7 +195,7 @@ def _scene(file: Path) -> Any:
         if scene.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
             scene = scene.convert_units("meters")
         if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: its hull must stand likewise
-            scene.apply_transform(_Z_UP_TO_Y_UP.T)
+            scene.apply_transform(_Z_UP_TO_Y_UP.T)  # type: ignore[no-untyped-call]
         return scene
 
 
@@ -194,8 +206,8 @@ def _single_mesh(file: Path, scene: Any = None) -> Any:
         mesh = scene.to_mesh()
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
-    if not np.isfinite(mesh.vertices).all():
-        raise InputError("the mesh has vertices that are not finite numbers", file=file)
+    if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
+        raise InputError("the mesh has vertices that are no points in space", file=file)
     return mesh
 
 

@@ -4,7 +4,7 @@ A rule changes the parsed XML and says what it did. Each can be switched off by 
 scenario's robot); then the file is used as it is, or refused. ``docs/repairs.md`` lists them for users.
 """
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -18,6 +18,7 @@ from drake_twin.errors import InputError
 _MOVABLE = ("revolute", "continuous", "prismatic")
 _DENSITY_LEVER = 0.4  # of a solid sphere: I = 0.4 m r²
 _LEAST_RADIUS = 0.01  # m: the sphere that a link without inertia is taken for
+_LEAST_SCALE = 1e-8  # of a mesh: Drake takes none that is smaller
 _LEAST_MASS = 1e-3  # kg: what a link that moves and carries nothing is taken to weigh
 _PHYSICAL_MARGIN = 1e-9  # relative
 
@@ -142,33 +143,43 @@ def _effort_limit(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
 
 def _mimic(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
     """A joint that mimics nothing that moves moves on its own, or stays fixed."""
-    kinds = {joint.get("name"): joint.get("type") for joint in reader.root.iterfind("joint")}
-    leaders = {
-        joint.get("name"): mimic.get("joint")
-        for joint in reader.root.iterfind("joint")
-        if (mimic := joint.find("mimic")) is not None
-    }
-    for joint in reader.root.iterfind("joint"):
-        mimic = joint.find("mimic")
-        if mimic is None:
-            continue
-        leader = mimic.get("joint")
+    kinds = {_name(joint): joint.get("type") for joint in reader.root.iterfind("joint")}
+    followers = list(_followers(reader.root))
+    leaders = {name: leader for name, leader, *_ in followers}
+    for name, leader, joint, mimic in followers:
         reason = None
-        if joint.get("type") not in _MOVABLE:
+        if kinds[name] not in _MOVABLE:
             reason = "it does not move itself"
         elif leader not in kinds:
             reason = "there is no such joint"
         elif kinds[leader] not in _MOVABLE:
             reason = "that joint does not move"
-        elif _follows_itself(joint.get("name"), leaders):
+        elif _follows_itself(name, leaders):
             reason = "it follows itself"
         if reason is not None:
             joint.remove(mimic)
-            leaders.pop(joint.get("name"), None)
+            leaders.pop(name, None)
             yield joint, f"{described(joint)} mimics {leader!r}, but {reason}: it mimics nothing"
 
 
-def _follows_itself(name: str | None, leaders: Mapping[str | None, str | None]) -> bool:
+def _followers(root: etree._Element) -> Iterator[tuple[str, str, etree._Element, etree._Element]]:
+    """Follower, leader, and the element that says so with its joint: ``<mimic>``, else a parameter of ros2_control."""
+    own = {_name(joint): joint.find("mimic") for joint in root.iterfind("joint")}
+    for joint in root.iterfind("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            yield _name(joint), _name(mimic, "joint"), joint, mimic
+    for joint in root.iterfind("ros2_control/joint"):
+        for parameter in joint.findall("param"):
+            if parameter.get("name") == "mimic" and _name(joint) in own and own[_name(joint)] is None:
+                yield _name(joint), (parameter.text or "").strip(), joint, parameter
+
+
+def _name(element: etree._Element, attribute: str = "name") -> str:
+    return (element.get(attribute) or "").strip()
+
+
+def _follows_itself(name: str, leaders: Mapping[str, str]) -> bool:
     seen = {name}
     while name in leaders:
         name = leaders[name]
@@ -184,41 +195,69 @@ def _shape_without_size(reader: XmlReader) -> Iterator[tuple[etree._Element, str
         for shape in reader.root.findall(f"link/{kind}"):
             for tag, attributes in _SIZES.items():
                 for element in shape.iterfind(f"geometry/{tag}"):
-                    sizes = [_number(part) for name in attributes for part in (element.get(name) or "").split()]
-                    if any(size is not None and size <= 0 for size in sizes):
-                        link = shape.getparent()
-                        text = " ".join(f"{name}={element.get(name)!r}" for name in attributes)
-                        if link is not None and shape in link:
-                            link.remove(shape)
-                            yield link, f"{described(link)}: a {kind} <{tag} {text}> has no size: it is left out"
+                    link = shape.getparent()
+                    if link is not None and _has_no_size(element, attributes):
+                        text = " ".join(f"{name}={element.get(name, '')!r}" for name in attributes)
+                        link.remove(shape)
+                        yield link, f"{described(link)}: a {kind} <{tag} {text}> has no size: it is left out"
 
 
-_SIZES = {"box": ("size",), "sphere": ("radius",), "cylinder": ("radius", "length"), "capsule": ("radius", "length")}
+_SIZES = {
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "mesh": ("scale",),
+}
+
+
+def _has_no_size(element: etree._Element, attributes: Collection[str]) -> bool:
+    if element.tag == "mesh":  # mirrored where its scale is negative, as it is where there is none
+        sizes = [_number(part) for part in element.get("scale", "1").split()]
+        return any(size is not None and abs(size) < _LEAST_SCALE for size in sizes)
+    texts = [element.get(name, "").split() for name in attributes]
+    return not all(texts) or any(size is not None and size <= 0 for text in texts for size in map(_number, text))
 
 
 def _shape_without_geometry(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
     """A visual or collision without a shape is left out."""
-    known = {*_SIZES, "mesh"}
     for kind in ("visual", "collision"):
         for shape in reader.root.findall(f"link/{kind}"):
             geometry = shape.find("geometry")
-            if geometry is None or not any(child.tag in known for child in geometry):
+            if geometry is None or not any(child.tag in _SIZES for child in geometry):
                 link = shape.getparent()
                 assert link is not None
                 link.remove(shape)
                 yield link, f"{described(link)}: a {kind} has no shape: it is left out"
 
 
+def _color(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A colour's parts lie between 0 and 1; what is beyond is drawn as RViz draws it, at the nearest of them."""
+    for color in (*reader.root.iterfind("material/color"), *reader.root.iterfind("link/visual/material/color")):
+        text = color.get("rgba", "")
+        parts = [part for part in map(_number, text.split()) if part is not None]
+        if len(parts) == len(text.split()) and any(not 0 <= part <= 1 for part in parts):
+            color.set("rgba", " ".join(f"{min(max(part, 0.0), 1.0):g}" for part in parts))
+            material = color.getparent()
+            yield color, f"{described(color if material is None else material)}: {text!r} is not between 0 and 1"
+
+
 def _inertia(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
-    """An inertia that no body can have becomes the nearest that one can; a mass without inertia is a small sphere."""
+    """Moments that no body has become the nearest possible; mass without inertia is a small sphere; the reverse, none."""
     for link in reader.root.iterfind("link"):
         inertial = link.find("inertial")
         if inertial is None:
             continue
         mass_element, inertia = inertial.find("mass"), inertial.find("inertia")
         mass = None if mass_element is None else _number(mass_element.get("value"))
-        if mass is None or mass <= 0:
-            continue  # massless links are another rule's; a negative mass is refused
+        if mass_element is None or mass == 0:
+            # Drake would take such a link for one of 1 kg.
+            link.remove(inertial)
+            if inertia is not None and any(_number(inertia.get(name, "0")) for name in _MOMENTS):
+                yield link, f"{described(link)} has inertia but no mass: it has neither"
+            continue
+        if mass is None or mass < 0:
+            continue  # refused where it is read
         if inertia is None:
             inertia = etree.SubElement(inertial, "inertia")
         values = {name: _number(inertia.get(name, "0")) for name in _MOMENTS}
@@ -268,35 +307,46 @@ def _massless_link(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
     """A joint that moves no mass moves a little one: Drake cannot accelerate nothing."""
     parents: dict[str, str] = {}
     moved: list[str] = []
+    rigid_parents: dict[str, str] = {}
     for joint in reader.root.iterfind("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if parent is None or child is None:
             return  # refused where it is read
         parents[child.get("link", "")] = parent.get("link", "")
-        if joint.get("type") != "fixed":
+        if joint.get("type") == "fixed":
+            rigid_parents[child.get("link", "")] = parent.get("link", "")
+        else:
             moved.append(child.get("link", ""))
     links = {link.get("name", ""): link for link in reader.root.iterfind("link")}
-    moved += [name for name in links if name not in parents and name != "world"]  # a floating root
-    carrying: set[str] = set()
-    for name, link in links.items():
-        mass = link.find("inertial/mass")
-        above: str | None = name if mass is not None and (_number(mass.get("value")) or 0.0) > 0 else None
-        while above is not None and above not in carrying:
-            carrying.add(above)
-            above = parents.get(above)
-    for name in dict.fromkeys(moved):
-        if name not in links or name in carrying:
-            continue
+    heavy = [
+        name
+        for name, link in links.items()
+        if (mass := link.find("inertial/mass")) is not None and (_number(mass.get("value")) or 0.0) > 0
+    ]
+    # A joint's child may leave the mass to what it carries; a floating root may turn about what it carries, so it, or
+    # what is fixed to it, must weigh something itself.
+    carrying = _with_all_above(heavy, parents)
+    roots = [name for name in links if name not in parents and name != "world"]
+    light = [name for name in roots if name not in _with_all_above(heavy, rigid_parents)]
+    light += [name for name in moved if name in links and name not in carrying]
+    for name in dict.fromkeys(light):
         link = links[name]
         for inertial in link.findall("inertial"):
             link.remove(inertial)
         inertial = etree.SubElement(link, "inertial")
         etree.SubElement(inertial, "mass", value=f"{_LEAST_MASS:g}")
         _set_tensor(etree.SubElement(inertial, "inertia"), _DENSITY_LEVER * _LEAST_MASS * _LEAST_RADIUS**2 * np.eye(3))
-        yield (
-            link,
-            f"{described(link)} moves, but neither it nor what it carries has mass: it weighs {_LEAST_MASS:g} kg",
-        )
+        yield link, f"{described(link)} moves, but has no mass: it weighs {_LEAST_MASS:g} kg"
+
+
+def _with_all_above(names: Iterable[str], parents: Mapping[str, str]) -> set[str]:
+    found: set[str] = set()
+    for name in names:
+        above: str | None = name
+        while above is not None and above not in found:
+            found.add(above)
+            above = parents.get(above)
+    return found
 
 
 def _number(text: str | None) -> float | None:
@@ -316,6 +366,7 @@ RULES: Mapping[str, Rule] = {
     "mimic": _mimic,
     "shape_without_size": _shape_without_size,
     "shape_without_geometry": _shape_without_geometry,
+    "color": _color,
     "inertia": _inertia,
     "massless_link": _massless_link,
 }

@@ -165,10 +165,12 @@ class RobotDescription:
 
     @cached_property
     def controlled_joints(self) -> dict[str, ControlledJoint]:
-        """Joint name → what ``<ros2_control>`` says of it, in file order; joints that the robot lacks are left out."""
-        return {
-            joint.name: joint for system in self.systems for joint in system.joints if joint.name in self.joints_by_name
-        }
+        """Joint name → what ``<ros2_control>`` says of it, in file order; joints that the robot lacks are left out.
+
+        So are those that do not move: whatever a file declares for them, nothing can be commanded or measured.
+        """
+        movable = {joint.name for joint in self.movable_joints}
+        return {joint.name: joint for system in self.systems for joint in system.joints if joint.name in movable}
 
     @property
     def actuated_joints(self) -> tuple[Joint, ...]:

@@ -1,4 +1,4 @@
-"""A robot file of any kind (xacro, URDF, SDF) → its description and the text that Drake is given."""
+"""A robot file of any kind (xacro, URDF, SDF, MJCF) → its description and the text that Drake is given."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from pathlib import Path
 from drake_twin.description.drake_urdf import DRAKE_RULES, Ignored, drake_link_name, prepare_urdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import HardwareSystem, RobotDescription
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro
@@ -22,7 +22,7 @@ class RobotModel:
     Attributes:
         description: the robot as its file describes it.
         drake_text: the model for Drake's parser; its model instance has the robot's name in the twin.
-        drake_format: ``urdf`` or ``sdf``.
+        drake_format: ``urdf``, ``sdf``, or ``xml`` for MJCF.
         is_fixed: whether the root link is welded to the world where the robot is spawned.
         warnings: what xacro warned of.
         repairs: what was mended in the file.
@@ -71,12 +71,23 @@ def load_robot_model(
     file = packages.resolve(address)
     text = read_robot_file(file)
     arguments = dict(xacro_args or {})
-    if "<sdf" in text:
-        from drake_twin.description.sdf import describe_sdf, prepare_sdf
+    if "<robot" not in text:
+        from drake_twin.description.drake_model import describe_model
 
         _refuse_arguments(arguments, file)
-        sdf, is_fixed, own_name = prepare_sdf(text, file, name, packages)
-        return RobotModel(describe_sdf(sdf, text, file, own_name), sdf, "sdf", is_fixed)
+        systems: tuple[HardwareSystem, ...] = ()
+        if "<mujoco" in text:
+            from drake_twin.description.mjcf import prepare_mjcf
+
+            drake_format = "xml"
+            prepared_text, is_fixed, own_name, systems = prepare_mjcf(text, file, name)
+        else:
+            from drake_twin.description.sdf import prepare_sdf
+
+            drake_format = "sdf"
+            prepared_text, is_fixed, own_name = prepare_sdf(text, file, name, packages)
+        description = describe_model(prepared_text, drake_format, text, file, own_name, systems)
+        return RobotModel(description, prepared_text, drake_format, is_fixed)
     warnings: list[str] = []
     is_xacro = is_xacro_text(text)
     if is_xacro:
@@ -116,8 +127,9 @@ def read_robot_file(file: Path) -> str:
         raise InputError(f"the robot file cannot be read ({error.strerror})", file=file) from None
     except UnicodeDecodeError:
         raise InputError("the robot file is not UTF-8 text", file=file) from None
-    if "<robot" not in text and "<sdf" not in text:
-        raise InputError("a robot file is a xacro or URDF (<robot>) or an SDF (<sdf>), and this is neither", file=file)
+    if not any(tag in text for tag in ("<robot", "<sdf", "<mujoco")):
+        kinds = "a xacro or URDF (<robot>), an SDF (<sdf>) or an MJCF (<mujoco>)"
+        raise InputError(f"a robot file is {kinds}, and this is neither", file=file)
     return text
 
 

@@ -53,10 +53,12 @@ def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
     links = [reader.text(element, "name") for element in root.iterfind("link")]
     joints = [_joint(reader, element) for element in root.iterfind("joint")]
     _check_tree(reader, links, joints)
+    joints = list(_with_mimic_of_ros2_control(reader, joints))
+    _check_followers(reader, joints)
     return RobotDescription(
         name=root.get("name") or "robot",
         links=tuple(links),
-        joints=tuple(_with_mimic_of_ros2_control(reader, joints)),
+        joints=tuple(joints),
         systems=systems,
         plugins=tuple(_plugins(root)),
         surfaces=_surfaces(reader),
@@ -106,7 +108,7 @@ def _axis(reader: XmlReader, element: etree._Element, kind: str) -> tuple[float,
         return default
     x, y, z = reader.vector3(axis, "xyz", default)
     length = hypot(x, y, z)
-    if length < 1e-9:
+    if length < 1e-8:  # as Drake counts
         raise reader.error(axis, "the axis has no direction (its length is zero)")
     return x / length, y / length, z / length
 
@@ -199,6 +201,21 @@ def _with_mimic_of_ros2_control(reader: XmlReader, joints: Iterable[Joint]) -> I
             )
     for joint in joints:
         yield replace(joint, mimic=joint.mimic or followers.get(joint.name))
+
+
+def _check_followers(reader: XmlReader, joints: list[Joint]) -> None:
+    by_name = {joint.name: joint for joint in joints}
+    for element, joint in zip(reader.root.iterfind("joint"), joints, strict=True):
+        seen = {joint.name}
+        leader = joint
+        while leader.mimic is not None:
+            if leader.mimic.joint not in by_name:
+                raise reader.error(element, f"it mimics {leader.mimic.joint!r}, and there is no such joint")
+            leader = by_name[leader.mimic.joint]
+            if not joint.is_movable or not leader.is_movable or leader.name in seen:
+                what = "follows itself" if leader.name in seen else "is fixed, or follows one that is"
+                raise reader.error(element, f"it mimics {leader.name!r}, and {what}")
+            seen.add(leader.name)
 
 
 def _plugins(root: etree._Element) -> Iterable[GazeboPlugin]:

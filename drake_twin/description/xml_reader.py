@@ -68,9 +68,9 @@ class XmlReader:
         return default if text is None else self.parse_number(element, text, attribute)
 
     def parse_number(self, element: etree._Element, text: str, what: str) -> float:
-        """Text as a finite number."""
+        """Text as a finite number, written as in C: Python would also take ``1_000`` and the digits of any script."""
         try:
-            value = float(text)
+            value = float(text if text.isascii() and "_" not in text else "none")
         except ValueError:
             raise self.error(element, f"{what} is {text!r}, which is not a number") from None
         if not isfinite(value):

@@ -432,5 +432,12 @@ def test_triangles_whose_corners_are_no_numbers_are_left_out(tmp_path):
     assert bounds_in_drake(collision_mesh(tmp_path / "part.obj"))[1] == pytest.approx([1.0, 1.0, 0.0], abs=2e-3)
 
 
+@pytest.mark.parametrize("corner", ["1 1", "1 1 1e300"])
+def test_vertices_that_are_no_points_in_space_are_refused(tmp_path, corner):
+    corners = "".join(f"v {each} {corner.partition(' ')[2]}\n" for each in ("0 0", "1 0", "0 1"))
+    (tmp_path / "part.obj").write_text(corners.replace(" 1\n", "\n") + "f 1 2 3\n")
+    assert refusal(collision_mesh, tmp_path / "part.obj").startswith(f"{tmp_path}/part.obj: the mesh ")
+
+
 def test_an_address_keeps_spaces_and_accents_as_drake_takes_them():
     assert mesh_address(Path("/my robots/é.obj")) == "file:///my robots/é.obj"

@@ -64,6 +64,10 @@ BROKEN = {
     "mimic": ('name="r"', arm(joint(inside='<mimic joint="gone"/>'))),
     "shape_without_size": ('name="r"', link(inside=SOLID + f"<visual>{BOX.replace('1 1 1', '0 0 0')}</visual>")),
     "shape_without_geometry": ('name="r"', link(inside=SOLID + "<visual/>")),
+    "color": (
+        'name="r"',
+        link(inside=SOLID + f'<visual>{BOX}<material name="m"><color rgba="9 0 0 1"/></material></visual>'),
+    ),
     "inertia": ('name="r"', link(inside=SOLID.replace('ixx="1"', 'ixx="9"'))),
     "massless_link": ('name="r"', '<link name="base"/>'),
 }
@@ -112,7 +116,9 @@ def test_lines_of_text_that_xacro_made_are_not_given():
 
 def test_a_rule_that_does_not_exist_is_refused_with_those_there_are():
     check_rule_names(["inertia"], RULES)
-    with pytest.raises(InputError, match=r"there is no repair 'inertias'\. Did you mean 'inertia'\? Valid: effort"):
+    with pytest.raises(
+        InputError, match=r"there is no repair 'inertias'\. Did you mean 'inertia'\? Valid: color, effort"
+    ):
         check_rule_names(["inertias"], RULES)
 
 
@@ -214,7 +220,7 @@ def test_an_effort_limit_of_zero_on_a_joint_that_nobody_commands_is_left_alone()
     ("joints", "reason"),
     [
         ([joint(inside='<mimic joint="gone"/>')], "mimics 'gone', but there is no such joint"),
-        ([joint(inside="<mimic/>")], "mimics None, but there is no such joint"),
+        ([joint(inside="<mimic/>")], "mimics '', but there is no such joint"),
         (
             [joint(inside='<mimic joint="wrist"/>'), joint("wrist", "fixed", "arm", "hand")],
             "mimics 'wrist', but that joint does not move",
@@ -230,6 +236,21 @@ def test_a_joint_that_cannot_follow_mimics_nothing(joints, reason):
     root, (repair,) = mend(arm(*joints))
     assert root.find("joint/mimic") is None
     assert f"{reason}: it mimics nothing [mimic]" in repair
+
+
+@pytest.mark.parametrize(("leader", "reason"), [("gone", "there is no such joint"), ("elbow", "it follows itself")])
+def test_a_follower_of_ros2_control_that_cannot_follow_mimics_nothing(leader, reason):
+    parameter = f'<param name="mimic">{leader}</param>'
+    follower = f'<ros2_control name="s" type="system">\n<joint name="elbow">{parameter}</joint></ros2_control>'
+    root, (repair,) = mend(arm(joint(), joint("wrist", "fixed", "arm", "hand"), follower))
+    assert root.find("ros2_control/joint/param") is None
+    assert repair == f'line 8: <joint name="elbow"> mimics {leader!r}, but {reason}: it mimics nothing [mimic]'
+
+
+def test_a_follower_of_ros2_control_that_can_follow_is_left_alone():
+    parameter = '<param name="mimic">elbow</param>'
+    follower = f'<ros2_control name="s" type="system"><joint name="wrist">{parameter}</joint></ros2_control>'
+    assert mend(arm(joint(), joint("wrist", "continuous", "arm", "hand"), follower))[1] == []
 
 
 def test_a_circle_of_followers_is_opened_at_one_of_them():
@@ -256,6 +277,11 @@ def test_a_circle_of_followers_is_opened_at_one_of_them():
         '<cylinder radius="0" length="1"/>',
         '<cylinder radius="1" length="0"/>',
         '<capsule radius="0" length="1"/>',
+        "<box/>",
+        '<box size=""/>',
+        '<cylinder radius="1"/>',
+        '<mesh filename="a.stl" scale="1 0 1"/>',
+        '<mesh filename="a.stl" scale="1 1e-9 1"/>',
     ],
 )
 def test_a_shape_without_size_is_left_out(kind, shape):
@@ -264,6 +290,22 @@ def test_a_shape_without_size_is_left_out(kind, shape):
     assert len(root.findall(f"link/{kind}")) == 1
     assert repair.startswith(f'line 2: <link name="base">: a {kind} <{shape[1:4]}')
     assert repair.endswith("has no size: it is left out [shape_without_size]")
+
+
+@pytest.mark.parametrize("scale", ["", 'scale="0.001 0.001 0.001"', 'scale="1 -1 1"'])
+def test_a_mesh_of_any_other_scale_is_left_alone(scale):
+    visual = f'<visual><geometry><mesh filename="a.stl" {scale}/></geometry></visual>'
+    assert mend(link(inside=SOLID + visual))[1] == []
+
+
+@pytest.mark.parametrize("place", ["<visual>{}</visual>", "</link>{}<link name='none'>"])
+def test_a_colour_beyond_its_range_is_brought_into_it(place):
+    color = '<material name="paint"><color rgba="255 0.5 -1 1"/></material>'
+    geometry = BOX if "visual" in place else ""
+    body = f"{link(inside=SOLID + place.format(color + geometry))}".replace("<link name='none'></link>", "")
+    root, (repair,) = mend(body)
+    assert next(root.iter("color")).get("rgba") == "1 0.5 0 1"
+    assert repair == "line 2: <material name=\"paint\">: '255 0.5 -1 1' is not between 0 and 1 [color]"
 
 
 @pytest.mark.parametrize("kind", ["visual", "collision"])
@@ -329,10 +371,7 @@ def test_an_inertia_that_is_no_number_is_left_for_the_reader_to_refuse():
 def test_a_floating_root_without_mass_gets_a_little():
     root, (repair,) = mend('<link name="base"/>')
     assert float(root.find("link/inertial/mass").get("value")) == 0.001
-    assert repair == (
-        'line 2: <link name="base"> moves, but neither it nor what it carries has mass: it weighs 0.001 kg'
-        " [massless_link]"
-    )
+    assert repair == ('line 2: <link name="base"> moves, but has no mass: it weighs 0.001 kg [massless_link]')
 
 
 @pytest.mark.parametrize("inside", ["", INERTIAL.format(mass=0, inertia="")])

@@ -144,7 +144,7 @@ def test_what_is_made_no_use_of_and_the_meshes_are_listed(load, tmp_path):
 
 def test_a_file_of_another_kind_is_refused(load):
     with pytest.raises(InputError, match=r"robot\.urdf: a robot file is a xacro or URDF .* and this is neither"):
-        load("<mujoco/>")
+        load("<svg/>")
 
 
 def test_a_file_that_is_no_text_is_refused(load):

@@ -5,9 +5,10 @@ import pytest
 import trimesh
 from lxml import etree
 
+from drake_twin.description.drake_model import describe_model
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.sdf import describe_sdf, prepare_sdf
+from drake_twin.description.sdf import prepare_sdf
 from drake_twin.errors import InputError
 
 ARM = '<link name="base"/><link name="arm"/>'
@@ -26,7 +27,7 @@ def prepare(body: str, file: Path = Path("arm.sdf"), *folders: Path) -> tuple[st
 
 
 def describe(body: str) -> RobotDescription:
-    return describe_sdf(prepare(body)[0], sdf(body), Path("arm.sdf"), "own")
+    return describe_model(prepare(body)[0], "sdf", sdf(body), Path("arm.sdf"), "own")
 
 
 def refusal(call, *arguments) -> str:
@@ -96,7 +97,7 @@ def test_meshes_become_files_that_drake_reads(tmp_path, monkeypatch, folder):
     addresses = [uri.text for uri in etree.fromstring(text).iter("uri")]
     assert len(addresses) == 2
     assert all(address.startswith(f"file://{tmp_path}/cache of mine/") for address in addresses)
-    assert describe_sdf(text, "", Path("arm.sdf"), "own").links == ("base",)
+    assert describe_model(text, "sdf", "", Path("arm.sdf"), "own").links == ("base",)
 
 
 def test_a_missing_mesh_is_refused(tmp_path):
@@ -148,4 +149,4 @@ def test_links_that_form_several_trees_are_refused_by_name():
 
 
 def test_what_drake_refuses_gives_drakes_reason():
-    assert refusal(describe, "").startswith("arm.sdf: Drake cannot read this SDF: ")
+    assert refusal(describe, "").startswith("arm.sdf: Drake cannot read this robot: ")

@@ -17,6 +17,7 @@ from drake_twin.description.urdf import parse_urdf
 from drake_twin.errors import InputError
 
 LINKS = '<link name="base"/><link name="arm"/>'
+LEADER = '<link name="a"/><joint name="a" type="continuous"><parent link="base"/><child link="a"/></joint>'
 CONTINUOUS = '<joint name="elbow" type="continuous"><parent link="base"/><child link="arm"/>{}</joint>'
 
 
@@ -26,8 +27,7 @@ def robot(body: str, **options) -> RobotDescription:
 
 def joint_of(kind: str = "continuous", inside: str = "", after: str = "") -> Joint:
     text = f'<joint name="elbow" type="{kind}">\n<parent link="base"/><child link="arm"/>\n{inside}</joint>'
-    (joint,) = robot(f"{LINKS}\n{text}\n{after}").joints
-    return joint
+    return robot(f"{LINKS}\n{text}\n{after}").joints[0]
 
 
 def refusal(call, *arguments) -> str:
@@ -131,7 +131,29 @@ def test_a_joint_without_parent_or_child_is_refused(tag):
 
 
 def test_a_follower_is_read_from_mimic():
-    assert joint_of(inside='<mimic joint="a" multiplier="-2" offset="0.5"/>').mimic == Mimic("a", -2.0, 0.5)
+    inside = '<mimic joint="a" multiplier="-2" offset="0.5"/>'
+    assert joint_of(inside=inside, after=LEADER).mimic == Mimic("a", -2.0, 0.5)
+
+
+@pytest.mark.parametrize("inside", ["", '<mimic joint="{}"/>'])
+@pytest.mark.parametrize(
+    ("leader", "reason"),
+    [
+        ("gone", "it mimics 'gone', and there is no such joint"),
+        ("elbow", "it mimics 'elbow', and follows itself"),
+        ("mount", "it mimics 'mount', and is fixed, or follows one that is"),
+    ],
+)
+def test_a_joint_that_cannot_follow_is_refused(inside, leader, reason):
+    mount = '<link name="b"/><joint name="mount" type="fixed"><parent link="base"/><child link="b"/></joint>'
+    after = mount if inside else mount + mimic_in_ros2_control().replace(">a<", f">{leader}<")
+    text = refusal(joint_of, "continuous", inside.format(leader), after)
+    assert text == f'arm.urdf:3: <joint name="elbow">: {reason}.'
+
+
+def test_joints_that_follow_each_other_are_refused():
+    after = LEADER.replace("/></joint>", '/><mimic joint="elbow"/></joint>')
+    assert "and follows itself" in refusal(joint_of, "continuous", '<mimic joint="a"/>', after)
 
 
 def mimic_in_ros2_control(multiplier: str = "-1") -> str:
@@ -142,11 +164,12 @@ def mimic_in_ros2_control(multiplier: str = "-1") -> str:
 
 
 def test_a_follower_is_read_from_the_parameters_of_ros2_control():
-    assert joint_of(after=mimic_in_ros2_control()).mimic == Mimic("a", -1.0, 0.0)
+    assert joint_of(after=LEADER + mimic_in_ros2_control()).mimic == Mimic("a", -1.0, 0.0)
 
 
 def test_mimic_counts_more_than_the_parameters_of_ros2_control():
-    assert joint_of(inside='<mimic joint="b"/>', after=mimic_in_ros2_control()).mimic == Mimic("b")
+    after = LEADER + LEADER.replace('"a"', '"b"') + mimic_in_ros2_control()
+    assert joint_of(inside='<mimic joint="b"/>', after=after).mimic == Mimic("b")
 
 
 @pytest.mark.parametrize(

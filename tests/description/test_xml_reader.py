@@ -39,7 +39,14 @@ def test_attributes_that_are_absent_take_the_default():
 
 @pytest.mark.parametrize(
     ("value", "reason"),
-    [("one", "is not a number"), ("", "is not a number"), ("nan", "is not finite"), ("-inf", "is not finite")],
+    [
+        ("one", "is not a number"),
+        ("1_000", "is not a number"),
+        ("١", "is not a number"),
+        ("", "is not a number"),
+        ("nan", "is not finite"),
+        ("-inf", "is not finite"),
+    ],
 )
 def test_a_wrong_number_gives_file_line_element_and_value(value, reason):
     reader = reader_of(lower=value)

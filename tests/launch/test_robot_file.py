@@ -12,8 +12,10 @@ ARM = MODELS / "arduinobot_description" / "urdf" / "arduinobot.urdf.xacro"
 
 PREFIXED = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:arg name="{argument}" default=""/>
-  <link name="$(arg {argument})base"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><sphere radius="0.25"/></geometry></collision></link>
+  <link name="$(arg {argument})base">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.25"/></geometry></collision>
+  </link>
 </robot>"""
 
 

@@ -1,0 +1,87 @@
+"""The description of a robot that Drake's own parser reads (SDF, MJCF): read back from the parsed model."""
+
+from collections.abc import Iterator
+from math import inf, isfinite
+from pathlib import Path
+
+from drake_twin.description.robot_description import (
+    HardwareSystem,
+    Joint,
+    JointLimits,
+    Pose,
+    RobotDescription,
+    Vector3,
+)
+from drake_twin.errors import InputError
+
+
+def describe_model(
+    prepared: str, drake_format: str, text: str, file: Path, name: str, systems: tuple[HardwareSystem, ...] = ()
+) -> RobotDescription:
+    """The description of a prepared model.
+
+    Args:
+        prepared: the model as Drake's parser takes it.
+        drake_format: ``sdf``, or ``xml`` for MJCF.
+        text: the file's own text, which is published as ``robot_description``.
+        file: the file.
+        name: the robot's name in the file.
+        systems: what of it can be commanded.
+
+    Raises:
+        InputError: Drake refuses the model, with Drake's reason.
+    """
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(time_step=0.001)
+    try:
+        (instance,) = Parser(plant).AddModelsFromString(prepared, drake_format)
+    except (RuntimeError, ValueError, SystemExit) as error:
+        raise InputError(f"Drake cannot read this robot: {' '.join(str(error).split())}", file=file) from None
+    links = tuple(plant.get_body(index).name() for index in plant.GetBodyIndices(instance))
+    joints = tuple(_joints(plant, instance))
+    children = {joint.child for joint in joints}
+    roots = [link for link in links if link not in children]
+    if len(roots) != 1:
+        raise InputError(f"the links must form one tree, but {', '.join(roots)} have no parent", file=file)
+    return RobotDescription(name=name, links=links, joints=joints, systems=systems, text=text, file=file)
+
+
+def _joints(plant, instance) -> Iterator[Joint]:  # type: ignore[no-untyped-def]  # pydrake types stay in this module
+    for index in plant.GetJointIndices(instance):
+        joint = plant.get_joint(index)
+        kind = {"weld": "fixed"}.get(joint.type_name(), joint.type_name())
+        if kind not in ("fixed", "revolute", "prismatic", "planar"):
+            kind = "floating"
+        axis: Vector3 = (1.0, 0.0, 0.0)
+        limits = JointLimits()
+        if kind in ("revolute", "prismatic"):
+            x, y, z = joint.revolute_axis() if kind == "revolute" else joint.translation_axis()
+            axis = (x, y, z)
+            lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
+            if kind == "revolute" and not isfinite(lower) and not isfinite(upper):
+                kind = "continuous"
+            limits = JointLimits(lower, upper, joint.velocity_upper_limits()[0], inf)
+        origin = joint.frame_on_parent().GetFixedPoseInBodyFrame()
+        if kind == "fixed":  # a weld may hold its pose itself, instead of in its frames
+            origin = origin @ joint.X_FM()
+        yield Joint(
+            name=joint.name(),
+            type=kind,
+            parent=joint.parent_body().name(),
+            child=joint.child_body().name(),
+            origin=_pose(origin),
+            axis=axis,
+            limits=limits,
+            damping=float(joint.default_damping_vector()[0]) if joint.num_velocities() else 0.0,
+            child_origin=_pose(joint.frame_on_child().GetFixedPoseInBodyFrame().inverse()),
+        )
+
+
+def _pose(transform) -> Pose:  # type: ignore[no-untyped-def]
+    from pydrake.math import RollPitchYaw
+
+    x, y, z = transform.translation()
+    roll, pitch, yaw = RollPitchYaw(transform.rotation()).vector()
+    return Pose((x, y, z), (roll, pitch, yaw))

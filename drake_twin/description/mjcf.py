@@ -1,0 +1,76 @@
+"""MJCF robots (MuJoCo's XML), made ready for Drake's parser."""
+
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.description.meshes import mesh_for_mjcf
+from drake_twin.description.robot_description import CommandInterface, ControlledJoint, HardwareSystem, StateInterface
+from drake_twin.description.xml_reader import XmlReader
+
+# What a robot without a free joint stands on: the link that the twin fixes where the robot is spawned.
+_BASE = "robot_world"
+
+
+def prepare_mjcf(text: str, file: Path, model_name: str | None) -> tuple[str, bool, str, tuple[HardwareSystem, ...]]:
+    """MJCF text of one robot as Drake is given it.
+
+    MuJoCo's actuators become velocity and state interfaces of their joints, so that the twin's controllers command
+    them. Shapes that belong to the world (a floor) are left out: the twin has a world of its own.
+
+    Returns:
+        The text, whether the robot is fixed to the world, its name in the file, and what of it can be commanded.
+
+    Raises:
+        InputError: not an MJCF file with one robot.
+    """
+    reader = XmlReader(text, file)
+    root = reader.root
+    world = root.find("worldbody")
+    if root.tag != "mujoco" or world is None:
+        raise reader.error(root, "an MJCF robot has a <worldbody>")
+    own_name = root.get("model") or file.stem
+    root.set("model", model_name or own_name)
+    bodies = world.findall("body")
+    if not bodies:
+        raise reader.error(world, "there is no <body> in it")
+    for child in list(world):
+        if child.tag != "body":
+            world.remove(child)
+    free = [body for body in bodies if body.find("freejoint") is not None or _has_free_joint(body)]
+    is_fixed = not free
+    if free and len(bodies) > 1:
+        raise reader.error(bodies[1], "a robot is one tree of bodies, but there are several, and one of them is free")
+    if is_fixed:
+        base = etree.SubElement(world, "body", name=_BASE)
+        etree.SubElement(base, "freejoint")
+        base.extend(bodies)
+    systems = _actuated(reader)
+    for tag in ("actuator", "sensor", "keyframe", "visual", "size", "statistic"):
+        for element in root.findall(tag):
+            root.remove(element)
+    _give_mesh_files(reader, file)
+    return etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems
+
+
+def _has_free_joint(body: etree._Element) -> bool:
+    return any(joint.get("type") == "free" for joint in body.findall("joint"))
+
+
+def _actuated(reader: XmlReader) -> tuple[HardwareSystem, ...]:
+    joints = dict.fromkeys(actuator.get("joint", "") for group in reader.root.findall("actuator") for actuator in group)
+    states = (StateInterface("position"), StateInterface("velocity"), StateInterface("effort"))
+    controlled = tuple(ControlledJoint(name, (CommandInterface("velocity"),), states) for name in joints if name)
+    return (HardwareSystem("actuator", "system", "mujoco", controlled),) if controlled else ()
+
+
+def _give_mesh_files(reader: XmlReader, file: Path) -> None:
+    compiler = reader.root.find("compiler")
+    folder = file.parent / (compiler.get("meshdir", "") if compiler is not None else "")
+    for mesh in reader.root.iterfind("asset/mesh"):
+        name = mesh.get("file")
+        if name is not None:
+            mesh.set("name", mesh.get("name") or Path(name).stem)
+            mesh.set("file", str(mesh_for_mjcf(folder / name)))
+    if compiler is not None:
+        compiler.attrib.pop("meshdir", "")

@@ -1,0 +1,76 @@
+import json
+
+import pytest
+from conftest import ROVER
+
+from drake_twin.check import main
+from drake_twin.description.package_index import share_folder
+
+ARM = share_folder("models") / "arduinobot_description" / "urdf" / "arduinobot.urdf.xacro"
+
+SICK = """<robot>
+  <link name="a"/>
+  <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="9" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/><safety_controller k_velocity="1"/></joint>
+</robot>"""
+
+
+def report_of(capsys, *arguments, code=0):
+    assert main([*map(str, arguments), "--json"]) == code
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_healthy_robot_runs_as_it_is(capsys):
+    assert main([str(ARM)]) == 0
+    text = capsys.readouterr().out
+    assert "links: 8; joints: 2 fixed, 5 revolute; degrees of freedom: 5" in text
+    assert "actuators: joint_1, joint_2, joint_3, joint_4" in text
+    assert "command interfaces: position, velocity: joint_1" in text
+    assert "verdict: runs as it is" in text
+
+
+def test_the_report_counts_weighs_and_lists_as_json(capsys):
+    robot = report_of(capsys, ROVER)["robot"]
+    assert robot["mass"] == pytest.approx(12 + 4 * 1.2)
+    assert robot["degrees_of_freedom"] == 10
+    assert len(robot["command_interfaces"]) == 4
+    meshes = report_of(capsys, ARM)["robot"]["meshes"]
+    assert {file.rpartition("/")[2] for file in meshes} >= {"pedestal.stl", "finger.stl"}
+    assert all(size > 0 for size in meshes.values())
+
+
+def test_every_repair_and_everything_ignored_is_listed_with_its_line(capsys, tmp_path):
+    (tmp_path / "sick.urdf").write_text(SICK)
+    report = report_of(capsys, tmp_path / "sick.urdf")
+    assert [(item["rule"], item["line"]) for item in report["repairs"]] == [
+        ("robot_without_name", 1),
+        ("joint_without_limits", 4),
+        ("inertia", 3),
+        ("massless_link", 2),
+    ]
+    assert report["ignored"] == [{"what": "<safety_controller> in <joint>", "lines": [4]}]
+    assert main([str(tmp_path / "sick.urdf")]) == 0
+    assert "verdict: runs, mended" in capsys.readouterr().out
+
+
+def test_a_package_that_wants_no_mending_can_say_so(capsys, tmp_path):
+    (tmp_path / "sick.urdf").write_text(SICK)
+    report_of(capsys, tmp_path / "sick.urdf", "--strict", code=1)
+    report_of(capsys, ARM, "--strict", code=0)
+
+
+def test_a_robot_that_does_not_run_says_why_and_fails(capsys, tmp_path):
+    (tmp_path / "broken.urdf").write_text("<robot name='r'><link name='a'/><link name='b'/></robot>")
+    report = report_of(capsys, tmp_path / "broken.urdf", code=1)
+    assert not report["ok"]
+    assert "several links without a parent: a, b" in report["error"]
+
+
+def test_a_missing_file_fails(capsys):
+    assert main(["/nowhere/robot.urdf"]) == 1
+    assert "/nowhere/robot.urdf: there is no such file" in capsys.readouterr().out
+
+
+def test_xacro_arguments_reach_the_file(capsys):
+    assert report_of(capsys, ARM, "use_ros2_control:=false")["robot"]["actuators"] == []
+    assert main([str(ARM), "use_ros2_control"]) == 2

@@ -1,0 +1,171 @@
+"""Robots that nobody here wrote: all of example-robot-data (the extra ``corpus``), and shared/corpus where it is."""
+
+import json
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+from conftest import CORPUS
+
+from drake_twin import Twin
+from drake_twin.errors import InputError
+from drake_twin.launch.robot_file import robot_file_scenario
+
+SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
+DATA = SHARE / "example-robot-data" / "robots"
+BODY = pinocchio.FrameType.BODY
+URDFS = sorted(DATA.glob("**/*.urdf"))
+
+pytestmark = pytest.mark.slow
+needs_data = pytest.mark.skipif(
+    not URDFS, reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'"
+)
+
+
+def twin_of(file):
+    return Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
+
+
+@needs_data
+def test_the_collection_is_whole():
+    assert len(URDFS) == 69
+
+
+@needs_data
+@pytest.mark.parametrize("file", URDFS, ids=lambda file: file.stem)
+def test_a_robot_of_the_collection_loads_and_steps_and_its_frames_and_masses_are_the_files_own(file):
+    twin = twin_of(file)
+    (plan,) = twin.plans
+    twin.advance_to(1.0)
+    state = twin.robot_state(plan.name)
+    assert np.isfinite([*state.positions, *state.velocities, *state.base_pose]).all()
+    if len(plan.description.links) > 1:
+        assert_kinematics_and_inertia(twin, plan, file)
+
+
+def assert_kinematics_and_inertia(twin, plan, file):
+    """Against Pinocchio's reading of the original file, at the robot's own configuration after a second."""
+    reference = pinocchio.buildModelFromUrdf(str(file))
+    state = twin.robot_state(plan.name)
+    values = dict(zip(state.joints, state.positions, strict=True))
+    q = pinocchio.neutral(reference)
+    for name, value in values.items():
+        if not reference.existJointName(name):
+            continue
+        joint = reference.joints[reference.getJointId(name)]
+        if joint.nq == 2:
+            q[joint.idx_q : joint.idx_q + 2] = np.cos(value), np.sin(value)
+        else:
+            q[joint.idx_q] = value
+    data = reference.createData()
+    pinocchio.framesForwardKinematics(reference, data, q)
+    tree = frames(twin.latest("/tf"), twin.latest("/tf_static"))
+    root = plan.description.root_link
+    to_root = data.oMf[reference.getFrameId(root, BODY)].inverse()
+    for link in plan.description.links:
+        if not reference.existFrame(link, BODY) or not connected(
+            plan.frame_prefix + link, plan.frame_prefix + root, tree
+        ):
+            continue  # beyond a joint that no tf message covers
+        expected = (to_root * data.oMf[reference.getFrameId(link, BODY)]).homogeneous
+        found = relative(plan.frame_prefix + link, plan.frame_prefix + root, tree)
+        assert np.abs(found - expected).max() < 1e-6, link
+    changed = {repair.rule for repair in plan.model.repairs} & {"massless_link", "inertia"}
+    if not changed:
+        instance = twin.plant.GetModelInstanceByName(plan.name)
+        total = twin.plant.CalcTotalMass(twin.plant.GetMyContextFromRoot(twin.context), [instance])
+        own_root_mass = root_mass(file, plan)
+        assert total == pytest.approx(pinocchio.computeTotalMass(reference) + own_root_mass, rel=1e-6, abs=1e-6)
+
+
+def root_mass(file, plan):
+    """Pinocchio leaves out what is fixed to the universe: the root's own mass and that of what is fixed to it."""
+    from lxml import etree
+
+    masses = {
+        link.get("name"): float(mass.get("value"))
+        for link in etree.parse(file).getroot().iterfind("link")
+        if (mass := link.find("inertial/mass")) is not None
+    }
+    fixed, total = {plan.description.root_link}, 0.0
+    for _ in plan.description.joints:
+        fixed |= {joint.child for joint in plan.description.joints if joint.type == "fixed" and joint.parent in fixed}
+    for link in fixed:
+        total += masses.get(link, 0.0)
+    return total
+
+
+def frames(*messages):
+    found = {}
+    for message in messages:
+        for item in message.transforms:
+            matrix = np.eye(4)
+            rotation, translation = item.transform.rotation, item.transform.translation
+            quaternion = pinocchio.Quaternion(rotation.w, rotation.x, rotation.y, rotation.z)
+            matrix[:3, :3] = quaternion.toRotationMatrix()
+            matrix[:3, 3] = (translation.x, translation.y, translation.z)
+            found[item.child_frame_id] = (item.header.frame_id, matrix)
+    return found
+
+
+def connected(frame, root, tree):
+    while frame != root and frame in tree:
+        frame = tree[frame][0]
+    return frame == root
+
+
+def relative(frame, root, tree):
+    pose = np.eye(4)
+    while frame != root:
+        frame, matrix = tree[frame]
+        pose = matrix @ pose
+    return pose
+
+
+def whole_robots():
+    """The files of shared/corpus that stand for a whole robot: not the parts that others include."""
+    if not CORPUS.is_dir():
+        return []
+    files = [*CORPUS.glob("**/urdf/*.xacro.urdf"), *CORPUS.glob("*/*/robot/robot.xacro")]
+    files += [*CORPUS.glob("**/description/urdf/*.urdf.xacro"), *CORPUS.glob("**/urdf/robots/*.xacro")]
+    files += [*CORPUS.glob("**/urdf/*bot.urdf.xacro"), *CORPUS.glob("**/description/robot.urdf.xacro")]
+    files += [*CORPUS.glob("**/urdf/mogi_arm.xacro"), *CORPUS.glob("**/urdf/rosbot_xl.urdf.xacro")]
+    return sorted(set(files))
+
+
+@pytest.mark.skipif(not CORPUS.is_dir(), reason="the folder shared/corpus with other people's robots is not here")
+@pytest.mark.parametrize("file", whole_robots(), ids=lambda file: f"{file.parent.parent.parent.name}-{file.stem}")
+def test_a_robot_of_the_corpus_loads_and_steps(file):
+    if file.name == "rosbot_xl.urdf.xacro":  # its parts come from a package that is not in the corpus
+        with pytest.raises(InputError, match="package 'ros_components_description' is in none of"):
+            twin_of(file)
+        return
+    twin = twin_of(file)
+    twin.advance_to(1.0)
+    (plan,) = twin.plans
+    state = twin.robot_state(plan.name)
+    assert np.isfinite([*state.positions, *state.velocities, *state.base_pose]).all()
+    assert abs(state.base_pose[2] - plan.spawn_pose.xyz[2]) < 0.02, "it does not stand"
+    assert plan.model.drake_text
+
+
+@needs_data
+def test_the_second_start_converts_nothing(tmp_path):
+    """In a process of its own: what a conversion needs (trimesh, SciPy) is not even imported."""
+    file = DATA / "ur_description" / "urdf" / "ur5_robot.urdf"
+    program = (
+        "import sys, json; from drake_twin.check import check;"
+        f"report = check({str(file)!r}, {{}}, [{str(SHARE)!r}]);"
+        "print(json.dumps([report.ok, 'trimesh' in sys.modules, 'scipy.spatial' in sys.modules]))"
+    )
+    results = []
+    for _ in range(2):
+        command = [sys.executable, "-c", program]
+        environment = {"XDG_CACHE_HOME": str(tmp_path), "PATH": "/usr/bin:/bin"}
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+        results.append(json.loads(done.stdout))
+    assert results == [[True, True, True], [True, False, False]]

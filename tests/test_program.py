@@ -1,0 +1,66 @@
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from drake_twin.errors import InputError, RunError
+from drake_twin.program import ArgumentParser, run_program, say, stop_signals
+
+
+def failing(error):
+    def program(arguments):
+        raise error
+
+    return program
+
+
+@pytest.mark.parametrize(
+    ("error", "code"), [(InputError("x"), 2), (RunError("x"), 1), (OSError("x"), 2), (KeyboardInterrupt(), 130)]
+)
+def test_errors_become_exit_codes(error, code, capsys):
+    assert run_program(failing(error), []) == code
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_wrong_options_are_one_paragraph(capsys):
+    assert run_program(lambda arguments: ArgumentParser(prog="p").parse_args(arguments) and 0, ["--fly"]) == 2
+    assert capsys.readouterr().err == "error: unrecognized arguments: --fly (--help lists the options).\n"
+
+
+def test_debug_lets_the_error_through():
+    with pytest.raises(InputError):
+        run_program(failing(InputError("x")), ["--debug"])
+
+
+def test_the_first_signal_is_collected_and_the_second_has_its_usual_effect():
+    with stop_signals() as stopped:
+        os.kill(os.getpid(), signal.SIGINT)
+        assert stopped == [signal.SIGINT]
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+
+
+def test_a_reader_that_went_away_does_not_end_a_program(tmp_path):
+    file = tmp_path / "out.json"
+    command = (
+        f"{sys.executable} -m drake_twin.run --headless --duration 0.1 --summary {file} | true; exit ${{PIPESTATUS[0]}}"
+    )
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    assert file.exists()
+
+
+def test_a_closed_output_does_not_end_a_program(tmp_path):
+    command = f"{sys.executable} -m drake_twin.run --headless --duration 0.1 >&-"
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+
+
+def test_say_goes_on_when_nobody_reads():
+    read, write = os.pipe()
+    os.close(read)
+    with open(write, "w", closefd=True) as stream:
+        say("hello", stream)
+        say("again", stream)
