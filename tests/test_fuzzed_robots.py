@@ -1,7 +1,7 @@
 """Broken robot files never end in anything but a robot that runs or one readable error.
 
 Good URDFs are mutated, and a twin is built of each and advanced a little. Drake can end the process or never return, so
-this happens in a worker process that is started again when it dies or hangs. 150 mutations are tried by default; the
+this happens in a worker process that is started again when it dies or hangs. 500 mutations are tried by default; the
 environment variable DRAKE_TWIN_FUZZ_EXAMPLES asks for another number, and the test marked slow tries 3000.
 """
 
@@ -340,7 +340,7 @@ def test_the_good_robots_run(worker, robots):
 
 
 def test_a_mutated_robot_runs_or_is_refused_in_one_paragraph(worker, robots):
-    fuzz(worker, robots, int(os.environ.get("DRAKE_TWIN_FUZZ_EXAMPLES", "150")))
+    fuzz(worker, robots, int(os.environ.get("DRAKE_TWIN_FUZZ_EXAMPLES", "500")))
 
 
 @pytest.mark.slow

@@ -458,3 +458,150 @@ def test_a_paused_run_lets_no_time_pass(twin):
     twin.pause()
     twin.run(1.0, each_frame=each_frame)
     assert frames == [0.0] * 5
+
+
+# --- what a trial user stumbled over
+
+
+@pytest.mark.parametrize(
+    "options", [{"xyz": (np.nan, 0, 0)}, {"rpy": (0, np.inf, 0)}, {"initial_positions": {"joint_1": np.nan}}]
+)
+def test_a_nan_in_a_robots_start_never_reaches_the_plant(options):
+    with pytest.raises(InputError, match=r"robots\.0\..*(nan|inf) is not a finite number"):
+        TwinBuilder().robot("arm", ARM, **options).build()
+
+
+def test_a_nan_in_the_world_or_in_a_frame_never_reaches_the_plant():
+    from drake_twin.scenario import World
+
+    with pytest.raises(InputError, match=r"world\.gravity\.2: nan is not a finite number"):
+        rovers(1, world=World(gravity=(0, 0, np.nan))).scenario()
+    with pytest.raises(InputError, match=r"static_transforms\.0\.xyz\.0: nan is not a finite number"):
+        rovers(1).static_transform("world", "a", xyz=(np.nan, 0, 0)).scenario()
+
+
+def test_static_transforms_in_a_circle_are_refused():
+    with pytest.raises(InputError, match="form a circle through"):
+        rovers(1).static_transform("a", "b").static_transform("b", "a").scenario()
+    with pytest.raises(InputError, match="in a circle: robot_1_base_link in robot_1_rear_left_wheel"):
+        rovers(1).static_transform("robot_1_rear_left_wheel", "robot_1_base_link").build()
+
+
+def test_a_name_that_begins_like_a_link_is_no_prefix():
+    twin = TwinBuilder().robot("fore", ARM).build()
+    assert twin.base_frames == {"fore": "fore/world"}
+
+
+def test_a_published_message_cannot_be_changed_for_others(twin):
+    message = twin.joint_states("robot_1")
+    with pytest.raises(ValueError, match="read-only"):
+        message.position[0] = 99.0
+
+
+def test_a_subscription_that_another_callback_ends_does_not_fire_again(twin):
+    seen = []
+    ends = []
+    twin.subscribe("/clock", lambda message: ends[0](), rate=10)
+    ends.append(twin.subscribe("/clock", seen.append, rate=10))
+    twin.advance_to(0.5)
+    assert seen == []
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda twin: twin.step(1.5),
+        lambda twin: twin.advance_to("1"),
+        lambda twin: twin.advance_to(1e300),
+        lambda twin: twin.run(float("nan")),
+        lambda twin: twin.subscribe("/clock", print, rate=float("inf")),
+        lambda twin: twin.subscribe("/clock", print, rate=1e-320),
+        lambda twin: setattr(twin, "real_time_rate", 0),
+        lambda twin: twin.robot_state(3),
+        lambda twin: twin.set_joint_positions("robot_1", {"knee": 1.0}),
+    ],
+)
+def test_a_call_that_makes_no_sense_is_refused_in_words(twin, call):
+    with pytest.raises(InputError) as error:
+        call(twin)
+    assert str(error.value)
+
+
+def test_joints_can_be_put_somewhere_without_physics():
+    twin = TwinBuilder().robot("arm", ARM).build()
+    twin.set_joint_positions("arm", {"joint_2": 0.4})
+    assert twin.robot_state("arm").positions[1] == 0.4
+    assert twin.time == 0
+
+
+# --- joint friction and self-collision
+
+PENDULUM = """<robot name="p"><link name="world"/><link name="bob"><inertial><origin xyz="0 0 -1"/><mass value="1"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="j" type="continuous">
+<parent link="world"/><child link="bob"/><axis xyz="0 1 0"/><dynamics friction="{friction}"/></joint></robot>"""
+
+
+def pendulum(tmp_path, friction, **options):
+    (tmp_path / "p.urdf").write_text(PENDULUM.format(friction=friction))
+    return TwinBuilder().robot("p", tmp_path / "p.urdf", initial_positions={"j": 0.1}, **options).build()
+
+
+def test_joint_friction_holds_what_is_lighter_and_lets_go_what_is_heavier(tmp_path):
+    # m g l sin(0.1) = 0.98 N·m
+    holds, slips = pendulum(tmp_path, 1.2), pendulum(tmp_path, 0.5)
+    for twin in (holds, slips):
+        twin.advance_to(1.0)
+    assert holds.robot_state("p").positions[0] == pytest.approx(0.1, abs=2e-3)
+    assert slips.robot_state("p").positions[0] < 0.09
+
+
+def test_joint_friction_slows_a_swing_as_coulomb_friction_does(tmp_path):
+    """Against the equation of motion, integrated by SciPy."""
+    from scipy.integrate import solve_ivp
+
+    friction, inertia, torque = 0.3, 0.1 + 1.0, 9.81
+    twin = pendulum(tmp_path, friction)
+    twin.set_joint_positions("p", {"j": 1.0})
+    twin.advance_to(0.5)
+
+    def falling(_, state):
+        return [state[1], (-torque * np.sin(state[0]) + friction) / inertia]
+
+    exact = solve_ivp(falling, (0, 0.5), [1.0, 0.0], rtol=1e-9, atol=1e-12).y[0, -1]
+    assert twin.robot_state("p").positions[0] == pytest.approx(exact, abs=5e-3)
+
+
+def test_joint_friction_can_be_left_out(tmp_path):
+    twin = pendulum(tmp_path, 1.2, without_repairs=["joint_friction"])
+    twin.advance_to(0.8)
+    assert twin.robot_state("p").positions[0] < 0.0
+
+
+OVERLAPPING = """<robot name="o"><link name="world"/>
+<link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+  <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+<link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
+  <collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision></link>
+<joint name="ja" type="prismatic"><parent link="world"/><child link="a"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/>
+  <limit lower="-5" upper="5"/></joint>
+<joint name="jb" type="prismatic"><parent link="world"/><child link="b"/><origin xyz="0.15 0 1"/><axis xyz="1 0 0"/>
+  <limit lower="-5" upper="5"/></joint>{gazebo}</robot>"""
+COLLIDES = '<gazebo reference="{}"><selfCollide>true</selfCollide></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("gazebo", "options", "apart"),
+    [
+        ("", {}, False),
+        (COLLIDES.format("a"), {}, False),
+        (COLLIDES.format("a") + COLLIDES.format("b"), {}, True),
+        ("", {"self_collision": True}, True),
+    ],
+    ids=["as in Gazebo", "one link asks", "both links ask", "the scenario asks"],
+)
+def test_links_of_one_robot_collide_only_where_they_are_told_to(tmp_path, gazebo, options, apart):
+    (tmp_path / "o.urdf").write_text(OVERLAPPING.format(gazebo=gazebo))
+    twin = TwinBuilder().robot("o", tmp_path / "o.urdf", **options).build()
+    twin.advance_to(1.0)
+    a, b = twin.robot_state("o").positions
+    assert (0.15 + b - a > 0.16) == apart

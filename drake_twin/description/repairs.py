@@ -243,7 +243,7 @@ def _color(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
 
 
 def _inertia(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
-    """Moments that no body has become the nearest possible; mass without inertia is a small sphere; the reverse, none."""
+    """Moments that no body has become the nearest possible; mass without inertia is a small sphere."""
     for link in reader.root.iterfind("link"):
         inertial = link.find("inertial")
         if inertial is None:

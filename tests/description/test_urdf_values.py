@@ -6,19 +6,20 @@ from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
+SHAPE = "<link name='a'><collision><geometry>{}</geometry></collision></link>"
 ELEMENTS = {
     "origin": ("<link name='a'><visual>{}</visual></link>", "<origin xyz='0 0 {}'/>"),
     "turn": ("<joint name='a'>{}</joint>", "<origin rpy='0 0 {}'/>"),
     "mass": ("<link name='a'><inertial>{}</inertial></link>", "<mass value='{}'/>"),
     "inertia": ("<link name='a'><inertial>{}</inertial></link>", "<inertia ixx='1' iyz='{}'/>"),
-    "box": ("<link name='a'><collision><geometry>{}</geometry></collision></link>", "<box size='1 1 {}'/>"),
-    "sphere": ("<link name='a'><collision><geometry>{}</geometry></collision></link>", "<sphere radius='{}'/>"),
+    "box": (SHAPE, "<box size='1 1 {}'/>"),
+    "sphere": (SHAPE, "<sphere radius='{}'/>"),
     "cylinder": (
-        "<link name='a'><visual><geometry>{}</geometry></visual></link>",
+        SHAPE,
         "<cylinder radius='1' length='{}'/>",
     ),
-    "capsule": ("<link name='a'><visual><geometry>{}</geometry></visual></link>", "<capsule radius='{}' length='1'/>"),
-    "mesh": ("<link name='a'><visual><geometry>{}</geometry></visual></link>", "<mesh scale='1 1 {}'/>"),
+    "capsule": (SHAPE, "<capsule radius='{}' length='1'/>"),
+    "mesh": (SHAPE, "<mesh scale='1 1 {}'/>"),
     "dynamics": ("<joint name='a'>{}</joint>", "<dynamics damping='{}'/>"),
     "mimic": ("<joint name='a'>{}</joint>", "<mimic offset='{}'/>"),
     "color": ("<material name='a'>{}</material>", "<color rgba='1 1 1 {}'/>"),
@@ -62,8 +63,10 @@ def test_a_good_number_is_taken(element):
 
 @pytest.mark.parametrize(
     ("element", "text"),
-    [("mass", "<mass> of <inertial> of <link name=\"a\">: value is '-1', and cannot be negative.")]
-    + [("dynamics", "<dynamics> of <joint name=\"a\">: damping is '-1', and cannot be negative.")],
+    [
+        ("mass", "<mass> of <inertial> of <link name=\"a\">: value is '-1', and cannot be negative."),
+        ("dynamics", "<dynamics> of <joint name=\"a\">: damping is '-1', and cannot be negative."),
+    ],
 )
 def test_what_cannot_be_negative_is_refused(element, text):
     around, inside = ELEMENTS[element]
