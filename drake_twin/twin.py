@@ -4,11 +4,9 @@ Everything happens in the thread that calls `Twin.advance_to` or `Twin.run`, in 
 repeatable to the last bit.
 """
 
-import hashlib
 import time as wall_clock
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from math import ceil, floor
+from collections.abc import Callable, Mapping
+from math import floor, isfinite
 from typing import Any
 
 import numpy as np
@@ -20,37 +18,12 @@ from drake_twin import messages
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, build_twin_diagram
 from drake_twin.errors import CommandError, InputError, RunError
-from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError
+from drake_twin.scenario import LONGEST_TIME, Scenario, ScenarioError
+from drake_twin.schedule import ScheduledCommand, Subscription, step_at
+from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
 
 _FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
 _MOST_STEPS_A_FRAME = 10_000
-
-
-@dataclass(frozen=True)
-class RobotState:
-    """One robot at one moment.
-
-    Attributes:
-        joints: the names of its movable joints, in file order.
-        positions: joint positions (rad or m).
-        velocities: joint velocities (rad/s or m/s).
-        efforts: what its actuators applied in the last step (N·m or N); zero where a joint has none.
-        base_pose: the root link in the world: x, y, z (m), qw, qx, qy, qz.
-    """
-
-    joints: tuple[str, ...]
-    positions: tuple[float, ...]
-    velocities: tuple[float, ...]
-    efforts: tuple[float, ...]
-    base_pose: tuple[float, ...]
-
-
-@dataclass(eq=False)
-class _Subscription:
-    topic: str
-    callback: Callable[[Any], None]
-    period: float | None
-    next_point: int = 0  # the next point of the period's grid to deliver
 
 
 class Twin:
@@ -75,7 +48,7 @@ class Twin:
         self._simulator = Simulator(self._built.diagram)
         self._context = self._simulator.get_mutable_context()
         self._plant_context = self._built.plant.GetMyContextFromRoot(self._context)
-        self._subscriptions: list[_Subscription] = []
+        self._subscriptions: list[Subscription] = []
         self._queue: list[tuple[str, np.ndarray]] = []
         self._silenced: set[str] = set()
         self.paused = False
@@ -86,7 +59,7 @@ class Twin:
         self._step = 0
         self._built.fix_commands(self._context)
         self._commands: dict[str, np.ndarray] = {}
-        self._schedule = [_ScheduledCommand(command, self.scenario.time_step) for command in self.scenario.commands]
+        self._schedule = [ScheduledCommand(command, self.scenario.time_step) for command in self.scenario.commands]
         try:
             self._simulator.Initialize()
         except (RuntimeError, SystemExit) as error:
@@ -212,8 +185,8 @@ class Twin:
         if rate is not None and not 1e-6 <= rate < float("inf"):
             raise InputError(f"a rate of {rate!r} Hz is none: it must be a number above zero")
         rate = published[topic].rate and (rate or published[topic].rate)
-        subscription = _Subscription(topic, callback, None if rate is None else 1.0 / rate)
-        subscription.next_point = self._first_grid_point(subscription)
+        period = None if rate is None else 1.0 / rate
+        subscription = Subscription(topic, callback, period, self.scenario.time_step, self._step)
         self._subscriptions.append(subscription)
         return lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None
 
@@ -242,20 +215,7 @@ class Twin:
         Raises:
             InputError: no such robot.
         """
-        plan, parts = self._plan(robot), self._built.robots[robot]
-        layout, plant = parts.layout, self._built.plant
-        state = plant.GetPositionsAndVelocities(self._plant_context, parts.instance)
-        efforts = plant.get_net_actuation_output_port(parts.instance).Eval(self._plant_context)
-        names = tuple(joint.name for joint in plan.description.movable_joints)
-        root = plant.GetBodyByName(plan.model.root_body, parts.instance)
-        pose = plant.EvalBodyPoseInWorld(self._plant_context, root)
-        return RobotState(
-            joints=names,
-            positions=tuple(float(state[layout.positions[name]]) for name in names),
-            velocities=tuple(float(state[layout.velocities[name]]) for name in names),
-            efforts=tuple(float(efforts[layout.efforts[name]]) if name in layout.efforts else 0.0 for name in names),
-            base_pose=(*pose.translation().tolist(), *pose.rotation().ToQuaternion().wxyz().tolist()),
-        )
+        return read_robot_state(self._built, self._plant_context, self._plan(robot))
 
     def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
         """Puts joints where they are told to be, at once and without forces; their velocities stay.
@@ -275,6 +235,8 @@ class Twin:
                 raise InputError(
                     f"robot {plan.name!r} has no movable joint {joint!r}", value=joint, valid=parts.layout.positions
                 )
+            if not isfinite(position):
+                raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
             q[parts.layout.positions[joint]] = position
         self._built.plant.SetPositions(context, parts.instance, q)
 
@@ -336,7 +298,7 @@ class Twin:
         self._context.SetTime(0.0)
         self._start()
         for subscription in self._subscriptions:
-            subscription.next_point = 0
+            subscription.restart()
 
     def draw(self) -> None:
         """Draws the present state on the page, if there is one."""
@@ -381,23 +343,14 @@ class Twin:
 
         Two runs with the same hash are in the same state to the last bit.
         """
-        digest = hashlib.sha256()
-        digest.update(f"step {self._step} of {self.scenario.time_step.hex()}\n".encode())
-        for plan in sorted(self._built.plans, key=lambda plan: plan.name):
-            instance = self._built.robots[plan.name].instance
-            state = self._built.plant.GetPositionsAndVelocities(self._plant_context, instance)
-            digest.update(f"robot {plan.name}\n".encode() + np.asarray(state, dtype="<f8").tobytes())
-        for topic, item in sorted(self._built.commanded.items()):
-            digest.update(f"active {topic} {','.join(item.controller.joints)}\n".encode())
-            command = self._commands.get(topic)
-            digest.update(b"none\n" if command is None else np.asarray(command, dtype="<f8").tobytes())
-        return digest.hexdigest()
+        time = f"step {self._step} of {self.scenario.time_step.hex()}"
+        return hash_state(self._built, self._plant_context, time, self._commands)
 
     def _step_at(self, time: float) -> int:
         """The first step that is not before a time (s)."""
         if not isinstance(time, int | float | np.number) or not -LONGEST_TIME <= time <= LONGEST_TIME:
             raise InputError(f"{time!r} is not a simulation time")
-        return ceil(time / self.scenario.time_step - 1e-6)
+        return step_at(time, self.scenario.time_step)
 
     def _plan(self, robot: str) -> Any:
         for plan in self._built.plans:
@@ -423,38 +376,15 @@ class Twin:
             if self.paused:
                 return
             self._apply_commands()
-            next_step = min(target, *self._due_steps()) if self._schedule or self._subscriptions else target
+            next_step = self._next_stop(target)
             try:
                 self._simulator.AdvanceTo(next_step * time_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
-                self._check_state()
+                check_finite(self._built, self._plant_context, self.time)
                 reason = " ".join(str(error).split())
                 raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
-            self._check_state()
+            check_finite(self._built, self._plant_context, self.time)
             self._step = next_step
-
-    def _check_state(self) -> None:
-        """Refuses to go on with a state that is not made of finite numbers."""
-        plant = self._built.plant
-        if np.isfinite(plant.GetPositionsAndVelocities(self._plant_context)).all():
-            return
-        for plan in self._built.plans:
-            parts = self._built.robots[plan.name]
-            state = plant.GetPositionsAndVelocities(self._plant_context, parts.instance)
-            if np.isfinite(state).all():
-                continue
-            layout = parts.layout
-            joints = [
-                name
-                for name, index in layout.positions.items()
-                if not np.isfinite([state[index], state[layout.velocities[name]]]).all()
-            ]
-            what = f"joint {', '.join(joints)}" if joints else "the base"
-            raise RunError(
-                f"the simulation failed after {self.time:g} s: {what} of robot {plan.name!r} is no longer at a finite"
-                " position. Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so"
-                " does a step that is too long"
-            )
 
     def _advance_for(self, wall_time: float, end: int | None) -> None:
         """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
@@ -468,7 +398,7 @@ class Twin:
     def _apply_commands(self) -> None:
         due = []
         for scheduled in self._schedule:
-            if scheduled.next_step == self._step:
+            if scheduled.due_step() == self._step:
                 if scheduled.topic not in self._silenced:
                     due.append((scheduled.topic, self._checked(scheduled.topic, scheduled.data)))
                 scheduled.pass_step()
@@ -480,44 +410,13 @@ class Twin:
 
     def _deliver(self) -> None:
         for subscription in tuple(self._subscriptions):
-            if subscription in self._subscriptions and self._due_step(subscription) <= self._step:
+            if subscription in self._subscriptions and subscription.due_step() <= self._step:
                 message = self._built.published[subscription.topic].port.Eval(self._context)
-                subscription.next_point = self._first_grid_point(subscription) + 1
+                subscription.pass_step(self._step)
                 subscription.callback(message)
 
-    def _first_grid_point(self, subscription: _Subscription) -> int:
-        """The last point of a subscription's grid that is not after the present step."""
-        if subscription.period is None:
-            return 0
-        return floor(self.time / subscription.period + 1e-9)
-
-    def _due_step(self, subscription: _Subscription) -> float:
-        if subscription.period is None:
-            return self._step if subscription.next_point == 0 else float("inf")
-        return ceil(subscription.next_point * subscription.period / self.scenario.time_step - 1e-6)
-
-    def _due_steps(self) -> Sequence[int]:
-        due: list[float] = [scheduled.next_step for scheduled in self._schedule]
-        due += [self._due_step(subscription) for subscription in self._subscriptions]
-        return [int(step) for step in due if self._step < step < float("inf")] or [2**62]
-
-
-class _ScheduledCommand:
-    """A scenario's command and the physics step at which it is next due."""
-
-    def __init__(self, command: Command, time_step: float):
-        self.topic = command.topic
-        self.data = command.data
-        self._command = command
-        self._time_step = time_step
-        self._published = 0
-        self.next_step: float = self._due()
-
-    def pass_step(self) -> None:
-        """Moves on to the next time it is due."""
-        self._published += 1
-        self.next_step = float("inf") if self._command.period is None else self._due()
-
-    def _due(self) -> int:
-        time = self._command.time + self._published * (self._command.period or 0.0)
-        return ceil(time / self._time_step - 1e-6)
+    def _next_stop(self, target: int) -> int:
+        """The next step at which something is due, or the target if that comes first."""
+        due = [item.due_step() for item in self._schedule]
+        due += [item.due_step() for item in self._subscriptions]
+        return int(min([target, *(step for step in due if step > self._step)]))

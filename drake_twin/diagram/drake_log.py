@@ -1,6 +1,7 @@
 """Drake's log messages, where the twin has its own way to show them."""
 
 import logging
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -33,3 +34,8 @@ def captured_warnings() -> Iterator[list[str]]:
         yield messages
     finally:
         _LOGGER.removeFilter(keep)
+
+
+def without_literal(text: str) -> str:
+    """A message of Drake's parser without its place in the prepared text, which the user never sees."""
+    return re.sub(r"<literal-string>[.\w]*:\d*:? *(error: |warning: )?", "", text).strip()

@@ -20,7 +20,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.robot_description import Pose
-from drake_twin.diagram.drake_log import captured_warnings
+from drake_twin.diagram.drake_log import captured_warnings, without_literal
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, set_servo_gains
 from drake_twin.errors import InputError
@@ -91,7 +91,7 @@ def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
     try:
         yield
     except (RuntimeError, ValueError, SystemExit) as error:
-        reason = " ".join(str(error).split()) or "it gives no reason"
+        reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
         raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
 
 
@@ -106,7 +106,7 @@ def _add_robot(
 ) -> ModelInstanceIndex:
     with captured_warnings() as messages:
         (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
-    warnings.extend(f"{plan.name}: {message.removeprefix('<literal-string>.urdf:')}" for message in messages)
+    warnings.extend(f"{plan.name}: {without_literal(message)}" for message in messages)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         warnings.append(f"{plan.name}: the robot has no collision shape: it falls through the ground")

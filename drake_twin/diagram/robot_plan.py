@@ -256,6 +256,9 @@ def _velocity_plan(
     if not joints:
         raise parameters.error("the parameter 'joints' is missing or empty")
     for joint in joints:
+        kind = description.joints_by_name[joint].type
+        if not description.joints_by_name[joint].is_movable:
+            return f"joint {joint} is {kind} and cannot be commanded"
         controlled = description.controlled_joints.get(joint)
         interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
         if "velocity" not in interfaces:

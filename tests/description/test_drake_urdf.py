@@ -137,6 +137,20 @@ def test_a_material_that_is_not_defined_is_refused_without_that_repair():
     assert text == "rover.urdf:2: <material name=\"pink\">: the material 'pink' is not defined."
 
 
+def test_the_first_of_several_materials_of_a_visual_counts():
+    paints = "".join(f"<material name='{name}'/>" for name in ("red", "green"))
+    colors = "<material name='red'><color rgba='1 0 0 1'/></material>"
+    robot, repairs = prepare(f"{colors}<link name='base'><visual>{BOX}{paints}</visual></link>")
+    assert [color.get("rgba") for color in robot.iter("color")] == ["1 0 0 1"]
+    assert repairs == []
+
+
+def test_a_blank_name_of_a_shape_is_left_out():
+    robot, _ = prepare(f"<link name='base'><visual name=' '>{BOX}</visual><collision name='c'>{BOX}</collision></link>")
+    assert robot.find("link/visual").get("name") is None
+    assert robot.find("link/collision").get("name") == "c"
+
+
 def test_a_material_of_a_texture_alone_needs_no_repair():
     _, repairs = prepare(
         f"<link name='base'><visual>{BOX}<material name='wood'><texture filename='a.png'/></material></visual></link>"

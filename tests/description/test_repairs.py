@@ -356,6 +356,14 @@ def unit_inertia(moments: np.ndarray) -> UnitInertia:
     return UnitInertia(*np.diag(moments), moments[0, 1], moments[0, 2], moments[1, 2])
 
 
+@pytest.mark.parametrize("mass", ["", '<mass value="0"/>'])
+def test_an_inertia_without_mass_is_left_out(mass):
+    arm_link = link("arm", f"<inertial>{mass}{INERTIA.format(1, 0, 0, 1, 0, 1)}</inertial>")
+    root, (repair,) = mend(f"{link()}\n{arm_link}\n{joint(kind='fixed')}")
+    assert len(root.findall("link/inertial")) == 1
+    assert repair == 'line 3: <link name="arm"> has inertia but no mass: it has neither [inertia]'
+
+
 def test_an_inertia_is_changed_no_further_than_needed():
     root, _ = mend(link(inside=INERTIAL.format(mass=2, inertia=INERTIA.format(1, 0, 0, 1, 0, 2.01))))
     assert tensor(root) == pytest.approx(np.diag([1.0, 1.0, 2.01]), rel=0.01)

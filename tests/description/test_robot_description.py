@@ -57,8 +57,8 @@ def test_actuated_joints_stand_in_the_order_of_ros2_control_without_followers_an
     assert [joint.name for joint in ROBOT.actuated_joints] == ["wrist", "elbow"]
 
 
-def test_controlled_joints_that_the_robot_lacks_are_left_out():
-    assert "absent" not in ROBOT.controlled_joints
+def test_controlled_joints_that_the_robot_lacks_or_that_do_not_move_are_left_out():
+    assert list(ROBOT.controlled_joints) == ["wrist", "elbow", "finger"]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,80 @@
+"""What a twin has to stop for between physics steps: commands that fall due, and messages that are to be delivered.
+
+Times are met at physics steps: something due at a time happens at the first step that is not before it.
+"""
+
+from collections.abc import Callable
+from math import ceil, floor, inf
+from typing import Any
+
+from drake_twin.scenario import Command
+
+_ROUNDING = 1e-6  # of a step: k · 0.001 differs from its literal for one k in eight
+
+
+def step_at(time: float, time_step: float) -> int:
+    """The first physics step that is not before a time (s)."""
+    return ceil(time / time_step - _ROUNDING)
+
+
+class Subscription:
+    """A callback and the grid of simulation times, from zero on, at which it is given a topic's message.
+
+    Args:
+        topic: the topic.
+        callback: is given the message.
+        period: the grid's spacing (s); None for a message that never changes, which is delivered once.
+        time_step: the physics step (s).
+        step: the present step; the message of the present time is delivered first.
+    """
+
+    def __init__(self, topic: str, callback: Callable[[Any], None], period: float | None, time_step: float, step: int):
+        self.topic = topic
+        self.callback = callback
+        self._period = period
+        self._time_step = time_step
+        self._next_point = self._last_point_before(step)
+
+    def due_step(self) -> float:
+        """The step of the next delivery; infinite when there is none."""
+        if self._period is None:
+            return 0 if self._next_point == 0 else inf
+        return step_at(self._next_point * self._period, self._time_step)
+
+    def pass_step(self, step: int) -> None:
+        """Notes a delivery at a step, and moves on to the grid point after it."""
+        self._next_point = self._last_point_before(step) + 1
+
+    def restart(self) -> None:
+        """Begins again at step zero."""
+        self._next_point = 0
+
+    def _last_point_before(self, step: int) -> int:
+        """The last point of the grid that is not after a step."""
+        return 0 if self._period is None else floor(step * self._time_step / self._period + 1e-9)
+
+
+class ScheduledCommand:
+    """A scenario's command and the step at which it is next due.
+
+    Args:
+        command: what to publish when.
+        time_step: the physics step (s).
+    """
+
+    def __init__(self, command: Command, time_step: float):
+        self.topic = command.topic
+        self.data = command.data
+        self._command = command
+        self._time_step = time_step
+        self._published = 0
+
+    def due_step(self) -> float:
+        """The step at which it is next published; infinite when it has been for the last time."""
+        if self._command.period is None:
+            return inf if self._published else step_at(self._command.time, self._time_step)
+        return step_at(self._command.time + self._published * self._command.period, self._time_step)
+
+    def pass_step(self) -> None:
+        """Notes that it was published."""
+        self._published += 1
