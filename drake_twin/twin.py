@@ -52,6 +52,7 @@ class Twin:
         self._queue: list[tuple[str, np.ndarray]] = []
         self._silenced: set[str] = set()
         self.paused = False
+        self._advancing = False
         self._real_time_rate = 1.0
         self._start()
 
@@ -291,7 +292,11 @@ class Twin:
         """Goes back to the start: time zero, start positions, no commands, the scenario's commands ahead again.
 
         Subscriptions stay, and count from zero again. Commands published and not yet applied are dropped.
+
+        Raises:
+            InputError: called inside a callback.
         """
+        self._refuse_inside_callback("reset")
         self._queue.clear()
         self._silenced.clear()
         self._built.diagram.SetDefaultContext(self._context)
@@ -370,6 +375,18 @@ class Twin:
             raise CommandError(f"{topic}: {error.message}") from None
 
     def _advance(self, target: int) -> None:
+        self._refuse_inside_callback("advance")
+        self._advancing = True
+        try:
+            self._advance_in_slices(target)
+        finally:
+            self._advancing = False
+
+    def _refuse_inside_callback(self, what: str) -> None:
+        if self._advancing:
+            raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
+
+    def _advance_in_slices(self, target: int) -> None:
         time_step = self.scenario.time_step
         while self._step < target and not self.paused:
             self._deliver()

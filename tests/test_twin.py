@@ -508,6 +508,15 @@ def test_a_subscription_that_another_callback_ends_does_not_fire_again(twin):
 
 
 @pytest.mark.parametrize(
+    "call", [lambda twin: twin.advance_to(1.0), lambda twin: twin.step(), lambda twin: twin.reset()]
+)
+def test_a_callback_cannot_advance_or_reset_the_twin_that_calls_it(twin, call):
+    twin.subscribe("/clock", lambda message: call(twin), rate=10)
+    with pytest.raises(InputError, match="a callback cannot"):
+        twin.advance_to(0.5)
+
+
+@pytest.mark.parametrize(
     "call",
     [
         lambda twin: twin.step(1.5),
@@ -519,6 +528,7 @@ def test_a_subscription_that_another_callback_ends_does_not_fire_again(twin):
         lambda twin: setattr(twin, "real_time_rate", 0),
         lambda twin: twin.robot_state(3),
         lambda twin: twin.set_joint_positions("robot_1", {"knee": 1.0}),
+        lambda twin: twin.set_joint_positions("robot_1", {"robot_1_rear_left_wheel_joint": np.nan}),
     ],
 )
 def test_a_call_that_makes_no_sense_is_refused_in_words(twin, call):

@@ -184,3 +184,17 @@ def test_robots_that_nobody_here_wrote_load_with_the_meshes_they_have(corpus, ro
     assert len(missing) == len(absent)
     assert all(f"/{name}: there is no such file" in what for name, what in zip(absent, missing, strict=True))
     assert len(instances_in_drake(model)) == 1
+
+
+def test_two_copies_of_a_robot_convert_its_meshes_once(tmp_path, monkeypatch):
+    from drake_twin import TwinBuilder
+    from drake_twin.description import meshes
+
+    read = []
+    original = meshes._single_mesh
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(meshes, "_single_mesh", lambda file: read.append(file.name) or original(file))
+    arm = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
+    TwinBuilder().robot("a", arm).robot("b", arm, xyz=(2, 0, 0)).build()
+    names = ("claw", "finger", "forearm", "pedestal", "turret", "upper_arm")
+    assert sorted(read) == sorted(f"{name}.stl" for name in names for _ in ("picture", "contact"))
