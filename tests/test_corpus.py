@@ -12,6 +12,7 @@ import pytest
 from conftest import CORPUS
 
 from drake_twin import Twin
+from drake_twin.cockpit.page import open_meshcat
 from drake_twin.errors import InputError
 from drake_twin.launch.robot_file import robot_file_scenario
 
@@ -26,6 +27,11 @@ needs_data = pytest.mark.skipif(
 )
 
 
+@pytest.fixture(scope="module")
+def meshcat():
+    return open_meshcat()
+
+
 def twin_of(file):
     return Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
 
@@ -37,9 +43,12 @@ def test_the_collection_is_whole():
 
 @needs_data
 @pytest.mark.parametrize("file", URDFS, ids=lambda file: file.stem)
-def test_a_robot_of_the_collection_loads_and_steps_and_its_frames_and_masses_are_the_files_own(file):
-    twin = twin_of(file)
+def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertias_are_the_files_own(file, meshcat):
+    meshcat.Delete()
+    twin = Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]), meshcat)
     (plan,) = twin.plans
+    twin.draw()
+    assert meshcat.HasPath(f"/drake/visualizer/{plan.name}") == ("<visual" in plan.model.drake_text)
     twin.advance_to(1.0)
     state = twin.robot_state(plan.name)
     assert np.isfinite([*state.positions, *state.velocities, *state.base_pose]).all()
@@ -78,8 +87,21 @@ def assert_kinematics_and_inertia(twin, plan, file):
     if not changed:
         instance = twin.plant.GetModelInstanceByName(plan.name)
         total = twin.plant.CalcTotalMass(twin.plant.GetMyContextFromRoot(twin.context), [instance])
+        assert_joint_space_inertia(twin, plan, reference, q)
         own_root_mass = root_mass(file, plan)
         assert total == pytest.approx(pinocchio.computeTotalMass(reference) + own_root_mass, rel=1e-6, abs=1e-6)
+
+
+def assert_joint_space_inertia(twin, plan, reference, q):
+    """The joints' block of the mass matrix is the same for a free and a fixed base; it holds every link's inertia."""
+    names = [joint.name for joint in plan.description.movable_joints if reference.existJointName(joint.name)]
+    own = [twin.plant.GetJointByName(name).velocity_start() for name in names]
+    theirs = [reference.joints[reference.getJointId(name)].idx_v for name in names]
+    context = twin.plant.GetMyContextFromRoot(twin.context)
+    found = twin.plant.CalcMassMatrix(context)[np.ix_(own, own)]
+    upper = pinocchio.crba(reference, reference.createData(), q)
+    expected = (np.triu(upper) + np.triu(upper, 1).T)[np.ix_(theirs, theirs)]
+    assert np.abs(found - expected).max(initial=0.0) <= 1e-6 * np.abs(expected).max(initial=0.0)
 
 
 def root_mass(file, plan):
