@@ -85,7 +85,7 @@ def _robot_without_links(reader: XmlReader) -> Iterator[tuple[etree._Element, st
     """A robot without any link is an empty frame."""
     if reader.root.find("link") is None and reader.root.find("joint") is None:
         etree.SubElement(reader.root, "link", name="world")
-        yield reader.root, "the robot has no link: it is an empty frame, fixed where it is spawned"
+        yield reader.root, "the robot has no link (a part for other files to include?): it is an empty frame"
 
 
 def _joint_without_limits(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
