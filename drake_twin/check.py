@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
 from drake_twin.program import ArgumentParser, run_program, say, stop_signals
 
@@ -43,13 +44,18 @@ class Report:
 
 
 def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = ()) -> Report:
-    """Checks one robot file; what is wrong with it is in the report, not raised."""
+    """Checks one robot file; what is wrong with it is in the report, not raised.
+
+    Raises:
+        InputError: a package folder that does not exist.
+    """
     from drake_twin.description.package_index import PackageIndex
     from drake_twin.launch.robot_file import robot_file_scenario
     from drake_twin.twin import Twin
 
+    packages = PackageIndex(package_paths)
     try:
-        resolved = PackageIndex(package_paths).resolve(file)
+        resolved = packages.resolve(file)
         twin = Twin(robot_file_scenario(resolved, xacro_args=xacro_args, package_paths=package_paths))
         twin.step(_STEPS)
     except TwinError as error:
@@ -164,7 +170,7 @@ def _program(arguments: Sequence[str]) -> int:
         if ":=" not in argument:
             raise InputError(f"{argument!r} is neither the robot file nor a xacro argument name:=value")
     xacro_args = dict(argument.split(":=", 1) for argument in options.xacro_args)
-    paths = [str(Path(folder).absolute()) for folder in options.package_path]
+    paths = [absolute_path(folder) for folder in options.package_path]
     with stop_signals() as stopped:
         report = check(options.file, xacro_args, paths)
         say(json.dumps(vars(report), indent=2) if options.json else "\n".join(_lines(report)))

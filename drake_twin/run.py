@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.program import ArgumentParser, open_in_browser, run_program, say, stop_signals
 from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
@@ -17,7 +18,7 @@ from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError, 
 _DESCRIPTION = """\
 Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
 
-TARGET is a saved scenario (.yaml) or a robot file (xacro, URDF or SDF). Without it, --robots N runs robots of the
+TARGET is a saved scenario (.yaml) or a robot file (xacro, URDF, SDF or MJCF). Without it, --robots N runs robots of the
 twin's own. Ctrl-C ends the run."""
 
 _EXAMPLES = """\
@@ -167,7 +168,7 @@ def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: boo
     if xacro_args:
         raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file to go to")
     scenario = demo_scenario(robot, options.robots or 2, drive=drive)
-    return replace(scenario, package_paths=tuple(options.package_path))
+    return replace(scenario, package_paths=tuple(absolute_path(folder) for folder in options.package_path))
 
 
 def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> ScenarioFile:
@@ -197,7 +198,7 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
         file,
         options.robots,
         xacro_args=xacro_args,
-        package_paths=[str(Path(folder).absolute()) for folder in options.package_path],
+        package_paths=[absolute_path(folder) for folder in options.package_path],
     )
 
 

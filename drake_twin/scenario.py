@@ -16,6 +16,7 @@ from typing import Any
 
 import yaml
 
+from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
@@ -56,7 +57,7 @@ class Robot:
 
     Attributes:
         name: its name in the twin.
-        model: its file: a path, ``package://`` or ``model://`` (xacro, URDF or SDF).
+        model: its file: a path, ``package://`` or ``model://`` (xacro, URDF, SDF or MJCF).
         xacro_args: values for the file's ``<xacro:arg>``s; ``robot_name`` is the robot's name unless it is given here.
         xyz: where its root link starts, in the world frame (m).
         rpy: how its root link is turned there (rad).
@@ -379,7 +380,7 @@ def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValueP
 
 def _with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:
     def absolute(name: str) -> str:
-        return name if "://" in name else str(folder / Path(name).expanduser())
+        return name if "://" in name else absolute_path(name if name.startswith("~") else folder / name)
 
     robots = tuple(
         dataclasses.replace(

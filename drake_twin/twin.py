@@ -171,7 +171,8 @@ class Twin:
 
         Args:
             topic: a topic that the twin publishes.
-            callback: is given the message. It may publish, pause, subscribe and read the twin; not advance it.
+            callback: is given the message, which it must not change. It may publish, pause, subscribe and read the
+                twin; not advance or reset it.
             rate: messages a second of simulation time; by default what ROS would publish.
 
         Returns:
@@ -426,8 +427,9 @@ class Twin:
             self._commands[topic] = command
 
     def _deliver(self) -> None:
-        for subscription in tuple(self._subscriptions):
-            if subscription in self._subscriptions and subscription.due_step() <= self._step:
+        # Callbacks may subscribe and end subscriptions, theirs and others'.
+        while due := [item for item in self._subscriptions if item.due_step() <= self._step]:
+            for subscription in (item for item in due if item in self._subscriptions):
                 message = self._built.published[subscription.topic].port.Eval(self._context)
                 subscription.pass_step(self._step)
                 subscription.callback(message)

@@ -74,3 +74,9 @@ def test_a_missing_file_fails(capsys):
 def test_xacro_arguments_reach_the_file(capsys):
     assert report_of(capsys, ARM, "use_ros2_control:=false")["robot"]["actuators"] == []
     assert main([str(ARM), "use_ros2_control"]) == 2
+
+
+def test_a_package_folder_that_does_not_exist_is_a_wrong_argument(capsys):
+    assert main([str(ARM), "--package-path", "/nowhere"]) == 2
+    assert main([str(ARM), "--package-path", "~nobody/there"]) == 2
+    assert "the package folder does not exist" in capsys.readouterr().err

@@ -615,3 +615,15 @@ def test_links_of_one_robot_collide_only_where_they_are_told_to(tmp_path, gazebo
     twin.advance_to(1.0)
     a, b = twin.robot_state("o").positions
     assert (0.15 + b - a > 0.16) == apart
+
+
+def test_a_subscription_made_in_a_callback_begins_with_the_present_message(twin):
+    seen = []
+
+    def first(message):
+        if not seen:
+            twin.subscribe("/clock", lambda message: seen.append(message.clock.nanosec), rate=10)
+
+    twin.subscribe("/clock", first, rate=0.5)
+    twin.advance_to(0.25)
+    assert seen == [0, 100_000_000, 200_000_000]

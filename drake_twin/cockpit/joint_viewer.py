@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from math import pi
+from math import isfinite, pi
 from pathlib import Path
 
 from pydrake.geometry import Meshcat
@@ -31,7 +31,8 @@ class JointViewer:
         self._joints = [joint for joint in self._plan.description.movable_joints if joint.mimic is None]
         for joint in self._joints:
             reach = _REACH_OF_SLIDE if joint.type == "prismatic" else pi
-            lower, upper = max(joint.limits.lower, -reach), min(joint.limits.upper, reach)
+            lower = joint.limits.lower if isfinite(joint.limits.lower) else -reach
+            upper = joint.limits.upper if isfinite(joint.limits.upper) else reach
             start = self._plan.start_positions[joint.name]
             meshcat.AddSlider(joint.name, lower, max(upper, lower + 1e-6), 0.001, min(max(start, lower), upper))
         self._shown: dict[str, float] = {}

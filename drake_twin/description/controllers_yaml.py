@@ -1,7 +1,7 @@
 """Controllers' parameters files, read for one robot: which controllers there are, their types and parameters."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -60,48 +60,57 @@ class ControllerManagerParameters:
     controllers: tuple[ControllerParameters, ...] = ()
 
 
-def read_controllers(file: Path, namespace: str, placeholders: Mapping[str, str]) -> ControllerManagerParameters:
-    """Reads a parameters file as the nodes in one namespace see it.
+def read_controllers(
+    files: Path | Sequence[Path], namespace: str, placeholders: Mapping[str, str]
+) -> ControllerManagerParameters:
+    """Reads parameters files as the nodes in one namespace see them; a later file's values replace an earlier one's.
 
     All forms in use are understood: ``controller_manager:`` at the top, below ``/**:``, below a namespace
     (``robot_1:``), and ``/ns/controller_manager`` in one word. An entry for another namespace is not seen.
 
     Args:
-        file: the YAML file.
+        files: the YAML files.
         namespace: the robot's namespace, for example ``/robot_1``.
         placeholders: values of ``$(var name)`` and ``${name}`` in the file.
 
     Raises:
         InputError: not YAML, a placeholder without a value, or an entry of the wrong shape.
     """
-    try:
-        text = file.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"the parameters file cannot be read ({error})", file=file) from None
-    document = YamlDocument(_with_placeholders(text, file, placeholders), file)
-    nodes = _nodes(document, namespace)
+    nodes: dict[str, list[tuple[YamlDocument, ValuePath, Mapping[str, Any]]]] = {}
+    for file in [files] if isinstance(files, Path) else files:
+        document = _read_document(file, placeholders)
+        for name, entries in _nodes(document, namespace).items():
+            nodes.setdefault(name, []).extend((document, *entry) for entry in entries)
     update_rate = DEFAULT_UPDATE_RATE
     types: dict[str, str] = {}
-    for path, parameters in nodes.get("controller_manager", []):
+    for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
         for name, value in parameters.items():
             if isinstance(value, dict) and isinstance(value.get("type"), str):
                 types[name] = value["type"]
             elif isinstance(name, str) and name.endswith(".type") and isinstance(value, str):
                 types[name.removesuffix(".type")] = value
-    for name, entries in nodes.items():
-        for _, parameters in entries:
+    for name, found in nodes.items():
+        for *_, parameters in found:
             if isinstance(parameters.get("type"), str):
                 types.setdefault(name, parameters["type"])
     controllers = []
     for name, kind in types.items():
         merged: dict[str, Any] = {}
-        entries = nodes.get(name, [])
-        for _, parameters in entries:
+        found = nodes.get(name, [])
+        for *_, parameters in found:
             merged.update(parameters)
-        path = entries[-1][0] if entries else ()
-        controllers.append(ControllerParameters(name, kind, merged, document, path))
+        document_and_path = found[-1][:2] if found else (None, ())
+        controllers.append(ControllerParameters(name, kind, merged, *document_and_path))
     return ControllerManagerParameters(update_rate, tuple(controllers))
+
+
+def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
+    try:
+        text = file.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"the parameters file cannot be read ({error})", file=file) from None
+    return YamlDocument(_with_placeholders(text, file, placeholders), file)
 
 
 def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
@@ -155,10 +164,10 @@ def _nodes(document: YamlDocument, namespace: str) -> dict[str, list[tuple[Value
                 walk(below, here)
 
     walk(data, ())
-    names = {name for _, name, _, _ in found if name != "*"}
+    names = dict.fromkeys([*(name for _, name, _, _ in found if name != "*"), "controller_manager"])
     nodes: dict[str, list[tuple[ValuePath, Mapping[str, Any]]]] = {}
     for _, name, path, parameters in sorted(found, key=lambda entry: entry[0]):
-        for each in names | {"controller_manager"} if name == "*" else {name}:
+        for each in names if name == "*" else [name]:
             nodes.setdefault(each, []).append((path, parameters))
     return nodes
 

@@ -1,9 +1,10 @@
 """The description of a robot that Drake's own parser reads (SDF, MJCF): read back from the parsed model."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import inf, isfinite
 from pathlib import Path
 
+from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.robot_description import (
     HardwareSystem,
     Joint,
@@ -16,7 +17,13 @@ from drake_twin.errors import InputError
 
 
 def describe_model(
-    prepared: str, drake_format: str, text: str, file: Path, name: str, systems: tuple[HardwareSystem, ...] = ()
+    prepared: str,
+    drake_format: str,
+    text: str,
+    file: Path,
+    name: str,
+    systems: tuple[HardwareSystem, ...] = (),
+    efforts: Mapping[str, float] | None = None,
 ) -> RobotDescription:
     """The description of a prepared model.
 
@@ -27,6 +34,7 @@ def describe_model(
         file: the file.
         name: the robot's name in the file.
         systems: what of it can be commanded.
+        efforts: joint name → its actuator's largest effort (N·m or N).
 
     Raises:
         InputError: Drake refuses the model, with Drake's reason.
@@ -36,11 +44,14 @@ def describe_model(
 
     plant = MultibodyPlant(time_step=0.001)
     try:
-        (instance,) = Parser(plant).AddModelsFromString(prepared, drake_format)
+        with captured_warnings():  # the twin's own plant says them once more
+            (instance,) = Parser(plant).AddModelsFromString(prepared, drake_format)
     except (RuntimeError, ValueError, SystemExit) as error:
-        raise InputError(f"Drake cannot read this robot: {' '.join(str(error).split())}", file=file) from None
+        raise InputError(
+            f"Drake cannot read this robot: {without_literal(' '.join(str(error).split()))}", file=file
+        ) from None
     links = tuple(plant.get_body(index).name() for index in plant.GetBodyIndices(instance))
-    joints = tuple(_joints(plant, instance))
+    joints = tuple(_joints(plant, instance, efforts or {}))
     children = {joint.child for joint in joints}
     roots = [link for link in links if link not in children]
     if len(roots) != 1:
@@ -48,7 +59,7 @@ def describe_model(
     return RobotDescription(name=name, links=links, joints=joints, systems=systems, text=text, file=file)
 
 
-def _joints(plant, instance) -> Iterator[Joint]:  # type: ignore[no-untyped-def]  # pydrake types stay in this module
+def _joints(plant, instance, efforts: Mapping[str, float]) -> Iterator[Joint]:  # type: ignore[no-untyped-def]  # pydrake types stay in this module
     for index in plant.GetJointIndices(instance):
         joint = plant.get_joint(index)
         kind = {"weld": "fixed"}.get(joint.type_name(), joint.type_name())
@@ -62,7 +73,7 @@ def _joints(plant, instance) -> Iterator[Joint]:  # type: ignore[no-untyped-def]
             lower, upper = joint.position_lower_limits()[0], joint.position_upper_limits()[0]
             if kind == "revolute" and not isfinite(lower) and not isfinite(upper):
                 kind = "continuous"
-            limits = JointLimits(lower, upper, joint.velocity_upper_limits()[0], inf)
+            limits = JointLimits(lower, upper, joint.velocity_upper_limits()[0], efforts.get(joint.name(), inf))
         origin = joint.frame_on_parent().GetFixedPoseInBodyFrame()
         if kind == "fixed":  # a weld may hold its pose itself, instead of in its frames
             origin = origin @ joint.X_FM()

@@ -108,9 +108,9 @@ def prepare_urdf(
     _give_friction(reader, description)
     _give_mimic(reader, description)
     _drop_what_drake_warns_of(reader)
-    if "joint_friction" in without:
-        joints = [joint.name for joint in description.movable_joints if joint.friction > 0]
-        ignored += [Ignored(f"friction of joint {', '.join(joints)}")] if joints else []
+    rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
+    unmodelled = [joint.name for joint in rubbing if "joint_friction" in without or joint.mimic is not None]
+    ignored += [Ignored(f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
     _rename_world_link(reader)
     return PreparedUrdf(
         etree.tostring(reader.root, encoding="unicode"),
@@ -181,6 +181,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
         color = material.find("color")
         if color is not None and color.get("rgba"):
             colors.setdefault(material.get("name", ""), color.get("rgba", ""))
+    defined = {material.get("name") for material in reader.root.findall("material")}
     for material in reader.root.findall("material"):
         reader.root.remove(material)
     gazebo_colors = {
@@ -199,7 +200,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
             text = (own.get("rgba") if own is not None else colors.get(name)) or text
             for each in visual.findall("material"):
                 visual.remove(each)
-            if text is None and name not in undefined and material.find("texture") is None:
+            if text is None and name not in undefined | defined and material.find("texture") is None:
                 undefined.add(name)
                 what = f"material {name!r} is not defined: its visuals keep the colours of their meshes, or grey"
                 if "undefined_material" in without:

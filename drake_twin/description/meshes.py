@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 
 _READ_BY_DRAKE = (".obj", ".gltf")
-_READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off", ".3mf")
+_READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
 MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
 
 # A primitive stands for a mesh whose hull's vertices lie on it within this part of the mesh's size.
@@ -162,7 +163,7 @@ def _has_no_colors(file: Path) -> bool:
     if suffix == ".dae":
         return b"<material" not in _bytes(file)
     if suffix == ".ply":
-        return b"property uchar red" not in _bytes(file)[:4096]
+        return re.search(rb"property \w+ red\b", _bytes(file)[:4096]) is None
     return False
 
 

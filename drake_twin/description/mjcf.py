@@ -64,6 +64,19 @@ def _actuated(reader: XmlReader) -> tuple[HardwareSystem, ...]:
     return (HardwareSystem("actuator", "system", "mujoco", controlled),) if controlled else ()
 
 
+def effort_limits(text: str, file: Path) -> dict[str, float]:
+    """Joint name → the largest effort of its actuator (N·m or N): its ``forcerange``, or a motor's ``ctrlrange``."""
+    reader = XmlReader(text, file)
+    limits = {}
+    for actuator in (item for group in reader.root.findall("actuator") for item in group):
+        bounds = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
+        gear = reader.parse_number(actuator, (actuator.get("gear") or "1").split()[0], "gear")
+        if bounds is not None:
+            largest = max(abs(reader.parse_number(actuator, part, "range")) for part in bounds.split())
+            limits[actuator.get("joint", "")] = abs(gear) * largest
+    return limits
+
+
 def _give_mesh_files(reader: XmlReader, file: Path) -> None:
     compiler = reader.root.find("compiler")
     folder = file.parent / (compiler.get("meshdir", "") if compiler is not None else "")

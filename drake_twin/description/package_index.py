@@ -33,7 +33,7 @@ class PackageIndex:
 
     def __init__(self, folders: Iterable[str | Path] = (), environment: Mapping[str, str] | None = None):
         environment = os.environ if environment is None else environment
-        self._folders = [Path(folder).expanduser().absolute() for folder in folders]
+        self._folders = [Path(absolute_path(folder)) for folder in folders]
         for folder in self._folders:
             if not folder.is_dir():
                 raise InputError("the package folder does not exist", file=folder)
@@ -87,12 +87,9 @@ class PackageIndex:
             package, _, inside = rest.partition("/")
             path = self.find(package, base) / inside
         elif scheme == "file":
-            try:
-                path = Path(rest).expanduser()
-            except RuntimeError:  # ~nobody
-                path = Path(rest)
-            if not path.is_absolute():
-                path = (Path.cwd() if base is None else Path(base).absolute().parent) / path
+            path = Path(absolute_path(rest))
+            if base is not None and not Path(rest).is_absolute() and not rest.startswith("~"):
+                path = Path(base).absolute().parent / rest
         else:
             raise InputError(
                 f"{address!r} has a scheme that is not understood", valid=["package://", "model://", "file://"]
@@ -124,6 +121,14 @@ class PackageIndex:
         own_package = None if near is None else containing_package(near)
         workspace = [] if own_package is None else [_workspace(own_package)]
         return [*self._folders, *workspace, *self._resource_folders, share_folder("models")]
+
+
+def absolute_path(name: str | Path) -> str:
+    """A path that a user typed, with ``~`` and relative to the working folder, in full."""
+    try:
+        return os.path.abspath(Path(name).expanduser())
+    except RuntimeError:  # ~nobody
+        return os.path.abspath(name)
 
 
 def share_folder(name: str) -> Path:

@@ -1,4 +1,4 @@
-"""A robot as plain, frozen data: what a URDF or SDF file says, before any simulator is involved.
+"""A robot as plain, frozen data: what its file says, before any simulator is involved.
 
 Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed x, y, z axes, as in URDF.
 """

@@ -1,13 +1,14 @@
 """A robot file of any kind (xacro, URDF, SDF, MJCF) → its description and the text that Drake is given."""
 
+import re
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, Ignored, drake_link_name, prepare_urdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
-from drake_twin.description.robot_description import HardwareSystem, RobotDescription
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro
@@ -71,23 +72,13 @@ def load_robot_model(
     file = packages.resolve(address)
     text = read_robot_file(file)
     arguments = dict(xacro_args or {})
-    if "<robot" not in text:
-        from drake_twin.description.drake_model import describe_model
-
+    kind = _outermost_tag(text)
+    if kind != "robot":
         _refuse_arguments(arguments, file)
-        systems: tuple[HardwareSystem, ...] = ()
-        if "<mujoco" in text:
-            from drake_twin.description.mjcf import prepare_mjcf
-
-            drake_format = "xml"
-            prepared_text, is_fixed, own_name, systems = prepare_mjcf(text, file, name)
-        else:
-            from drake_twin.description.sdf import prepare_sdf
-
-            drake_format = "sdf"
-            prepared_text, is_fixed, own_name = prepare_sdf(text, file, name, packages)
-        description = describe_model(prepared_text, drake_format, text, file, own_name, systems)
-        return RobotModel(description, prepared_text, drake_format, is_fixed)
+        model = _load_mjcf(text, file, name) if kind == "mujoco" else _load_sdf(text, file, name, packages)
+        unused = [f"collision: {collision}"] if collision != "hull" else []
+        unused += [f"without_repairs: {', '.join(without_repairs)}"] if without_repairs else []
+        return replace(model, warnings=tuple(f"{what} has no meaning for a file that is no URDF" for what in unused))
     warnings: list[str] = []
     is_xacro = is_xacro_text(text)
     if is_xacro:
@@ -113,6 +104,24 @@ def load_robot_model(
     )
 
 
+def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
+    from drake_twin.description.drake_model import describe_model
+    from drake_twin.description.sdf import ignored_in_sdf, prepare_sdf
+
+    prepared, is_fixed, own_name = prepare_sdf(text, file, name, packages)
+    description = describe_model(prepared, "sdf", text, file, own_name)
+    return RobotModel(description, prepared, "sdf", is_fixed, ignored=ignored_in_sdf(text, file))
+
+
+def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:
+    from drake_twin.description.drake_model import describe_model
+    from drake_twin.description.mjcf import effort_limits, prepare_mjcf
+
+    prepared, is_fixed, own_name, systems = prepare_mjcf(text, file, name)
+    description = describe_model(prepared, "xml", text, file, own_name, systems, effort_limits(text, file))
+    return RobotModel(description, prepared, "xml", is_fixed)
+
+
 def read_robot_file(file: Path) -> str:
     """A robot file's text.
 
@@ -127,10 +136,15 @@ def read_robot_file(file: Path) -> str:
         raise InputError(f"the robot file cannot be read ({error.strerror})", file=file) from None
     except UnicodeDecodeError:
         raise InputError("the robot file is not UTF-8 text", file=file) from None
-    if not any(tag in text for tag in ("<robot", "<sdf", "<mujoco")):
+    if _outermost_tag(text) is None:
         kinds = "a xacro or URDF (<robot>), an SDF (<sdf>) or an MJCF (<mujoco>)"
-        raise InputError(f"a robot file is {kinds}, and this is neither", file=file)
+        raise InputError(f"a robot file is {kinds}, and this is none of them", file=file)
     return text
+
+
+def _outermost_tag(text: str) -> str | None:
+    match = re.search(r"<(robot|sdf|mujoco)[\s/>]", re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL))
+    return None if match is None else match[1]
 
 
 def is_xacro_text(text: str) -> bool:

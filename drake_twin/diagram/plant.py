@@ -19,8 +19,8 @@ from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, Multibod
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.robot_description import Pose
-from drake_twin.diagram.drake_log import captured_warnings, without_literal
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, set_servo_gains
 from drake_twin.errors import InputError
@@ -107,6 +107,11 @@ def _add_robot(
     with captured_warnings() as messages:
         (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
     warnings.extend(f"{plan.name}: {without_literal(message)}" for message in messages)
+    # Drake's parser actuates an SDF's joints; here only what is commanded has an actuator. (Asked for one instance, the
+    # plant lists its actuators only once it is finalized.)
+    for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
+        if actuator.model_instance() == instance:
+            plant.RemoveJointActuator(actuator)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         warnings.append(f"{plan.name}: the robot has no collision shape: it falls through the ground")

@@ -1,7 +1,7 @@
 """What a scenario's robot amounts to once its files are read: its model, its controllers, its frames."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from drake_twin.description.controllers_yaml import (
     ControllerManagerParameters,
@@ -157,19 +157,13 @@ def _controller_manager(
 ) -> ControllerManagerParameters:
     files = robot.controllers or description.controller_files
     placeholders = {"robot_name": robot.name, **xacro_args}
-    merged = ControllerManagerParameters()
-    for file in files:
-        try:
-            parameters_file = packages.resolve(file, description.file)
-        except InputError as error:
-            raise ScenarioError((*path, "controllers"), str(error)) from None
-        found = read_controllers(parameters_file, robot.topic_namespace, placeholders)
-        known = {controller.name for controller in found.controllers}
-        kept = tuple(controller for controller in merged.controllers if controller.name not in known)
-        merged = replace(found, controllers=kept + found.controllers)
     if not files:
-        merged = _default_controllers(description)
-    return merged
+        return _default_controllers(description)
+    try:
+        resolved = [packages.resolve(file, description.file) for file in files]
+    except InputError as error:
+        raise ScenarioError((*path, "controllers"), str(error)) from None
+    return read_controllers(resolved, robot.topic_namespace, placeholders)
 
 
 def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:

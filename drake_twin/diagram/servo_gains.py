@@ -143,5 +143,6 @@ def _contact_load(
 
 def _sample_joints(q: np.ndarray, plan: RobotPlan, layout: StateLayout, sampler: np.random.Generator) -> None:
     for joint in plan.description.movable_joints:
-        lower, upper = max(joint.limits.lower, -np.pi), min(joint.limits.upper, np.pi)
+        lower = joint.limits.lower if np.isfinite(joint.limits.lower) else -np.pi
+        upper = joint.limits.upper if np.isfinite(joint.limits.upper) else np.pi
         q[layout.positions[joint.name]] = sampler.uniform(lower, max(lower, upper))

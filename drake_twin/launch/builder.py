@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
@@ -44,7 +45,7 @@ class TwinBuilder:
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Looks for ROS packages in a folder first."""
-        self._package_paths.append(str(Path(folder).expanduser().absolute()))
+        self._package_paths.append(absolute_path(folder))
         return self
 
     def robot(
@@ -136,7 +137,7 @@ class TwinBuilder:
 
 def _address(file: str | Path) -> str:
     """A file as a scenario names it: an address as it is, a path made absolute."""
-    return str(file) if "://" in str(file) else str(Path(file).expanduser().absolute())
+    return str(file) if "://" in str(file) else absolute_path(file)
 
 
 def _xacro_text(value: object) -> str:

@@ -30,7 +30,7 @@ def robot_file_scenario(
     xacro file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
 
     Args:
-        file: a xacro, URDF or SDF file.
+        file: a xacro, URDF, SDF or MJCF file.
         count: how many robots; None for one under its own name.
         xacro_args: values for the file's ``<xacro:arg>``s.
         package_paths: folders of ROS packages to look in first.

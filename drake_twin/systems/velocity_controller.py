@@ -39,8 +39,6 @@ class VelocityController(LeafSystem):
         CommandError: on evaluation, when the message has the wrong size or an element that is not finite.
     """
 
-    interface = "velocity"
-
     def __init__(self, joints: Sequence[str], lower: Sequence[float], upper: Sequence[float]):
         super().__init__()
         self.joints = tuple(joints)

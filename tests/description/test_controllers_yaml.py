@@ -181,3 +181,33 @@ def test_text_that_is_none_is_refused_and_text_that_is_absent_has_a_default(read
 
 def test_a_controller_that_no_file_describes_names_itself_in_errors():
     assert str(ControllerParameters("arm", "a/Arm", {}).error("it is odd")) == "controller 'arm': it is odd."
+
+
+def test_later_files_add_to_earlier_ones_and_keep_what_they_do_not_say(tmp_path):
+    (tmp_path / "types.yaml").write_text(
+        "controller_manager: {ros__parameters: {update_rate: 50, a: {type: t/T}}}\na: {ros__parameters: {x: 1, y: 1}}"
+    )
+    (tmp_path / "joints.yaml").write_text("a: {ros__parameters: {joints: [j], y: 2}}")
+    found = read_controllers([tmp_path / "types.yaml", tmp_path / "joints.yaml"], "/r", {})
+    assert found.update_rate == 50
+    assert found.controllers[0].parameters == {"x": 1, "y": 2, "joints": ["j"]}
+
+
+def test_controllers_come_in_the_order_of_the_file_whatever_the_hash_seed(tmp_path):
+    import os
+    import subprocess
+    import sys
+
+    file = tmp_path / "c.yaml"
+    names = [f"controller_{index}" for index in (5, 3, 9, 1, 7)]
+    nodes = "".join(f"{name}: {{ros__parameters: {{type: t/T}}}}\n" for name in names)
+    file.write_text("/**: {ros__parameters: {use_sim_time: true}}\n" + nodes)
+    program = (
+        "from pathlib import Path; from drake_twin.description.controllers_yaml import read_controllers;"
+        f"print([c.name for c in read_controllers(Path({str(file)!r}), '/r', {{}}).controllers])"
+    )
+    for seed in "123":
+        command = [sys.executable, "-c", program]
+        environment = os.environ | {"PYTHONHASHSEED": seed}
+        printed = subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout
+        assert printed.strip() == str(names)

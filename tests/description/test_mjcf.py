@@ -63,3 +63,12 @@ def test_meshes_are_found_in_the_compilers_folder_and_converted(tmp_path, monkey
 def test_what_is_no_single_robot_is_refused(text, match):
     with pytest.raises(InputError, match=match):
         prepare_mjcf(text, Path("robot.xml"), None)
+
+
+def test_an_actuator_can_do_no_more_than_its_file_says(tmp_path):
+    text = ARM.replace('<motor joint="j1"/>', '<motor joint="j1" gear="10" forcerange="-0.05 0.05"/>')
+    twin = twin_of(tmp_path, text)
+    twin.publish("/r/forward_velocity_controller/commands", [0.5])
+    twin.advance_to(0.5)
+    assert abs(twin.robot_state("r").efforts[0]) <= 0.5 + 1e-9
+    assert twin.robot_state("r").velocities[0] != pytest.approx(0.5, abs=0.01)  # gravity needs more than 0.5 N·m

@@ -144,7 +144,8 @@ def test_a_robot_without_links_becomes_an_empty_frame():
     root, (repair,) = mend("")
     assert [element.get("name") for element in root] == ["world"]
     assert (
-        repair == "line 1: the robot has no link (a part for other files to include?): it is an empty frame [robot_without_links]"
+        repair == "line 1: the robot has no link (a part for other files to include?): it is an empty frame"
+        " [robot_without_links]"
     )
 
 

@@ -143,7 +143,7 @@ def test_what_is_made_no_use_of_and_the_meshes_are_listed(load, tmp_path):
 
 
 def test_a_file_of_another_kind_is_refused(load):
-    with pytest.raises(InputError, match=r"robot\.urdf: a robot file is a xacro or URDF .* and this is neither"):
+    with pytest.raises(InputError, match=r"robot\.urdf: a robot file is a xacro or URDF .* and this is none of them"):
         load("<svg/>")
 
 
@@ -198,3 +198,29 @@ def test_two_copies_of_a_robot_convert_its_meshes_once(tmp_path, monkeypatch):
     TwinBuilder().robot("a", arm).robot("b", arm, xyz=(2, 0, 0)).build()
     names = ("claw", "finger", "forearm", "pedestal", "turret", "upper_arm")
     assert sorted(read) == sorted(f"{name}.stl" for name in names for _ in ("picture", "contact"))
+
+
+PENDULUM = """<sdf version="1.7"><model name="pendulum">
+<plugin name="p" filename="f"><robotNamespace>/x</robotNamespace></plugin>
+<joint name="to_world" type="fixed"><parent>world</parent><child>base</child></joint><link name="base"/>
+<link name="bob"><inertial><pose>0 0 -1 0 0 0</pose><mass>1</mass></inertial></link>
+<joint name="j" type="revolute"><parent>base</parent><child>bob</child><axis><xyz>0 1 0</xyz>
+<limit><effort>50</effort></limit><dynamics><friction>3</friction></dynamics></axis></joint></model></sdf>"""
+
+
+def test_an_sdf_robot_without_ros2_control_is_limp_as_in_gazebo(tmp_path):
+    from drake_twin import TwinBuilder
+
+    (tmp_path / "p.sdf").write_text(PENDULUM)
+    twin = TwinBuilder().robot("p", tmp_path / "p.sdf", initial_positions={"j": 0.5}).build()
+    twin.advance_to(1.0)
+    assert twin.robot_state("p").positions[0] < 0.2
+    assert twin.robot_state("p").efforts == (0.0,)
+
+
+def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_path):
+    (tmp_path / "p.sdf").write_text(PENDULUM)
+    model = load_robot_model(str(tmp_path / "p.sdf"), PackageIndex((), {}), without_repairs=["inertia"])
+    assert model.drake_format == "sdf"
+    assert [str(item) for item in model.ignored] == ["<plugin> (line 2)", "<friction> in <joint> (line 6)"]
+    assert model.warnings == ("without_repairs: inertia has no meaning for a file that is no URDF",)
