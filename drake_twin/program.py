@@ -62,8 +62,11 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def open_in_browser(url: str) -> None:
-    """Opens a page where there is a desktop."""
+def announce_page(url: str, *, open_browser: bool) -> None:
+    """Says where the page is, and opens it where there is a desktop and it is wanted."""
+    say(f"page: {url}")
+    if not open_browser:
+        return
     if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY") or sys.platform == "darwin":
         import webbrowser
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import CommandError, InputError, RunError
-from drake_twin.program import ArgumentParser, open_in_browser, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, announce_page, run_program, say, stop_signals
 from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
 
 _DESCRIPTION = """\
@@ -263,9 +263,7 @@ def _show(twin: Any, meshcat: Any, *, open_browser: bool) -> Any:
     set_scene(meshcat, twin)
     panel = Panel(meshcat, twin)
     twin.draw()
-    say(f"page: {meshcat.web_url()}")
-    if open_browser:
-        open_in_browser(meshcat.web_url())
+    announce_page(meshcat.web_url(), open_browser=open_browser)
     return panel
 
 

@@ -9,7 +9,7 @@ from pydrake.geometry import Meshcat
 
 from drake_twin.cockpit.page import open_meshcat, set_scene
 from drake_twin.launch.robot_file import robot_file_scenario
-from drake_twin.program import open_in_browser, say
+from drake_twin.program import announce_page
 from drake_twin.twin import Twin
 
 _FRAME = 1 / 30  # s
@@ -68,9 +68,7 @@ def view_joints(
     set_scene(meshcat, twin)
     viewer = JointViewer(meshcat, twin)
     viewer.obey()
-    say(f"page: {meshcat.web_url()}")
-    if open_browser:
-        open_in_browser(meshcat.web_url())
+    announce_page(meshcat.web_url(), open_browser=open_browser)
     while not stopped:
         viewer.obey()
         time.sleep(_FRAME)
