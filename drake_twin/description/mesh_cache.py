@@ -3,8 +3,9 @@
 import contextlib
 import hashlib
 import os
+import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
@@ -84,7 +85,30 @@ def _digest(source: Path) -> str:
 @lru_cache(maxsize=4096)
 def _digest_of_version(source: Path, _modified: int, _size: int) -> str:
     content = source.read_bytes()
-    return hashlib.sha256(content + source.suffix.lower().encode() + _CONVERSION.encode()).hexdigest()
+    digest = hashlib.sha256(content + source.suffix.lower().encode() + _CONVERSION.encode())
+    for beside in _files_beside(source, content):
+        digest.update(beside.read_bytes())
+    return digest.hexdigest()
+
+
+# How OBJ, MTL and COLLADA files name the materials and pictures that lie beside them.
+_NAMES_BESIDE = {
+    ".obj": re.compile(rb"^mtllib\s+(.+?)\s*$", re.MULTILINE),
+    ".mtl": re.compile(rb"^\s*map_\w+\s+(?:.*\s)?(\S+)\s*$", re.MULTILINE),
+    ".dae": re.compile(rb"<init_from>(?:\s*<ref>)?\s*([^<]+?)\s*<"),
+}
+
+
+def _files_beside(source: Path, content: bytes) -> Iterator[Path]:
+    """The materials and pictures that are baked into a conversion, as far as they are there."""
+    names = _NAMES_BESIDE.get(source.suffix.lower())
+    for name in names.findall(content) if names is not None else ():
+        beside = source.parent / name.decode(errors="replace")
+        with contextlib.suppress(OSError, ValueError):
+            if beside.is_file():
+                yield beside
+                if beside.suffix.lower() == ".mtl":
+                    yield from _files_beside(beside, beside.read_bytes())
 
 
 def _trim(folder: Path) -> None:

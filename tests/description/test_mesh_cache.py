@@ -164,3 +164,16 @@ def test_two_processes_that_fill_the_cache_at_once_leave_one_readable_file(tmp_p
     assert sizes == [pytest.approx([2.0, 2.0, 2.0], abs=0.01)] * 2
     (left,) = cache.iterdir()
     assert left == collision_mesh(file)
+
+
+def test_a_changed_picture_beside_a_mesh_makes_a_new_conversion(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    targets = []
+    for paint in (b"red", b"blue", b"red"):
+        folder = tmp_path / f"copy_{len(targets)}"  # elsewhere each time: only the content counts
+        folder.mkdir()
+        (folder / "part.obj").write_text("mtllib part.mtl\n")
+        (folder / "part.mtl").write_text("newmtl a\nmap_Kd -s 1 1 1 paint.png\n")
+        (folder / "paint.png").write_bytes(paint)
+        targets.append(cached(folder / "part.obj", ".x", lambda source: b"converted"))
+    assert targets[0] == targets[2] != targets[1]
