@@ -112,11 +112,6 @@ class Twin:
         return self._built.not_started
 
     @property
-    def base_frames(self) -> dict[str, str]:
-        """Robot → the tf frame of its root link."""
-        return {plan.name: plan.base_frame for plan in self._built.plans}
-
-    @property
     def real_time_rate(self) -> float:
         """How many simulated seconds `run` grants a second of wall time.
 

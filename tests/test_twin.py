@@ -489,7 +489,7 @@ def test_static_transforms_in_a_circle_are_refused():
 
 def test_a_name_that_begins_like_a_link_is_no_prefix():
     twin = TwinBuilder().robot("fore", ARM).build()
-    assert twin.base_frames == {"fore": "fore/world"}
+    assert [plan.base_frame for plan in twin.plans] == ["fore/world"]
 
 
 def test_a_published_message_cannot_be_changed_for_others(twin):

@@ -104,6 +104,21 @@ def load_robot_model(
     )
 
 
+def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[str, str]) -> str:
+    """The name that a robot file gives its robot; nothing else of the robot is looked at.
+
+    Raises:
+        InputError: the file cannot be read, or is not well-formed.
+    """
+    text = read_robot_file(file)
+    if _outermost_tag(text) == "robot" and is_xacro_text(text):
+        text, _ = expand_xacro(file, xacro_args, packages)
+    root = XmlReader(text, file).root
+    model = root.find("model")
+    name = root.get("model") or root.get("name") or (model.get("name") if model is not None else None)
+    return name or file.name.split(".")[0]
+
+
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.sdf import ignored_in_sdf, prepare_sdf

@@ -1,6 +1,6 @@
 """The scenarios of ``--robots N``: rovers that drive about, arms that wave."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from drake_twin.launch.builder import TwinBuilder
 from drake_twin.scenario import Scenario
@@ -9,10 +9,8 @@ from drake_twin.scenario import Scenario
 def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
     """Rovers in rows, each driving a circle of its own to its left, faster and slower."""
     model = "package://rover_description/urdf/rover.urdf.xacro"
-    for index in range(count):
-        name = f"robot_{index + 1}"
-        row, column = divmod(index, _ROW)
-        builder.robot(name, model, xyz=(2.5 * row, 2.5 * column, 0.13))
+    for name, x, y in _in_rows(count, spacing=2.5):
+        builder.robot(name, model, xyz=(x, y, 0.13))
         builder.static_transform("world", f"{name}_odom")
         if drive:
             topic = f"/{name}/forward_velocity_controller/commands"
@@ -23,20 +21,24 @@ def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
 def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
     """Arms in rows that turn, bend and open their gripper, and come back."""
     model = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
-    for index in range(count):
-        name = f"robot_{index + 1}"
-        row, column = divmod(index, _ROW)
-        builder.robot(name, model, xyz=(1.5 * row, 1.5 * column, 0.0))
+    side = -1.0
+    for name, x, y in _in_rows(count, spacing=1.5):
+        builder.robot(name, model, xyz=(x, y, 0.0))
+        side = -side  # neighbours turn opposite ways
         if drive:
             topic = f"/{name}/forward_velocity_controller/commands"
-            side = 1.0 if index % 2 == 0 else -1.0
             there = (0.5 * side, 0.25, -0.35, 0.3)
             back = tuple(-velocity for velocity in there)
             for time, velocities in enumerate((there, back, (-0.5 * side, 0, 0, 0), (0.5 * side, 0, 0, 0))):
                 builder.command(topic, velocities, time=2.0 * time, period=8.0)
 
 
-_ROW = 8
+def _in_rows(count: int, spacing: float) -> Iterator[tuple[str, float, float]]:
+    """Names and places (m) of robots that stand eight abreast."""
+    for index in range(count):
+        row, column = divmod(index, 8)
+        yield f"robot_{index + 1}", spacing * row, spacing * column
+
 
 DEMOS: Mapping[str, Callable[..., None]] = {"rover": add_rovers, "arduinobot": add_arms}
 

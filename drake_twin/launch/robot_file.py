@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_model import load_robot_model
+from drake_twin.description.robot_model import robot_name_in_file
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import Footprint, footprint
 from drake_twin.diagram.robot_plan import plan_robot
@@ -61,7 +61,7 @@ def robot_file_scenario(
 
 def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
     """The name that the file gives the robot, as a name in the twin."""
-    name = load_robot_model(str(file), packages, xacro_args=xacro_args).description.name
+    name = robot_name_in_file(file, packages, xacro_args)
     name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
     return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
 

@@ -45,7 +45,6 @@ class JointStatePublisher(LeafSystem):
         self.joints = tuple(interfaces)
         self._interface_names = [[name for name in names if name in _INTERFACES] for names in interfaces.values()]
         # Rows of gathered values: position, velocity, effort. A missing one points at the NaN behind the last value.
-        self._state_size = layout.size
         missing = layout.size + layout.num_actuators
         self._gather = np.full((3, len(self.joints)), missing, dtype=int)
         for column, (joint, names) in enumerate(interfaces.items()):
