@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 
 class TwinError(Exception):
@@ -59,7 +60,15 @@ class InputError(TwinError):
 
 
 class CommandError(InputError):
-    """A command that a controller does not accept: wrong size, or an element that is not a finite number."""
+    """A message that a controller does not accept.
+
+    Attributes:
+        deactivates: whether ros2_control deactivates the controller that is sent such a message.
+    """
+
+    def __init__(self, message: str, *, deactivates: bool = False, **more: Any):
+        super().__init__(message, **more)
+        self.deactivates = deactivates
 
 
 class RunError(TwinError):

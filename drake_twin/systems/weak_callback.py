@@ -5,7 +5,7 @@ from typing import Any
 from weakref import WeakMethod
 
 
-def weakly(method: Callable[..., None]) -> Callable[..., None]:
+def weakly(method: Callable[..., Any]) -> Callable[..., Any]:
     """A bound method as a callback that holds its object weakly.
 
     A system owns its ports, and a port owns its callback: with a plain bound method the three keep each other alive
@@ -13,9 +13,9 @@ def weakly(method: Callable[..., None]) -> Callable[..., None]:
     """
     reference = WeakMethod(method)
 
-    def call(*arguments: Any) -> None:
+    def call(*arguments: Any) -> Any:
         live_method = reference()
         assert live_method is not None, "a port was evaluated after its system died"
-        live_method(*arguments)
+        return live_method(*arguments)
 
     return call

@@ -1,0 +1,155 @@
+"""A controller's ``ros__parameters`` as a typed, frozen dataclass, checked as generate_parameter_library does.
+
+A parameters class is a frozen dataclass whose fields are named like the parameters. Types are ``bool``, ``int``,
+``float``, ``str``, tuples of these, another parameters class for a nested one (``gains.p`` or a mapping), and
+``Mapping[str, C]`` for one nested class per joint. A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive),
+``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin.
+"""
+
+import dataclasses
+import typing
+from collections.abc import Iterator, Mapping
+from functools import cache
+from math import isnan
+from typing import Any
+
+from drake_twin.description.controllers_yaml import ControllerParameters
+
+# Parameters that every node of ROS 2 has, and those that ros2_control itself reads for any controller.
+_OF_EVERY_NODE = frozenset(
+    (
+        "use_sim_time",
+        "update_rate",
+        "is_async",
+        "type",
+        "params_file",
+        "fallback_controllers",
+        "start_type_description_service",
+    )
+)
+
+Path = tuple[str | int, ...]
+
+
+def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, tuple[str, ...]]:
+    """A controller's parameters, and what was said in them that changes nothing.
+
+    Args:
+        kind: the parameters class.
+        controller: the entry in the parameters file.
+
+    Returns:
+        An instance of ``kind``, and a warning for each parameter that is unknown or not supported.
+
+    Raises:
+        InputError: a value of the wrong type or out of its bounds, or a required parameter that is missing; with file
+            and line.
+    """
+    warnings: list[str] = []
+    values = _nested(controller.parameters)
+    instance = _read_class(kind, values, controller, (), warnings)
+    return instance, tuple(warnings)
+
+
+def parameter_names(kind: type, prefix: str = "") -> Iterator[tuple[str, "dataclasses.Field[Any]", Any]]:
+    """Each parameter of a class: its name with dots, its field and its type; ``<joint>`` stands for any name."""
+    for item in dataclasses.fields(kind):
+        annotation = _types(kind)[item.name]
+        inner = typing.get_args(annotation)[1] if typing.get_origin(annotation) is Mapping else annotation
+        if dataclasses.is_dataclass(inner):
+            joint = "<joint>." if inner is not annotation else ""
+            yield from parameter_names(typing.cast(type, inner), f"{prefix}{item.name}.{joint}")
+        else:
+            yield prefix + item.name, item, annotation
+
+
+@cache
+def _types(kind: type) -> dict[str, Any]:
+    return typing.get_type_hints(kind)
+
+
+def _nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """``linear.x.max_velocity: 1`` as ``linear: {x: {max_velocity: 1}}``."""
+    nested: dict[str, Any] = {}
+    for key, value in parameters.items():
+        *above, last = str(key).split(".")
+        place = nested
+        for part in above:
+            below = place.setdefault(part, {})
+            place = below if isinstance(below, dict) else place.setdefault(part, {})
+        value = _nested(value) if isinstance(value, dict) else value
+        if isinstance(value, dict) and isinstance(place.get(last), dict):
+            place[last] = place[last] | value
+        else:
+            place[last] = value
+    return nested
+
+
+def _read_class(kind: type, values: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:
+    if not isinstance(values, dict):
+        raise controller.error(f"{values!r} is not a mapping of parameters", *path)
+    fields = {item.name: item for item in dataclasses.fields(kind)}
+    for name in values:
+        if name not in fields and not (not path and name in _OF_EVERY_NODE):
+            where = ".".join(map(str, (*path, name)))
+            warnings.append(f"controller {controller.name}: there is no parameter {where!r}, it is ignored")
+    given = {}
+    for name, item in fields.items():
+        if name not in values:
+            if item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING:
+                raise controller.error(f"the parameter {'.'.join(map(str, (*path, name)))!r} is missing", *path)
+            continue
+        value = _read(_types(kind)[name], values[name], controller, (*path, name), warnings)
+        _check_bounds(item, value, controller, (*path, name))
+        default = item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
+        if "unsupported" in item.metadata and not _same(value, default):
+            where = ".".join(map(str, (*path, name)))
+            warnings.append(f"controller {controller.name}: {where} is ignored: {item.metadata['unsupported']}")
+        given[name] = value
+    return kind(**given)
+
+
+def _read(annotation: Any, value: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:
+    origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
+    if dataclasses.is_dataclass(annotation):
+        return _read_class(typing.cast(type, annotation), value, controller, path, warnings)
+    if origin is Mapping:
+        if not isinstance(value, dict):
+            raise controller.error(f"{value!r} is not a mapping", *path)
+        return {str(key): _read(arguments[1], item, controller, (*path, key), warnings) for key, item in value.items()}
+    if origin is tuple:
+        if not isinstance(value, list):
+            raise controller.error(f"{value!r} is not a list", *path)
+        return tuple(_read(arguments[0], item, controller, (*path, i), warnings) for i, item in enumerate(value))
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if annotation is float:
+        if isinstance(value, str):  # YAML 1.1 reads 1e-3 as text
+            try:
+                return float(value)
+            except ValueError:
+                pass
+        if not is_number:
+            raise controller.error(f"{value!r} is not a number", *path)
+        return float(value)
+    if annotation is int and not (is_number and float(value).is_integer()):
+        raise controller.error(f"{value!r} is not a whole number", *path)
+    if annotation is bool and not isinstance(value, bool):
+        raise controller.error(f"{value!r} is neither true nor false", *path)
+    if annotation is str and not isinstance(value, str):
+        raise controller.error(f"{value!r} is not text", *path)
+    return int(value) if annotation is int else value
+
+
+def _check_bounds(item: "dataclasses.Field[Any]", value: Any, controller: ControllerParameters, path: Path) -> None:
+    lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
+    for each in value if isinstance(value, tuple) else (value,):
+        if choices is not None and each not in choices:
+            raise controller.error(f"{each!r} is not a choice", *path, value=str(each), valid=choices)
+        if lower is not None and not (each >= lower or isnan(each)):
+            raise controller.error(f"{each!r} is below {lower:g}", *path)
+        if upper is not None and not (each <= upper or isnan(each)):
+            raise controller.error(f"{each!r} is above {upper:g}", *path)
+
+
+def _same(one: Any, other: Any) -> bool:
+    return bool(one == other) or (isinstance(one, float) and isinstance(other, float) and isnan(one) and isnan(other))

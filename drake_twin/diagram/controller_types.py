@@ -1,0 +1,41 @@
+"""The controller types of ros2_controllers that the twin has."""
+
+from collections.abc import Mapping
+from importlib import import_module
+
+from drake_twin.systems.controller import Controller
+
+JOINT_STATE_BROADCASTER = "joint_state_broadcaster/JointStateBroadcaster"
+
+# Type as in a parameters file → module below drake_twin.systems and class, imported when a robot has one.
+CONTROLLER_TYPES: Mapping[str, tuple[str, str]] = {
+    "forward_command_controller/ForwardCommandController": (
+        "forward_command_controller",
+        "ForwardCommandController",
+    ),
+    "forward_command_controller/MultiInterfaceForwardCommandController": (
+        "forward_command_controller",
+        "MultiInterfaceForwardCommandController",
+    ),
+    "velocity_controllers/JointGroupVelocityController": (
+        "forward_command_controller",
+        "JointGroupVelocityController",
+    ),
+    "position_controllers/JointGroupPositionController": (
+        "forward_command_controller",
+        "JointGroupPositionController",
+    ),
+    "effort_controllers/JointGroupEffortController": (
+        "forward_command_controller",
+        "JointGroupEffortController",
+    ),
+}
+
+
+def controller_class(kind: str) -> type[Controller] | None:
+    """The class of a controller type; None for a type that the twin does not have."""
+    if kind not in CONTROLLER_TYPES:
+        return None
+    module, name = CONTROLLER_TYPES[kind]
+    found: type[Controller] = getattr(import_module(f"drake_twin.systems.{module}"), name)
+    return found

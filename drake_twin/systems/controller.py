@@ -1,0 +1,302 @@
+"""What all controllers share: the command interfaces they claim, and the ports that carry what they write."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import (
+    AbstractStateIndex,
+    BasicVector,
+    Context,
+    EventStatus,
+    InputPort,
+    LeafSystem,
+    OutputPort,
+    State,
+)
+
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.state_layout import StateLayout
+from drake_twin.systems.weak_callback import weakly
+
+
+class Interface(NamedTuple):
+    """A command or state interface, printed as ros2_control names it: ``joint/velocity``.
+
+    Attributes:
+        joint: a joint; for a reference of another controller ``controller/joint``.
+        name: ``position``, ``velocity`` or ``effort``.
+    """
+
+    joint: str
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.joint}/{self.name}"
+
+
+@dataclass(frozen=True)
+class ControllerSetup:
+    """What a controller is built from.
+
+    Attributes:
+        name: its name; its topics stand below it.
+        parameters: an instance of its class's ``Parameters``.
+        claims: the command interfaces that it writes while it is active, in order.
+        description: the robot: its joints, limits and links.
+        layout: where the robot's joints stand in the plant's state ``[q; v]``.
+        update_period: the time between two updates (s), a multiple of the physics step.
+        update_offset: the time of the first update (s); chained controllers come a physics step after each other.
+        namespace: the robot's namespace, ``/robot_1`` or empty.
+        frame_prefix: put before its link names in tf messages.
+        upstream: the controllers that may write this one's references: name → for each reference its index in that
+            controller's ``command_interfaces``, or -1.
+    """
+
+    name: str
+    parameters: Any
+    claims: tuple[Interface, ...]
+    description: RobotDescription
+    layout: StateLayout
+    update_period: float = 0.01
+    update_offset: float = 0.0
+    namespace: str = ""
+    frame_prefix: str = ""
+    upstream: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+
+
+class Controller(LeafSystem):
+    """A controller of ros2_control: it reads topics, and writes command interfaces.
+
+    This class is for controllers whose output follows from their input alone, so that Drake's cache computes it once a
+    message; those that depend on time or on the robot's state are `PeriodicController`s. A subclass declares its ports
+    with the helpers below.
+
+    - ``command_interfaces``: vector, an element for each claim (rad, rad/s, N·m, or m, m/s, N), then one for each of
+      ``hints``; NaN where nothing is written.
+
+    Attributes:
+        Parameters: a frozen dataclass, read by `drake_twin.description.parameters.read_parameters`.
+        setup: what it was built from.
+        claims: the command interfaces that it writes.
+        hints: what helps the joint servo and is not claimed, such as the velocity that goes with a position.
+        subscribed: input topic below the controller's name → ROS message type; each is an abstract input port.
+        published: output topic below the controller's name → ROS message type; each is an abstract output port.
+        actions: action below the controller's name → ROS action type; each is an abstract input port.
+    """
+
+    Parameters: ClassVar[type]
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """The command interfaces that a controller with these parameters claims, in order."""
+        return ()
+
+    @classmethod
+    def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """The references that other controllers may claim of it, without its own name in front."""
+        return ()
+
+    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
+        super().__init__()
+        self.setup = setup
+        self.claims = setup.claims
+        self.hints = tuple(hints)
+        self.subscribed: dict[str, str] = {}
+        self.published: dict[str, str] = {}
+        self.actions: dict[str, str] = {}
+
+    def read(self, topic: str, message: Any, context: Context) -> Any:
+        """What goes onto a topic's port for a message.
+
+        Args:
+            topic: one of ``subscribed`` or ``actions``.
+            message: the ROS message; for an action its goal.
+            context: the controller's own context at the present time.
+
+        Raises:
+            CommandError: the message is refused; its ``deactivates`` tells whether the controller is given up with it.
+        """
+        return message
+
+    def timeout(self, topic: str) -> float | None:
+        """How long a message on a topic holds (s) before the port is cleared again; None for ever."""
+        return None
+
+    def activate(self, context: Context) -> None:
+        """Begins anew; whoever calls this has cleared the topics' ports."""
+
+    def deactivate(self, context: Context) -> None:
+        """Writes nothing from now on; whoever calls this has cleared the topics' ports."""
+
+    def fault(self, context: Context) -> str | None:
+        """Why its last update failed; None if it did not."""
+        return None
+
+    def get_command_interfaces_output_port(self) -> OutputPort:
+        """The port ``command_interfaces``."""
+        return self.GetOutputPort("command_interfaces")
+
+    def _declare_topic_input(self, topic: str, kind: str) -> InputPort:
+        """An input port that carries what `read` made of a topic's last message, None before the first."""
+        self.subscribed[topic] = kind
+        return self.DeclareAbstractInputPort(topic, AbstractValue.Make(None))
+
+    def _declare_action_input(self, action: str, kind: str) -> InputPort:
+        """An input port that carries what `read` made of an action's last goal, None before the first."""
+        self.actions[action] = kind
+        return self.DeclareAbstractInputPort(action, AbstractValue.Make(None))
+
+    def _declare_topic_output(self, topic: str, kind: str, calc: Any, prerequisites: Collection[Any]) -> OutputPort:
+        """An output port that carries a message, or None while there is none; ``calc(context, output)`` sets it."""
+        self.published[topic] = kind
+        return self.DeclareAbstractOutputPort(topic, lambda: AbstractValue.Make(None), weakly(calc), set(prerequisites))
+
+    def _declare_command_interfaces(self, calc: Any, prerequisites: Collection[Any]) -> OutputPort:
+        """The port ``command_interfaces``; ``calc(context, output)`` fills a vector."""
+        size = len(self.claims) + len(self.hints)
+        return self.DeclareVectorOutputPort("command_interfaces", size, weakly(calc), set(prerequisites))
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What a periodic controller keeps from one update to the next; its one abstract state.
+
+    Attributes:
+        active: whether it is updated.
+        time: the time of the last update or of the activation (s).
+        memory: the subclass's own frozen value.
+        commands: what stands on ``command_interfaces``.
+        fault: why the last update failed.
+    """
+
+    active: bool = False
+    time: float = 0.0
+    memory: Any = None
+    commands: tuple[float, ...] = ()
+    fault: str | None = None
+
+
+@dataclass(frozen=True)
+class Update:
+    """What an update returns.
+
+    Attributes:
+        memory: the new frozen memory.
+        commands: an element for each claim and hint; NaN where nothing is written.
+        notice: whether the twin should stop and look, because a goal has come to its end, say.
+    """
+
+    memory: Any
+    commands: Sequence[float] | np.ndarray
+    notice: bool = False
+
+
+class PeriodicController(Controller):
+    """A controller that is updated at its rate, as the controller manager's loop does.
+
+    It samples its inputs at an update and holds its output until the next; what it writes takes effect with the physics
+    step after it. Its memory is one frozen value in the Context, so that a saved Context is a saved controller. An
+    update that raises makes it write nothing, and ends the advance so that it can be deactivated.
+
+    - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
+    - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
+    """
+
+    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
+        super().__init__(setup, hints)
+        self._nothing = (float("nan"),) * (len(self.claims) + len(self.hints))
+        self._state_port = self.DeclareVectorInputPort("state", setup.layout.size)
+        self._upstream_ports = {
+            name: self.DeclareVectorInputPort(name, max((*indices, 0)) + 1) for name, indices in setup.upstream.items()
+        }
+        self._sample_index: AbstractStateIndex = self.DeclareAbstractState(
+            AbstractValue.Make(Sample(commands=self._nothing))
+        )
+        self._declare_command_interfaces(self._calc_command_interfaces, {self.sample_ticket()})
+        self.DeclarePeriodicUnrestrictedUpdateEvent(
+            setup.update_period, setup.update_offset, weakly(self._update_sample)
+        )
+
+    def start(self, context: Context) -> Any:
+        """The memory at activation."""
+        return None
+
+    def update(self, context: Context, time: float, memory: Any) -> Update:
+        """One update.
+
+        Args:
+            context: the controller's own context.
+            time: the present time (s); the last update was ``self.sample(context).time``.
+            memory: what `start` or the last update left.
+
+        Raises:
+            Exception: the controller is deactivated with the exception's text.
+        """
+        raise NotImplementedError
+
+    def sample(self, context: Context) -> Sample:
+        """What the last update left."""
+        sample: Sample = context.get_abstract_state(int(self._sample_index)).get_value()
+        return sample
+
+    def sample_ticket(self) -> Any:
+        """What an output port that follows from the last update depends on."""
+        return self.abstract_state_ticket(self._sample_index)
+
+    def get_state_input_port(self) -> InputPort:
+        """The port ``state``."""
+        return self._state_port
+
+    def activate(self, context: Context) -> None:
+        """Begins anew at the present time."""
+        sample = Sample(True, context.get_time(), self.start(context), self._nothing)
+        context.SetAbstractState(int(self._sample_index), sample)
+
+    def deactivate(self, context: Context) -> None:
+        """Writes nothing and is not updated from now on; the memory stays to be looked at."""
+        sample = replace(self.sample(context), active=False, commands=self._nothing)
+        context.SetAbstractState(int(self._sample_index), sample)
+
+    def fault(self, context: Context) -> str | None:
+        """Why its last update failed; None if it did not."""
+        return self.sample(context).fault
+
+    def positions(self, context: Context, joints: Sequence[str]) -> np.ndarray:
+        """Positions of joints at the present time (rad or m)."""
+        state = self._state_port.Eval(context)
+        return np.array([state[self.setup.layout.positions[joint]] for joint in joints])
+
+    def velocities(self, context: Context, joints: Sequence[str]) -> np.ndarray:
+        """Velocities of joints at the present time (rad/s or m/s)."""
+        state = self._state_port.Eval(context)
+        return np.array([state[self.setup.layout.velocities[joint]] for joint in joints])
+
+    def references(self, context: Context) -> np.ndarray | None:
+        """What upstream controllers write to this one's references, NaN where nothing; None when none writes."""
+        for name, indices in self.setup.upstream.items():
+            values = np.append(self._upstream_ports[name].Eval(context), np.nan)
+            if np.isfinite(values).any():
+                return values[list(indices)]
+        return None
+
+    def _update_sample(self, context: Context, state: State) -> EventStatus:
+        sample = self.sample(context)
+        if not sample.active or sample.fault is not None:
+            return EventStatus.DidNothing()
+        time = context.get_time()
+        notice = False
+        try:
+            update = self.update(context, time, sample.memory)
+            commands = tuple(map(float, update.commands))
+            sample, notice = Sample(True, time, update.memory, commands), update.notice
+        except Exception as error:  # whatever a controller raises concerns that controller alone
+            sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
+            notice = True
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
+        return EventStatus.ReachedTermination(self, self.setup.name) if notice else EventStatus.Succeeded()
+
+    def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self.sample(context).commands)

@@ -1,0 +1,160 @@
+"""Joint commands from a topic, as ros2_controllers' forward command controllers take them."""
+
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, InputPort
+
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.errors import CommandError
+from drake_twin.systems.controller import Controller, ControllerSetup, Interface
+
+
+@dataclass(frozen=True)
+class ForwardCommandParameters:
+    """Parameters of ``forward_command_controller/ForwardCommandController``.
+
+    Attributes:
+        joints: the joints, in the order of a command's elements.
+        interface_name: the command interface of all of them.
+        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+    """
+
+    joints: tuple[str, ...]
+    interface_name: str
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+@dataclass(frozen=True)
+class JointGroupParameters:
+    """Parameters of the ``velocity_controllers``, ``position_controllers`` and ``effort_controllers`` JointGroups.
+
+    Attributes:
+        joints: the joints, in the order of a command's elements.
+        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+    """
+
+    joints: tuple[str, ...]
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+@dataclass(frozen=True)
+class MultiInterfaceForwardCommandParameters:
+    """Parameters of ``forward_command_controller/MultiInterfaceForwardCommandController``.
+
+    Attributes:
+        joint: the joint.
+        interface_names: its command interfaces, in the order of a command's elements.
+        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+    """
+
+    joint: str
+    interface_names: tuple[str, ...]
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+class ForwardCommandController(Controller):
+    """Forwards commands to command interfaces as they come.
+
+    Behaves as ``forward_command_controller/ForwardCommandController`` does in ROS 2 Jazzy. It has no state and no
+    events: its output is computed once a message.
+
+    .. pydrake_system::
+
+        name: ForwardCommandController
+        input_ports:
+        - commands
+        output_ports:
+        - command_interfaces
+
+    - ``commands``: ``std_msgs/msg/Float64MultiArray``, an element for each claim (rad, rad/s, N·m, or m, m/s, N); topic
+      ``~/commands``. ``None`` before the first message.
+    - ``command_interfaces``: the same as a vector; NaN before the first message: nothing is written.
+    """
+
+    Parameters: ClassVar[type] = ForwardCommandParameters
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: ForwardCommandParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The interface of each joint."""
+        return tuple(Interface(joint, parameters.interface_name) for joint in parameters.joints)
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        self._commands = self._declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
+        self._declare_command_interfaces(
+            self._calc_command_interfaces, {self.input_port_ticket(self._commands.get_index())}
+        )
+
+    def get_commands_input_port(self) -> InputPort:
+        """The port ``commands``."""
+        return self._commands
+
+    def timeout(self, topic: str) -> float | None:
+        """The parameter ``command_timeout``."""
+        return self.setup.parameters.command_timeout or None
+
+    def read(self, topic: str, message: Any, context: Context) -> Any:
+        """The message, with an element for each claim.
+
+        Raises:
+            CommandError: a wrong number of elements, which ros2_control answers by deactivating the controller; or an
+                element that is not a finite number: the message is dropped.
+        """
+        data = np.asarray(message.data, dtype=float)
+        if data.shape != (len(self.claims),):
+            raise CommandError(
+                f"the command has {data.size} elements, but there are {len(self.claims)} command interfaces:"
+                f" {', '.join(map(str, self.claims))}",
+                deactivates=True,
+            )
+        if not np.isfinite(data).all():
+            bad = int(np.flatnonzero(~np.isfinite(data))[0])
+            raise CommandError(f"the command for {self.claims[bad]} is {data[bad]}, which is not a finite number")
+        return message
+
+    def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
+        message = self._commands.Eval(context)
+        output.SetFromVector(np.full(len(self.claims), np.nan) if message is None else np.asarray(message.data))
+
+
+class MultiInterfaceForwardCommandController(ForwardCommandController):
+    """The same for several command interfaces of one joint."""
+
+    Parameters: ClassVar[type] = MultiInterfaceForwardCommandParameters
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """Each interface of the joint."""
+        return tuple(Interface(parameters.joint, name) for name in parameters.interface_names)
+
+
+class _JointGroupController(ForwardCommandController):
+    Parameters: ClassVar[type] = JointGroupParameters
+    interface: str
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """The interface of each joint."""
+        return tuple(Interface(joint, cls.interface) for joint in parameters.joints)
+
+
+class JointGroupVelocityController(_JointGroupController):
+    """``velocity_controllers/JointGroupVelocityController``."""
+
+    interface = "velocity"
+
+
+class JointGroupPositionController(_JointGroupController):
+    """``position_controllers/JointGroupPositionController``."""
+
+    interface = "position"
+
+
+class JointGroupEffortController(_JointGroupController):
+    """``effort_controllers/JointGroupEffortController``."""
+
+    interface = "effort"
