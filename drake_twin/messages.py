@@ -5,6 +5,7 @@ a wire as it is. The store is loaded at the first use of a type, because a twin 
 Types that the store lacks are defined here by the text of their ``.msg`` file.
 """
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -19,6 +20,7 @@ _STORE_TYPES = {
         "geometry_msgs/msg/Transform",
         "geometry_msgs/msg/TransformStamped",
         "geometry_msgs/msg/Twist",
+        "geometry_msgs/msg/TwistStamped",
         "geometry_msgs/msg/TwistWithCovariance",
         "geometry_msgs/msg/Vector3",
         "nav_msgs/msg/Odometry",
@@ -71,6 +73,91 @@ def time_message(seconds: float) -> Any:
 def header(seconds: float, frame_id: str = "") -> Any:
     """A ``std_msgs/msg/Header`` stamped with a simulation time (s)."""
     return _message("Header")(stamp=time_message(seconds), frame_id=frame_id)
+
+
+def message(kind: str, data: Any) -> Any:
+    """A message of a type, made of plain data as ``ros2 topic pub`` takes it.
+
+    Args:
+        kind: the message type, for example ``geometry_msgs/msg/TwistStamped``.
+        data: a message of that type; or a mapping of its fields, where what is left out is zero or empty; or the bare
+            numbers of a ``Float64MultiArray``.
+
+    Raises:
+        ValueError: the data does not fit the type; the text says where.
+    """
+    name = getattr(data, "__msgtype__", None)
+    if name is not None:
+        if name != kind:
+            raise ValueError(f"this is a {name}, and a {kind} is needed")
+        return data
+    if not isinstance(data, Mapping):
+        if kind != "std_msgs/msg/Float64MultiArray":
+            raise ValueError(f"{data!r} is no mapping of the fields of a {kind}")
+        return float64_multi_array(data)
+    return _from_plain(kind, data, "")
+
+
+def _from_plain(kind: str, data: Any, path: str) -> Any:
+    store = type_store()
+    if kind in ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration") and isinstance(data, int | float):
+        nanoseconds = round(data * 1e9)
+        data = {"sec": nanoseconds // 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000}
+    if getattr(data, "__msgtype__", None) == kind:
+        return data
+    if not isinstance(data, Mapping):
+        raise ValueError(f"{path or 'the message'}: {data!r} is no mapping of the fields of a {kind}")
+    _, fields = store.fielddefs[kind]
+    names = [name for name, _ in fields if name != "structure_needs_at_least_one_member"]
+    for name in data:
+        if name not in names:
+            raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names)}")
+    return store.types[kind](
+        **{name: _field(description, data.get(name), f"{path}{name}.") for name, description in fields}
+    )
+
+
+def _field(description: Any, value: Any, path: str) -> Any:
+    """A field's value; ``description`` is rosbags' (node type, details)."""
+    import numpy as np
+    from rosbags.interfaces import Nodetype
+
+    node, details = description
+    if node == Nodetype.NAME:
+        return _from_plain(details, {} if value is None else value, path)
+    if node == Nodetype.BASE:
+        kind = details[0]
+        if value is None:
+            return {"string": "", "wstring": "", "bool": False}.get(kind, 0.0 if "float" in kind else 0)
+        return _base(kind, value, path)
+    element, size = details
+    values = [] if value is None else value
+    if isinstance(values, str | bytes | Mapping) or not hasattr(values, "__iter__"):
+        raise ValueError(f"{path[:-1]}: {value!r} is not a list")
+    if value is None and node == Nodetype.ARRAY:
+        values = [None] * size
+    items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
+    if node == Nodetype.ARRAY and len(items) != size:
+        raise ValueError(f"{path[:-1]}: {len(items)} elements, where {size} are needed")
+    kind = element[1][0] if element[0] == Nodetype.BASE else ""
+    return np.array(items, dtype=kind) if kind not in ("", "string", "wstring") else items
+
+
+def _base(kind: str, value: Any, path: str) -> Any:
+    try:
+        if kind in ("string", "wstring"):
+            if not isinstance(value, str):
+                raise TypeError
+            return value
+        if kind == "bool":
+            if not isinstance(value, bool):
+                raise TypeError
+            return value
+        if isinstance(value, bool | str) and not (isinstance(value, str) and "float" in kind):
+            raise TypeError  # YAML 1.1 reads 1e-3 as text, and nothing else
+        return float(value) if "float" in kind else int(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{path[:-1]}: {value!r} is not a {kind}") from None
 
 
 def float64_multi_array(values: Any) -> Any:

@@ -66,6 +66,7 @@ class Robot:
             begin with its name already.
         controllers: parameters files of its controllers; by default the ones that its ``<gazebo>`` plugin names.
         active_controllers: the controllers to activate; by default all in the parameters files, in their order.
+        inactive_controllers: the controllers to load and leave inactive; those in neither list are not loaded.
         initial_positions: joint name → position at the start (rad or m).
         self_collision: whether its links collide with each other; without it those do that ``<selfCollide>`` names.
         collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
@@ -81,6 +82,7 @@ class Robot:
     frame_prefix: str | None = None
     controllers: tuple[str, ...] = ()
     active_controllers: tuple[str, ...] | None = None
+    inactive_controllers: tuple[str, ...] = ()
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     self_collision: bool = False
     collision: str = "hull"
@@ -109,13 +111,13 @@ class Command:
 
     Attributes:
         topic: the full topic name, for example ``/robot_1/forward_velocity_controller/commands``.
-        data: the numbers of a ``Float64MultiArray``.
+        data: the numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
         time: when (s).
         period: when given, it is published again every so many seconds.
     """
 
     topic: str
-    data: tuple[float, ...]
+    data: tuple[float, ...] | Mapping[str, Any]
     time: float = 0.0
     period: float | None = None
 
@@ -325,6 +327,8 @@ def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any
     if origin is types.UnionType:
         if value is None and type(None) in arguments:
             return None
+        if isinstance(value, dict) and Mapping[str, Any] in arguments:
+            return value
         return _read(next(item for item in arguments if item is not type(None)), value, document, path)
     if origin is tuple:
         if not isinstance(value, list):

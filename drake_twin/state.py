@@ -1,8 +1,9 @@
 """The state of a diagram's robots at one moment: read by name, checked, hashed."""
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
 
 import numpy as np
 from pydrake.systems.framework import Context
@@ -10,6 +11,7 @@ from pydrake.systems.framework import Context
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError
+from drake_twin.systems.controller import PeriodicController
 
 
 @dataclass(frozen=True)
@@ -87,21 +89,61 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
         )
 
 
-def hash_state(built: TwinDiagram, plant_context: Context, time: str, commands: Mapping[str, np.ndarray]) -> str:
-    """SHA-256 of all that makes two runs go on alike: time, states by robot name, commands, active controllers.
+def hash_state(
+    built: TwinDiagram,
+    context: Context,
+    time: str,
+    controllers: Mapping[str, Mapping[str, str]],
+    commands: Mapping[str, Any],
+) -> str:
+    """SHA-256 of all that makes two runs go on alike: time, states by robot name, controllers, commands.
 
     Args:
         built: the diagram.
-        plant_context: its plant's context.
+        context: its root context.
         time: the time, exactly, as text.
-        commands: topic → the command last accepted.
+        controllers: robot → loaded controller → whether it is active.
+        commands: topic → the message that holds.
     """
     digest = hashlib.sha256(f"{time}\n".encode())
+    plant_context = built.plant.GetMyContextFromRoot(context)
     for plan in sorted(built.plans, key=lambda plan: plan.name):
         state = built.plant.GetPositionsAndVelocities(plant_context, built.robots[plan.name].instance)
         digest.update(f"robot {plan.name}\n".encode() + np.asarray(state, dtype="<f8").tobytes())
-    for topic, item in sorted(built.commanded.items()):
-        digest.update(f"active {topic} {','.join(item.controller.joints)}\n".encode())
-        command = commands.get(topic)
-        digest.update(b"none\n" if command is None else np.asarray(command, dtype="<f8").tobytes())
+        parts = built.parts[plan.name]
+        values: list[Any] = [sorted(controllers[plan.name].items())]
+        if parts.servo is not None:
+            values.append(parts.servo.assignment(parts.servo.GetMyContextFromRoot(context)))
+        for name, controller in sorted(parts.controllers.items()):
+            if isinstance(controller, PeriodicController):
+                values.append((name, controller.sample(controller.GetMyContextFromRoot(context))))
+        for part in _bytes_of(values):
+            digest.update(part)
+    for part in _bytes_of(sorted(commands.items())):
+        digest.update(part)
     return digest.hexdigest()
+
+
+def _bytes_of(value: Any) -> Iterator[bytes]:
+    """A plain, frozen value as bytes that are equal for equal values and for no others."""
+    if is_dataclass(value) and not isinstance(value, type):
+        yield f"{type(value).__name__}(".encode()
+        for item in fields(value):
+            yield from _bytes_of(getattr(value, item.name))
+        yield b")"
+    elif isinstance(value, np.ndarray):
+        yield f"{value.dtype.str}{value.shape}".encode()
+        yield value.tobytes()
+    elif isinstance(value, Mapping):
+        yield b"{"
+        for key, item in value.items():
+            yield from _bytes_of(key)
+            yield from _bytes_of(item)
+        yield b"}"
+    elif isinstance(value, list | tuple):
+        yield b"["
+        for item in value:
+            yield from _bytes_of(item)
+        yield b"]"
+    else:
+        yield f"{value.hex() if isinstance(value, float) else repr(value)},".encode()

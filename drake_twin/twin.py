@@ -4,6 +4,7 @@ Everything happens in the thread that calls `Twin.advance_to` or `Twin.run`, in 
 repeatable to the last bit.
 """
 
+import logging
 import time as wall_clock
 from collections.abc import Callable, Mapping
 from math import floor, isfinite
@@ -12,18 +13,22 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
-from pydrake.systems.analysis import Simulator
+from pydrake.systems.analysis import Simulator, SimulatorStatus
 
-from drake_twin import messages
+from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, build_twin_diagram
 from drake_twin.errors import CommandError, InputError, RunError
+from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import LONGEST_TIME, Scenario, ScenarioError
 from drake_twin.schedule import ScheduledCommand, Subscription, step_at
 from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
+from drake_twin.systems.controller import Interface
 
 _FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
 _MOST_STEPS_A_FRAME = 10_000
+
+_log = logging.getLogger(__name__)
 
 
 class Twin:
@@ -40,28 +45,34 @@ class Twin:
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None):
         self.scenario = scenario
         self._built = build_twin_diagram(scenario, meshcat)
-        for index, command in enumerate(scenario.commands):
-            try:
-                self._checked(command.topic, command.data)
-            except InputError as error:
-                raise ScenarioError(("commands", index), str(error).rstrip(".")) from None
         self._simulator = Simulator(self._built.diagram)
         self._context = self._simulator.get_mutable_context()
         self._plant_context = self._built.plant.GetMyContextFromRoot(self._context)
         self._subscriptions: list[Subscription] = []
-        self._queue: list[tuple[str, np.ndarray]] = []
+        self._controls = {
+            plan.name: RobotControl(self._built, plan, self._context, self._clear) for plan in self._built.plans
+        }
+        self._queue: list[tuple[str, Any]] = []
         self._silenced: set[str] = set()
         self.paused = False
         self._advancing = False
         self._real_time_rate = 1.0
         self._start()
+        for index, command in enumerate(scenario.commands):
+            try:
+                self._checked(command.topic, command.data)
+            except InputError as error:
+                raise ScenarioError(("commands", index), str(error).rstrip(".")) from None
 
     def _start(self) -> None:
         self._step = 0
         self._built.fix_commands(self._context)
-        self._commands: dict[str, np.ndarray] = {}
+        self._commands: dict[str, Any] = {}
+        self._expiries: dict[str, int] = {}
         self._schedule = [ScheduledCommand(command, self.scenario.time_step) for command in self.scenario.commands]
         try:
+            for control in self._controls.values():
+                control.start()
             self._simulator.Initialize()
         except (RuntimeError, SystemExit) as error:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
@@ -136,23 +147,83 @@ class Twin:
         """Command topic → the controller that listens to it."""
         return dict(self._built.commanded)
 
-    def command(self, topic: str) -> np.ndarray | None:
-        """The command last published on a topic, clamped as it is applied; None before the first."""
+    def command_limits(self, topic: str) -> dict[Interface, tuple[float, float]]:
+        """What the numbers of a command drive, in their order, and within which limits; empty for other messages.
+
+        Raises:
+            InputError: nothing listens to the topic.
+        """
+        item = self._command_topic(topic)
+        if item.type != "std_msgs/msg/Float64MultiArray":
+            return {}
+        description = self._plan(item.robot).description
+        claims = self._controls[item.robot].controllers[item.controller].claims
+        free = (-float("inf"), float("inf"))
+        return {
+            claim: free if "/" in claim.joint else description.limits_of_command(claim.joint, claim.name)
+            for claim in claims
+        }
+
+    def command(self, topic: str) -> Any:
+        """The message last published on a topic; None before the first, and once it no longer holds."""
         waiting = [command for queued_topic, command in self._queue if queued_topic == topic]
         return waiting[-1] if waiting else self._commands.get(topic)
 
     def publish(self, topic: str, data: Any) -> None:
         """Publishes a command; it takes effect at the next step, also when called inside a callback.
 
+        A controller that is not active does not hear it.
+
         Args:
             topic: a command topic, for example ``/robot_1/forward_velocity_controller/commands``.
-            data: a ``Float64MultiArray``, or its numbers.
+            data: a ROS message, its fields as a mapping, or the bare numbers of a ``Float64MultiArray``.
 
         Raises:
             InputError: nothing listens to the topic.
-            CommandError: the size is wrong, or an element is not a finite number. Nothing is changed then.
+            CommandError: the message does not fit the topic, or an element is not a finite number: nothing is changed
+                then. Or the size is wrong: the controller is deactivated then, as ros2_control does. Or the robot's
+                emergency stop holds.
         """
-        self._queue.append((topic, self._checked(topic, data)))
+        item = self._command_topic(topic)
+        control = self._controls[item.robot]
+        if control.stopped:
+            raise CommandError(f"{topic}: the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it")
+        if not control.accepts(item):
+            _log.info("%s: nobody hears this: controller %s is not active", topic, item.controller)
+            return
+        try:
+            value = self._checked(topic, data)
+        except CommandError as error:
+            if error.deactivates:
+                control.give_up(item.controller, error.message)
+            raise
+        self._queue.append((topic, value))
+
+    def controller_manager(self, robot: str) -> ControllerManager:
+        """The controller manager of a robot; its methods are named like the services of ROS 2.
+
+        Raises:
+            InputError: no such robot.
+        """
+        return self._controls[self._plan(robot).name].manager
+
+    def emergency_stop(self, robot: str) -> None:
+        """Brings a robot's joints to rest within their effort limits and holds them, whatever controllers say.
+
+        Commands are refused until `clear_emergency_stop`.
+
+        Raises:
+            InputError: no such robot.
+        """
+        self._controls[self._plan(robot).name].emergency_stop()
+
+    def clear_emergency_stop(self, robot: str) -> None:
+        """Lets a robot's controllers command again; each begins anew, without a command.
+
+        Raises:
+            InputError: no such robot.
+        """
+        self._controls[self._plan(robot).name].clear_emergency_stop()
 
     def silence(self, topic: str) -> None:
         """Drops the scenario's own timed commands on a topic from now on, until the next reset."""
@@ -188,7 +259,7 @@ class Twin:
         return lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None
 
     def latest(self, topic: str) -> Any:
-        """A topic's message at the present time.
+        """A topic's message at the present time; None while its controller is not active or has none.
 
         Raises:
             InputError: nothing is published on the topic.
@@ -196,7 +267,19 @@ class Twin:
         published = self._built.published
         if topic not in published:
             raise InputError(f"nothing is published on {topic!r}", value=topic, valid=published)
-        return published[topic].port.Eval(self._context)
+        item = published[topic]
+        if item.controller and item.controller not in self._controls[item.robot].manager.active:
+            return None
+        return item.port.Eval(self._context)
+
+    def start_positions(self, robot: str) -> Mapping[str, float]:
+        """Movable joint → where it stands at the start (rad or m).
+
+        Raises:
+            InputError: no such robot.
+        """
+        positions: Mapping[str, float] = self._plan(robot).start_positions
+        return positions
 
     def joint_states(self, robot: str) -> Any:
         """The ``sensor_msgs/msg/JointState`` of a robot at the present time.
@@ -345,7 +428,8 @@ class Twin:
         Two runs with the same hash are in the same state to the last bit.
         """
         time = f"step {self._step} of {self.scenario.time_step.hex()}"
-        return hash_state(self._built, self._plant_context, time, self._commands)
+        states = {name: control.manager.states for name, control in self._controls.items()}
+        return hash_state(self._built, self._context, time, states, self._commands)
 
     def _step_at(self, time: float) -> int:
         """The first step that is not before a time (s)."""
@@ -359,16 +443,17 @@ class Twin:
                 return plan
         raise InputError(f"there is no robot {robot!r}", value=robot, valid=self.robots)
 
-    def _checked(self, topic: str, data: Any) -> np.ndarray:
+    def _command_topic(self, topic: str) -> CommandTopic:
         if topic not in self._built.commanded:
             raise InputError(f"nothing listens to {topic!r}", value=topic, valid=self._built.commanded)
+        return self._built.commanded[topic]
+
+    def _checked(self, topic: str, data: Any) -> Any:
+        item = self._command_topic(topic)
         try:
-            message = data if hasattr(data, "layout") else messages.float64_multi_array(data)
-            return self._built.commanded[topic].controller.check_command(message)
-        except (TypeError, ValueError):
-            raise CommandError(f"{topic}: {data!r} is not a list of numbers") from None
+            return self._controls[item.robot].read(item, data)
         except CommandError as error:
-            raise CommandError(f"{topic}: {error.message}") from None
+            raise CommandError(f"{topic}: {error.message}", deactivates=error.deactivates) from None
 
     def _advance(self, target: int) -> None:
         self._refuse_inside_callback("advance")
@@ -391,13 +476,19 @@ class Twin:
             self._apply_commands()
             next_step = self._next_stop(target)
             try:
-                self._simulator.AdvanceTo(next_step * time_step)
+                status = self._simulator.AdvanceTo(next_step * time_step)
+                if status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition:
+                    # A controller has something to say. The step that begins at this time is begun: it is finished.
+                    next_step = round(self._context.get_time() / time_step) + 1
+                    self._simulator.AdvanceTo(next_step * time_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
                 check_finite(self._built, self._plant_context, self.time)
                 reason = " ".join(str(error).split())
                 raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
             check_finite(self._built, self._plant_context, self.time)
             self._step = next_step
+            for control in self._controls.values():
+                control.give_up_faulty()
 
     def _advance_for(self, wall_time: float, end: int | None) -> None:
         """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
@@ -413,24 +504,56 @@ class Twin:
         for scheduled in self._schedule:
             if scheduled.due_step() == self._step:
                 if scheduled.topic not in self._silenced:
-                    due.append((scheduled.topic, self._checked(scheduled.topic, scheduled.data)))
+                    due.append(scheduled)
                 scheduled.pass_step()
-        queue, self._queue = self._queue, []
-        for topic, command in (*due, *queue):
-            port = self._built.commanded[topic].port
-            port.FixValue(self._context, AbstractValue.Make(messages.float64_multi_array(command)))
-            self._commands[topic] = command
+        for topic in [topic for topic, step in self._expiries.items() if step <= self._step]:
+            self._set_command(topic, None)
+        waiting, self._queue = self._queue, []
+        for scheduled in due:
+            try:
+                self.publish(scheduled.topic, scheduled.data)
+            except CommandError as error:
+                _log.warning("%s", error)
+        for topic, value in (*self._queue, *waiting):
+            self._set_command(topic, value)
+        self._queue = []
+
+    def _set_command(self, topic: str, value: Any) -> None:
+        item = self._built.commanded[topic]
+        item.port.FixValue(self._context, AbstractValue.Make(value))
+        self._commands.pop(topic, None)
+        self._expiries.pop(topic, None)
+        if value is None:
+            return
+        self._commands[topic] = value
+        timeout = self._controls[item.robot].controllers[item.controller].timeout(item.name)
+        if timeout is not None:
+            self._expiries[topic] = self._step + max(1, step_at(timeout, self.scenario.time_step))
+
+    def _clear(self, robot: str, controller: str) -> None:
+        """Forgets what was commanded of a controller."""
+        for items in (self._built.commanded, self._built.actions):
+            for item in items.values():
+                if (item.robot, item.controller) == (robot, controller):
+                    item.port.FixValue(self._context, AbstractValue.Make(None))
+        topics = [t for t, i in self._built.commanded.items() if (i.robot, i.controller) == (robot, controller)]
+        self._queue = [entry for entry in self._queue if entry[0] not in topics]
+        for topic in topics:
+            self._commands.pop(topic, None)
+            self._expiries.pop(topic, None)
 
     def _deliver(self) -> None:
         # Callbacks may subscribe and end subscriptions, theirs and others'.
         while due := [item for item in self._subscriptions if item.due_step() <= self._step]:
             for subscription in (item for item in due if item in self._subscriptions):
-                message = self._built.published[subscription.topic].port.Eval(self._context)
+                message = self.latest(subscription.topic)
                 subscription.pass_step(self._step)
-                subscription.callback(message)
+                if message is not None:
+                    subscription.callback(message)
 
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
         due = [item.due_step() for item in self._schedule]
         due += [item.due_step() for item in self._subscriptions]
+        due += self._expiries.values()
         return int(min([target, *(step for step in due if step > self._step)]))

@@ -129,7 +129,7 @@ def test_other_peoples_arm_with_its_own_meshes_holds(tmp_path, corpus):
     (file,) = corpus.glob("arduinobot/**/arduinobot.urdf.xacro")
     result = summary_of(tmp_path, file, "--duration", 2)
     assert result["robots"]["arduinobot"]["positions"] == pytest.approx([0] * 5, abs=0.01)
-    assert any("JointTrajectoryController is not supported yet" in reason for reason in result["not_started"])
+    assert any("JointTrajectoryController is not supported" in reason for reason in result["not_started"])
 
 
 def test_other_peoples_rover_drives_by_its_own_parameters_file(tmp_path, corpus):
@@ -248,8 +248,11 @@ def test_an_unknown_joint_in_the_parameters_file(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("data", "match"),
     [
-        ("[1, 2, 3]", "the command has 3 elements, but there are 4 joints: robot_1_front_left_wheel_joint,"),
-        ("[1, .nan, 3, 4]", "joint robot_1_front_right_wheel_joint is nan, which is not a finite number"),
+        (
+            "[1, 2, 3]",
+            "the command has 3 elements, but there are 4 command interfaces: robot_1_front_left_wheel_joint/velocity,",
+        ),
+        ("[1, .nan, 3, 4]", "robot_1_front_right_wheel_joint/velocity is nan, which is not a finite number"),
         ("[1, .inf, 3, 4]", "is inf, which is not a finite number"),
         ("fast", "the data must be a list of numbers"),
         ("[a, b]", "the data must be a list of numbers"),

@@ -1,10 +1,11 @@
-"""The controls in Meshcat's own panel: time, and a slider for each joint of each velocity controller."""
+"""The controls in Meshcat's own panel: time, and a slider for each joint that a controller forwards commands to."""
 
 from math import floor, log10
 
 import numpy as np
 from pydrake.geometry import Meshcat
 
+from drake_twin.systems.controller import Interface
 from drake_twin.twin import Twin
 
 PLAY_PAUSE, STEP, RESET, SPEED, SIM_TIME = "Play / Pause", "Step", "Reset", "Speed (x real)", "Sim time (s)"
@@ -39,14 +40,13 @@ class Panel:
         self._speed = meshcat.GetSliderValue(SPEED)
         self._sliders: dict[str, list[str]] = {}
         for topic, commanded in twin.commanded.items():
-            controller = commanded.controller
-            self._sliders[topic] = [
-                self._add_joint_slider(commanded.robot, joint, lower, upper)
-                for joint, lower, upper in zip(
-                    controller.joints, controller.lower.tolist(), controller.upper.tolist(), strict=True
-                )
-            ]
+            limits = twin.command_limits(topic)
+            if limits:
+                self._sliders[topic] = [
+                    self._add_joint_slider(commanded.robot, interface, *bounds) for interface, bounds in limits.items()
+                ]
         self._values_seen = {topic: self._values(topic) for topic in self._sliders}
+        self._at_rest = {topic: tuple(values.tolist()) for topic, values in self._values_seen.items()}
         self._command_shown: dict[str, tuple[float, ...]] = {}
 
     def obey(self) -> None:
@@ -68,15 +68,18 @@ class Panel:
         if self._meshcat.GetSliderValue(SIM_TIME) != round(self._twin.time, 2):
             self._meshcat.SetSliderValue(SIM_TIME, round(self._twin.time, 2))
 
-    def _add_joint_slider(self, robot: str, joint: str, lower: float, upper: float) -> str:
+    def _add_joint_slider(self, robot: str, interface: Interface, lower: float, upper: float) -> str:
         """A slider whose name still tells joints apart where the panel cuts it off, after some sixteen letters."""
+        joint = interface.joint
+        positions = self._twin.start_positions(robot) if interface.name == "position" else {}
+        rest = positions.get(joint, 0.0)
         short = joint.removeprefix(f"{robot}_").removesuffix("_joint")
         name = f"{robot}/{short}"
         if name in self._meshcat.GetSliderNames():
             name = f"{robot}/{joint}"
         lower, upper = max(lower, -_WIDEST_SLIDER), min(upper, _WIDEST_SLIDER)
         step = 10.0 ** floor(log10(max(upper - lower, 1e-3) / 100.0))
-        self._meshcat.AddSlider(name, lower, max(upper, lower + step), step, min(max(0.0, lower), upper))
+        self._meshcat.AddSlider(name, lower, max(upper, lower + step), step, min(max(rest, lower), upper))
         return name
 
     def _clicked(self, button: str) -> int:
@@ -97,7 +100,7 @@ class Panel:
             self._command_shown[topic] = tuple(values.tolist())
             return
         command = self._twin.command(topic)
-        shown = (0.0,) * len(values) if command is None else tuple(command.tolist())
+        shown = self._at_rest[topic] if command is None else tuple(np.asarray(command.data).tolist())
         if shown != self._command_shown.get(topic):
             for name, value in zip(self._sliders[topic], shown, strict=True):
                 self._meshcat.SetSliderValue(name, value)

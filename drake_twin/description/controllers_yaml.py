@@ -54,9 +54,17 @@ class ControllerParameters:
 
 @dataclass(frozen=True)
 class ControllerManagerParameters:
-    """What a robot's parameters files say to its controller manager."""
+    """What a robot's parameters files say to its controller manager.
+
+    Attributes:
+        update_rate: how often controllers are updated (Hz).
+        enforce_command_limits: whether commands are clamped to the joints' limits. The twin does unless a file says no;
+            Jazzy's default is not to.
+        controllers: the controllers, in file order.
+    """
 
     update_rate: float = DEFAULT_UPDATE_RATE
+    enforce_command_limits: bool = True
     controllers: tuple[ControllerParameters, ...] = ()
 
 
@@ -82,9 +90,11 @@ def read_controllers(
         for name, entries in _nodes(document, namespace).items():
             nodes.setdefault(name, []).extend((document, *entry) for entry in entries)
     update_rate = DEFAULT_UPDATE_RATE
+    enforce_limits = True
     types: dict[str, str] = {}
     for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
+        enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
         for name, value in parameters.items():
             if isinstance(value, dict) and isinstance(value.get("type"), str):
                 types[name] = value["type"]
@@ -102,7 +112,7 @@ def read_controllers(
             merged.update(parameters)
         document_and_path = found[-1][:2] if found else (None, ())
         controllers.append(ControllerParameters(name, kind, merged, *document_and_path))
-    return ControllerManagerParameters(update_rate, tuple(controllers))
+    return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers))
 
 
 def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
@@ -118,6 +128,13 @@ def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[st
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 < rate < inf:
         raise document.error((*path, "update_rate"), f"{rate!r} is not a rate above zero (Hz)")
     return float(rate)
+
+
+def _flag(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], name: str, default: bool) -> bool:
+    value = parameters.get(name, default)
+    if not isinstance(value, bool):
+        raise document.error((*path, name), f"{value!r} is neither true nor false")
+    return value
 
 
 def _with_placeholders(text: str, file: Path, placeholders: Mapping[str, str]) -> str:

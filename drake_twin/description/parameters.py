@@ -96,10 +96,12 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
     given = {}
     for name, item in fields.items():
         if name not in values:
-            if item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING:
+            if _is_required(item):
                 raise controller.error(f"the parameter {'.'.join(map(str, (*path, name)))!r} is missing", *path)
             continue
         value = _read(_types(kind)[name], values[name], controller, (*path, name), warnings)
+        if value == () and _is_required(item):
+            raise controller.error("the list is empty", *path, name)
         _check_bounds(item, value, controller, (*path, name))
         default = item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
         if "unsupported" in item.metadata and not _same(value, default):
@@ -107,6 +109,10 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
             warnings.append(f"controller {controller.name}: {where} is ignored: {item.metadata['unsupported']}")
         given[name] = value
     return kind(**given)
+
+
+def _is_required(item: "dataclasses.Field[Any]") -> bool:
+    return item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
 
 
 def _read(annotation: Any, value: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:

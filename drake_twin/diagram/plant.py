@@ -22,7 +22,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.robot_description import Pose
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, set_servo_gains
+from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, ServoGains, servo_gains
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario
 from drake_twin.systems.state_layout import StateLayout
@@ -30,10 +30,11 @@ from drake_twin.systems.state_layout import StateLayout
 
 @dataclass(frozen=True)
 class RobotInPlant:
-    """A robot's model instance and the layout of its state."""
+    """A robot's model instance, the layout of its state, and the gains of its actuators (None: joint friction)."""
 
     instance: ModelInstanceIndex
     layout: StateLayout
+    gains: tuple[ServoGains | None, ...]
 
 
 @dataclass(frozen=True)
@@ -69,14 +70,14 @@ def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[Robot
     for plan in plans:
         with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
             instances[plan.name] = _add_robot(plant, scene_graph, plan, warnings)
-    robots = {}
+    layouts = {}
     with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
         plant.Finalize()
         for plan in plans:
-            layout = _state_layout(plant, instances[plan.name], plan)
-            _set_start(plant, instances[plan.name], plan, layout)
-            robots[plan.name] = RobotInPlant(instances[plan.name], layout)
-        set_servo_gains(plant, [(plan, robots[plan.name].instance, robots[plan.name].layout) for plan in plans])
+            layouts[plan.name] = _state_layout(plant, instances[plan.name], plan)
+            _set_start(plant, instances[plan.name], plan, layouts[plan.name])
+        gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans])
+    robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings))
 
 

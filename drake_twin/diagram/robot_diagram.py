@@ -1,17 +1,23 @@
 """One robot's sub-diagram: its controllers, its joint servo and its publishers, behind ports named as in ROS."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 
+import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.diagram.controller_plan import ACTIVE, ControllerPlan
+from drake_twin.diagram.controller_types import controller_class
 from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.diagram.servo_assignment import assign
+from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher
 from drake_twin.systems.joint_servo import JointServo
 from drake_twin.systems.joint_state_publisher import JointStatePublisher
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
 from drake_twin.systems.state_layout import StateLayout
-from drake_twin.systems.velocity_controller import VelocityController
 
 # Output port → message type. The topic is the port's name below the robot's namespace.
 PUBLISHED = {
@@ -20,42 +26,44 @@ PUBLISHED = {
     "robot_description": "std_msgs/msg/String",
     "ground_truth/odom": "nav_msgs/msg/Odometry",
 }
-COMMANDS_TYPE = "std_msgs/msg/Float64MultiArray"
 
 
 @dataclass(frozen=True)
 class RobotDiagram:
-    """A robot's sub-diagram and the controllers in it, by name."""
+    """A robot's sub-diagram and the parts of it that are steered.
+
+    Attributes:
+        diagram: the sub-diagram.
+        controllers: controller name → its system, in the order in which they are activated.
+        servo: puts their values together; None for a robot without actuators.
+        joints: the joint of each actuator; None for one that models friction.
+        warnings: update rates that cannot be met.
+    """
 
     diagram: Diagram
-    controllers: dict[str, VelocityController]
+    controllers: dict[str, Controller]
+    servo: JointServo | None
+    joints: tuple[str | None, ...]
+    warnings: tuple[str, ...] = ()
 
 
-def build_robot_diagram(plan: RobotPlan, layout: StateLayout) -> RobotDiagram:
+def build_robot_diagram(plan: RobotPlan, layout: StateLayout, time_step: float) -> RobotDiagram:
     """Builds a robot's sub-diagram.
 
-    Its input ports are ``state`` and ``net_actuation`` (from the plant) and ``<controller>/commands``; its output ports
-    are ``desired_state`` (to the plant), ``tf``, ``tf_static`` and those of `PUBLISHED`.
+    Its input ports are ``state`` and ``net_actuation`` (from the plant) and ``<controller>/<topic>``; its output ports
+    are ``desired_state`` and, where an effort may be commanded, ``actuation`` (to the plant), ``tf``, ``tf_static``,
+    ``<controller>/<topic>`` and those of `PUBLISHED`.
 
     Args:
         plan: the robot.
         layout: where its joints stand in the plant's ports.
+        time_step: the physics step (s).
     """
     builder = DiagramBuilder()
     description = plan.description
-    controllers = {
-        controller.name: builder.AddNamedSystem(
-            controller.name, VelocityController(controller.joints, controller.lower, controller.upper)
-        )
-        for controller in plan.controllers
-    }
-    hold_positions = [0.0] * layout.num_actuators
-    for joint, actuator in layout.efforts.items():
-        hold_positions[actuator] = plan.start_positions[joint]
-    claims = {
-        controller.name: [layout.efforts[joint] for joint in controller.joints] for controller in plan.controllers
-    }
-    servo = builder.AddNamedSystem("joint_servo", JointServo(hold_positions, claims))
+    controllers, warnings = _add_controllers(builder, plan, layout, time_step)
+    joints = _joints_of_actuators(layout)
+    servo = _add_servo(builder, plan, joints, controllers) if joints else None
     joint_states = builder.AddNamedSystem(
         "joint_state_publisher", JointStatePublisher(_state_interfaces(description), layout)
     )
@@ -66,14 +74,12 @@ def build_robot_diagram(plan: RobotPlan, layout: StateLayout) -> RobotDiagram:
         "ground_truth_publisher",
         GroundTruthPublisher(plan.base_frame, layout, plan.spawn_pose if plan.model.is_fixed else None),
     )
-    for name, controller in controllers.items():
-        builder.Connect(controller.get_velocity_commands_output_port(), servo.get_controller_input_port(name))
-        builder.ExportInput(controller.get_commands_input_port(), f"{name}/commands")
     builder.ExportInput(joint_states.get_state_input_port(), "state")
     builder.ConnectInput("state", robot_state.get_state_input_port())
     builder.ConnectInput("state", ground_truth.get_state_input_port())
+    for name, controller in controllers.items():
+        _wire_controller(builder, name, controller, controllers)
     builder.ExportInput(joint_states.get_net_actuation_input_port(), "net_actuation")
-    builder.ExportOutput(servo.get_desired_state_output_port(), "desired_state")
     builder.ExportOutput(joint_states.get_joint_states_output_port(), "joint_states")
     builder.ExportOutput(joint_states.get_dynamic_joint_states_output_port(), "dynamic_joint_states")
     builder.ExportOutput(robot_state.get_tf_output_port(), "tf")
@@ -82,7 +88,109 @@ def build_robot_diagram(plan: RobotPlan, layout: StateLayout) -> RobotDiagram:
     builder.ExportOutput(ground_truth.get_odom_output_port(), "ground_truth/odom")
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers)
+    return RobotDiagram(diagram, controllers, servo, joints, warnings)
+
+
+def _add_controllers(
+    builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float
+) -> tuple[dict[str, Controller], tuple[str, ...]]:
+    """Adds a system for each controller that could be activated, now or later."""
+    usable = {item.name: item for item in plan.controllers if item.problem is None and item.parameters is not None}
+    depths = {name: _depth(name, usable) for name in usable}
+    controllers: dict[str, Controller] = {}
+    warnings = []
+    for name, item in sorted(usable.items(), key=lambda entry: depths[entry[0]]):  # a chain from its upper end
+        kind = controller_class(item.type)
+        assert kind is not None
+        period = 1.0 / item.update_rate
+        if period < time_step * (1 - 1e-9) and item.state == ACTIVE and issubclass(kind, PeriodicController):
+            warnings.append(
+                f"{plan.name}: controller {name}: the desired controller update period ({period:g} s) is faster than"
+                f" the simulation period ({time_step:g} s): it is updated at every step"
+            )
+        steps = max(1, ceil(period / time_step - 1e-6))
+        setup = ControllerSetup(
+            name=name,
+            parameters=item.parameters,
+            claims=item.claims,
+            description=plan.description,
+            layout=layout,
+            update_period=steps * time_step,
+            update_offset=min(depths[name], steps - 1) * time_step,
+            namespace=plan.robot.topic_namespace,
+            frame_prefix=plan.frame_prefix,
+            upstream={
+                other: Upstream(controllers[other].get_command_interfaces_output_port().size(), indices)
+                for other, indices in _upstream(item, usable).items()
+            },
+        )
+        controllers[name] = builder.AddNamedSystem(name, kind(setup))
+    return {name: controllers[name] for name in usable}, tuple(warnings)
+
+
+def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dict[str, tuple[int, ...]]:
+    """The controllers that claim references of this one, and which of their values goes to which reference."""
+    references = [Interface(f"{item.name}/{reference.joint}", reference.name) for reference in item.references]
+    return {
+        name: tuple(other.claims.index(reference) if reference in other.claims else -1 for reference in references)
+        for name, other in others.items()
+        if any(reference in other.claims for reference in references)
+    }
+
+
+def _depth(name: str, controllers: Mapping[str, ControllerPlan]) -> int:
+    """How many controllers stand above this one in a chain."""
+    return max((1 + _depth(other, controllers) for other in _upstream(controllers[name], controllers)), default=0)
+
+
+def _joints_of_actuators(layout: StateLayout) -> tuple[str | None, ...]:
+    joints: list[str | None] = [None] * layout.num_actuators
+    for joint, actuator in layout.efforts.items():
+        joints[actuator] = joint
+    return tuple(joints)
+
+
+def _add_servo(
+    builder: DiagramBuilder, plan: RobotPlan, joints: tuple[str | None, ...], controllers: Mapping[str, Controller]
+) -> JointServo:
+    description = plan.description
+    limits = np.full((3, len(joints), 2), [-np.inf, np.inf])
+    for index, joint in enumerate(joints):
+        if joint is not None and plan.enforce_limits:
+            for row, interface in enumerate(("position", "velocity", "effort")):
+                lower, upper = description.limits_of_command(joint, interface)
+                limits[row, index] = (lower, upper) if lower <= upper else (-np.inf, np.inf)
+    driving = {name: item for name, item in controllers.items() if item.claims}
+    active = {item.name for item in plan.controllers if item.state == ACTIVE}
+    holds = [0.0 if joint is None else plan.start_positions[joint] for joint in joints]
+    assignment = assign(joints, driving, active, holds, hold_joints=plan.hold_joints)
+    sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
+    servo: JointServo = builder.AddNamedSystem(
+        "joint_servo", JointServo(sizes, assignment, limits[..., 0], limits[..., 1])
+    )
+    for name, controller in driving.items():
+        builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))
+    builder.ExportOutput(servo.get_desired_state_output_port(), "desired_state")
+    # The actuation port is left unconnected where no effort can be commanded, as reading it is not for nothing.
+    interfaces = [(*item.claims, *item.hints) for item in driving.values()]
+    if any(interface.name == "effort" for item in interfaces for interface in item):
+        builder.ExportOutput(servo.get_actuation_output_port(), "actuation")
+    return servo
+
+
+def _wire_controller(
+    builder: DiagramBuilder, name: str, controller: Controller, controllers: Mapping[str, Controller]
+) -> None:
+    for topic in (*controller.subscribed, *controller.actions):
+        builder.ExportInput(controller.GetInputPort(topic), f"{name}/{topic}")
+    for topic in controller.published:
+        builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
+    if isinstance(controller, PeriodicController):
+        builder.ConnectInput("state", controller.get_state_input_port())
+        for other in controller.setup.upstream:
+            builder.Connect(
+                controllers[other].get_command_interfaces_output_port(), controller.get_upstream_input_port(other)
+            )
 
 
 def _state_interfaces(description: RobotDescription) -> dict[str, tuple[str, ...]]:

@@ -3,39 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from drake_twin.description.controllers_yaml import (
-    ControllerManagerParameters,
-    ControllerParameters,
-    read_controllers,
-)
+from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
+from drake_twin.diagram.controller_plan import ControllerPlan, plan_controllers
+from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot, ScenarioError
-
-JOINT_STATE_BROADCASTER = "joint_state_broadcaster/JointStateBroadcaster"
-
-# Controller type → the command interface it forwards to; None where the parameter interface_name says it.
-_FORWARD_CONTROLLERS: Mapping[str, str | None] = {
-    "forward_command_controller/ForwardCommandController": None,
-    "velocity_controllers/JointGroupVelocityController": "velocity",
-    "position_controllers/JointGroupPositionController": "position",
-    "effort_controllers/JointGroupEffortController": "effort",
-}
-
-
-@dataclass(frozen=True)
-class ControllerPlan:
-    """An active forward velocity controller: its joints in the parameters file's order, and their limits."""
-
-    name: str
-    type: str
-    joints: tuple[str, ...]
-    lower: tuple[float, ...]
-    upper: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -45,8 +22,11 @@ class RobotPlan:
     Attributes:
         robot: the scenario's entry.
         model: its description and its text for Drake.
-        controllers: the controllers that are active from the start.
+        controllers: the controllers that its parameters files have, in their order.
         update_rate: its controller manager's rate (Hz).
+        enforce_limits: whether commands are clamped to the joints' limits.
+        hold_joints: whether a joint that no controller has claimed is held.
+        position_time_constant: error / velocity of its position servos (s); None for the twin's own.
         frame_prefix: put before its link names in tf messages.
         start_positions: movable joint → position at the start (rad or m).
         not_started: controllers that are not active, each with the reason.
@@ -57,6 +37,9 @@ class RobotPlan:
     model: RobotModel
     controllers: tuple[ControllerPlan, ...]
     update_rate: float
+    enforce_limits: bool
+    hold_joints: bool
+    position_time_constant: float | None
     frame_prefix: str
     start_positions: Mapping[str, float]
     not_started: tuple[str, ...] = ()
@@ -125,17 +108,23 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     description = model.description
     warnings += [*model.warnings, *map(str, model.repairs), *_unused_interfaces(description)]
     manager = _controller_manager(robot, path, description, packages, xacro_args)
-    controllers, not_started = _plan_controllers(robot, path, description, manager, xacro_args.get("prefix", ""))
+    controllers, not_started, controller_warnings = plan_controllers(
+        robot, path, description, manager, xacro_args.get("prefix", "")
+    )
     positions, position_warnings = _start_positions(robot, path, description)
+    warnings += [*controller_warnings, *position_warnings]
     return RobotPlan(
         robot=robot,
         model=model,
         controllers=controllers,
         update_rate=manager.update_rate,
+        enforce_limits=manager.enforce_command_limits,
+        hold_joints=True,
+        position_time_constant=None,
         frame_prefix=_frame_prefix(robot, description),
         start_positions=positions,
         not_started=tuple(f"{robot.name}: {reason}" for reason in not_started),
-        warnings=tuple(f"{robot.name}: {warning}" for warning in (*warnings, *position_warnings)),
+        warnings=tuple(f"{robot.name}: {warning}" for warning in warnings),
     )
 
 
@@ -167,105 +156,25 @@ def _controller_manager(
 
 
 def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:
-    """For a robot that names no parameters file: every velocity interface can be commanded all the same."""
-    joints = [
-        joint.name
-        for joint in description.actuated_joints
-        if any(item.name == "velocity" for item in description.controlled_joints[joint.name].command_interfaces)
-    ]
+    """For a robot that names no parameters file: every joint can be commanded all the same, in one way."""
+    joints: dict[str, list[str]] = {}
+    for joint in description.actuated_joints:
+        interfaces = [item.name for item in description.controlled_joints[joint.name].command_interfaces]
+        kind = next((name for name in ("velocity", "position", "effort") if name in interfaces), None)
+        if kind is not None:
+            joints.setdefault(kind, []).append(joint.name)
     if not joints:
         return ControllerManagerParameters()
-    parameters = {"joints": joints, "interface_name": "velocity"}
     kind = "forward_command_controller/ForwardCommandController"
     return ControllerManagerParameters(
         controllers=(
             ControllerParameters("joint_state_broadcaster", JOINT_STATE_BROADCASTER, {}),
-            ControllerParameters("forward_velocity_controller", kind, parameters),
+            *(
+                ControllerParameters(f"forward_{name}_controller", kind, {"joints": names, "interface_name": name})
+                for name, names in joints.items()
+            ),
         )
     )
-
-
-def _plan_controllers(
-    robot: Robot, path: ValuePath, description: RobotDescription, manager: ControllerManagerParameters, prefix: str
-) -> tuple[tuple[ControllerPlan, ...], list[str]]:
-    by_name = {controller.name: controller for controller in manager.controllers}
-    for name in robot.active_controllers or ():
-        if name not in by_name:
-            raise ScenarioError(
-                (*path, "active_controllers"),
-                f"the parameters files have no controller {name!r}",
-                value=name,
-                valid=by_name,
-            )
-    chosen = by_name if robot.active_controllers is None else robot.active_controllers
-    plans: list[ControllerPlan] = []
-    not_started: list[str] = []
-    claimed_by: dict[str, str] = {}
-    for name in chosen:
-        parameters = by_name[name]
-        if parameters.type == JOINT_STATE_BROADCASTER:
-            continue  # the robot's joint states are there without it
-        interface = _interface(parameters)
-        if interface != "velocity":
-            what = (
-                f"type {parameters.type}" if interface is None else f"interface {interface!r} (type {parameters.type})"
-            )
-            not_started.append(f"controller {name}: {what} is not supported yet")
-            continue
-        plan = _velocity_plan(parameters, description, prefix)
-        if isinstance(plan, str):
-            not_started.append(f"controller {name}: {plan}")
-            continue
-        taken = next((joint for joint in plan.joints if joint in claimed_by), None)
-        if taken is not None:
-            not_started.append(
-                f"controller {name}: resource conflict, {taken}/velocity is already claimed by {claimed_by[taken]}"
-            )
-            continue
-        claimed_by.update(dict.fromkeys(plan.joints, name))
-        plans.append(plan)
-    return tuple(plans), not_started
-
-
-def _interface(parameters: ControllerParameters) -> str | None:
-    """The command interface of a forward controller; None for any other type."""
-    if parameters.type not in _FORWARD_CONTROLLERS:
-        return None
-    return _FORWARD_CONTROLLERS[parameters.type] or parameters.text("interface_name", "")
-
-
-def _velocity_plan(
-    parameters: ControllerParameters, description: RobotDescription, prefix: str
-) -> ControllerPlan | str:
-    """The plan of a forward velocity controller, or why it cannot be activated."""
-    joints: list[str] = []
-    for index, name in enumerate(parameters.names("joints")):
-        joint = name if name in description.joints_by_name else prefix + name
-        if joint not in description.joints_by_name:
-            valid = [item.name for item in description.movable_joints]
-            raise parameters.error(f"the robot has no joint {name!r}", "joints", index, value=name, valid=valid)
-        if joint in joints:
-            raise parameters.error(f"joint {name!r} stands twice", "joints", index)
-        joints.append(joint)
-    if not joints:
-        raise parameters.error("the parameter 'joints' is missing or empty")
-    for joint in joints:
-        kind = description.joints_by_name[joint].type
-        if not description.joints_by_name[joint].is_movable:
-            return f"joint {joint} is {kind} and cannot be commanded"
-        controlled = description.controlled_joints.get(joint)
-        interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
-        if "velocity" not in interfaces:
-            has = f"it has {', '.join(interfaces)}" if interfaces else "it has none"
-            return f"joint {joint} has no velocity command interface in <ros2_control> ({has})"
-        if description.joints_by_name[joint].mimic is not None:
-            return f"joint {joint} follows another joint (mimic) and cannot be commanded"
-    limits = [description.limits_of_command(joint, "velocity") for joint in joints]
-    for joint, (low, high) in zip(joints, limits, strict=True):
-        if low > high:
-            return f"joint {joint}: no velocity is within both its URDF and its <ros2_control> limits"
-    lower, upper = zip(*limits, strict=True)
-    return ControllerPlan(parameters.name, parameters.type, tuple(joints), lower, upper)
 
 
 def _frame_prefix(robot: Robot, description: RobotDescription) -> str:

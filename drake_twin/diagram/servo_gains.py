@@ -1,7 +1,7 @@
 """Gains of the implicit PD servo that Drake applies at each actuated joint.
 
 They follow from the joint's own inertia and load over its range, so that a robot needs no tuning and one robot's gains
-never depend on another's.
+never depend on another's. Which of a joint's gains are in force follows from the command interface that drives it.
 """
 
 from collections.abc import Sequence
@@ -63,32 +63,91 @@ def velocity_gains(load: JointLoad) -> PdControllerGains:
     return PdControllerGains(p=0.0, d=damping)
 
 
-def position_gains(load: JointLoad) -> PdControllerGains:
-    """Gains of a joint that holds a position.
+def position_gains(load: JointLoad, time_constant: float | None = None) -> PdControllerGains:
+    """Gains of a joint that goes to a position, or holds one.
 
-    With Kd = Kp · T the servo is overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia.
+    With Kd = Kp · T the servo is overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia. It
+    then moves as gz_ros2_control's does, at a velocity of error / T.
+
+    Args:
+        load: what resists the joint.
+        time_constant: T (s), by default one that suits most joints.
     """
-    stiffness = max(
-        16.0 * load.inertia / _SETTLING_TIME**2, load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT
-    )
-    return PdControllerGains(p=stiffness, d=stiffness * _SETTLING_TIME)
+    T = time_constant or _SETTLING_TIME
+    stiffness = max(16.0 * load.inertia / T**2, load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT)
+    return PdControllerGains(p=stiffness, d=stiffness * T)
 
 
-def set_servo_gains(plant: MultibodyPlant, robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]]) -> None:
-    """Gives every actuator its gains: a velocity servo where a controller claims the joint, else a position hold."""
-    actuators = []
+# What drives a joint: its position is held, one of its command interfaces is written, or nothing holds it.
+HOLD, POSITION, VELOCITY, EFFORT, FREE = "hold", "position", "velocity", "effort", "free"
+
+# Drake ends the process when both gains are zero. This damping does nothing.
+_NO_GAINS = PdControllerGains(p=0.0, d=1e-9)
+
+
+@dataclass(frozen=True)
+class ServoGains:
+    """The gains of one actuator in each way of driving it.
+
+    Attributes:
+        position: when a position is commanded or held.
+        velocity: when a velocity is commanded.
+    """
+
+    position: PdControllerGains
+    velocity: PdControllerGains
+
+    @property
+    def stopping_time(self) -> float:
+        """A joint that moves at v and is held v times this ahead comes to rest there without going back (s)."""
+        return float(self.position.d / self.position.p)
+
+    def of(self, mode: str) -> PdControllerGains:
+        """The gains for a way of driving the joint."""
+        return {HOLD: self.position, POSITION: self.position, VELOCITY: self.velocity}.get(mode, _NO_GAINS)
+
+
+def servo_gains(
+    plant: MultibodyPlant, robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]]
+) -> dict[str, tuple[ServoGains | None, ...]]:
+    """The gains of every robot's actuators, in their order; None for one that models friction.
+
+    The friction's own gains are set once and for all; the servos' are put in force with `set_gains`.
+    """
+    servos: list[tuple[RobotPlan, JointActuator]] = []
     for plan, instance, _ in robots:
-        for index in plant.GetJointActuatorIndices(instance):
-            actuator = plant.get_joint_actuator(index)
+        for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices(instance)):
             if actuator.name().endswith(FRICTION_SUFFIX):
                 actuator.set_controller_gains(PdControllerGains(p=0.0, d=actuator.effort_limit() / _CREEP))
             else:
-                actuators.append((plan, actuator))
-    loads = _joint_loads(plant, robots, actuators)
-    for (plan, actuator), load in zip(actuators, loads, strict=True):
-        claimed = {joint for controller in plan.controllers for joint in controller.joints}
-        gains = velocity_gains if actuator.joint().name() in claimed else position_gains
-        actuator.set_controller_gains(gains(load))
+                servos.append((plan, actuator))
+    gains = {
+        actuator.index(): ServoGains(position_gains(load, plan.position_time_constant), velocity_gains(load))
+        for (plan, actuator), load in zip(servos, _joint_loads(plant, robots, servos), strict=True)
+    }
+    return {
+        plan.name: tuple(gains.get(index) for index in plant.GetJointActuatorIndices(instance))
+        for plan, instance, _ in robots
+    }
+
+
+def set_gains(
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    gains: Sequence[ServoGains | None],
+    modes: Sequence[str],
+) -> None:
+    """Puts gains in force; they are the plant's, not the Context's.
+
+    Args:
+        plant: the plant.
+        instance: the robot's.
+        gains: of its actuators.
+        modes: what drives each of its actuators.
+    """
+    for index, servo, mode in zip(plant.GetJointActuatorIndices(instance), gains, modes, strict=True):
+        if servo is not None:
+            plant.get_joint_actuator(index).set_controller_gains(servo.of(mode))
 
 
 def _joint_loads(

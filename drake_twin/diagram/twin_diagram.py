@@ -11,14 +11,14 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPor
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
+from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
-from drake_twin.diagram.robot_diagram import COMMANDS_TYPE, PUBLISHED, build_robot_diagram
+from drake_twin.diagram.robot_diagram import PUBLISHED, RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.transform_broadcaster import FixedFrame, TransformBroadcaster
-from drake_twin.systems.velocity_controller import VelocityController
 
 
 @dataclass(frozen=True)
@@ -29,21 +29,34 @@ class PublishedTopic:
         type: the ROS message type.
         port: evaluates to the message.
         rate: how often ROS would publish it (Hz); None when it never changes, so that once is enough.
+        robot: whose topic it is; empty for the twin's own.
+        controller: the controller that publishes it, while it is active; empty where it is always there.
     """
 
     type: str
     port: OutputPort
     rate: float | None
+    robot: str = ""
+    controller: str = ""
 
 
 @dataclass(frozen=True)
 class CommandTopic:
-    """A topic that the twin listens to: a controller's commands."""
+    """A topic or an action that a controller listens to.
+
+    Attributes:
+        type: the ROS message or action type.
+        port: takes what the controller's ``read`` makes of a message.
+        robot: the robot.
+        controller: the controller's name.
+        name: the topic below the controller's name.
+    """
 
     type: str
     port: InputPort
-    controller: VelocityController
     robot: str
+    controller: str
+    name: str
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,8 @@ class TwinDiagram:
         plans: the robots.
         published: topic → what the twin publishes on it.
         commanded: topic → what listens to it.
+        actions: action → what does it.
+        parts: robot → its controllers and servo.
         warnings: what was given up or changed while building.
         not_started: what the files ask for and the twin does not start, each with the reason.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
@@ -67,13 +82,15 @@ class TwinDiagram:
     robots: dict[str, RobotInPlant]
     published: dict[str, PublishedTopic]
     commanded: dict[str, CommandTopic]
+    actions: dict[str, CommandTopic]
+    parts: dict[str, RobotDiagram]
     visualizer: MeshcatVisualizer | None
     warnings: tuple[str, ...]
     not_started: tuple[str, ...]
 
     def fix_commands(self, context: Context) -> None:
         """Puts "no message yet" on every command port of a new root context."""
-        for topic in self.commanded.values():
+        for topic in (*self.commanded.values(), *self.actions.values()):
             topic.port.FixValue(context, AbstractValue.Make(None))
 
 
@@ -91,16 +108,14 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
     plans = tuple(plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots))
     builder = DiagramBuilder()
     parts = add_plant(builder, scenario, plans)
-    published: dict[str, tuple[str, float | None]] = {}
-    controllers: dict[str, tuple[RobotPlan, VelocityController]] = {}
+    topics = _Topics(builder)
     broadcaster = _add_transform_broadcaster(builder, scenario, plans)
-    for plan in plans:
-        _add_robot(builder, parts, plan, broadcaster, published, controllers)
+    robots = {plan.name: _add_robot(builder, parts, plan, broadcaster, topics, scenario.time_step) for plan in plans}
     clock = builder.AddNamedSystem("clock", ClockPublisher())
-    _export_output(builder, clock.get_clock_output_port(), "/clock", published, "rosgraph_msgs/msg/Clock", 100.0)
+    topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
     tf_type = "tf2_msgs/msg/TFMessage"
-    _export_output(builder, broadcaster.get_tf_output_port(), "/tf", published, tf_type, 20.0)
-    _export_output(builder, broadcaster.get_tf_static_output_port(), "/tf_static", published, tf_type, None)
+    topics.publish("/tf", broadcaster.get_tf_output_port(), tf_type, 20.0)
+    topics.publish("/tf_static", broadcaster.get_tf_static_output_port(), tf_type, None)
     visualizer = None
     if meshcat is not None:
         # The page is drawn when the run loop asks for it, in wall time: an event of its own would split CENIC's steps.
@@ -116,17 +131,51 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
         plans=plans,
         robots=parts.robots,
         published={
-            topic: PublishedTopic(kind, diagram.GetOutputPort(topic[1:]), rate)
-            for topic, (kind, rate) in published.items()
+            topic: PublishedTopic(kind, diagram.GetOutputPort(topic[1:]), rate, *owner)
+            for topic, (kind, rate, owner) in topics.published.items()
         },
         commanded={
-            topic: CommandTopic(COMMANDS_TYPE, diagram.GetInputPort(topic[1:]), controller, plan.name)
-            for topic, (plan, controller) in controllers.items()
+            topic: CommandTopic(kind, diagram.GetInputPort(topic[1:]), *owner)
+            for topic, (kind, owner) in topics.subscribed.items()
         },
+        actions={
+            topic: CommandTopic(kind, diagram.GetInputPort(topic[1:]), *owner)
+            for topic, (kind, owner) in topics.actions.items()
+        },
+        parts=robots,
         visualizer=visualizer,
-        warnings=(*(warning for plan in plans for warning in plan.warnings), *parts.warnings),
+        warnings=(
+            *(warning for plan in plans for warning in (*plan.warnings, *robots[plan.name].warnings)),
+            *parts.warnings,
+        ),
         not_started=tuple(reason for plan in plans for reason in plan.not_started),
     )
+
+
+class _Topics:
+    """Collects the topics while the diagram is built, and exports each one's port under its name."""
+
+    def __init__(self, builder: DiagramBuilder):
+        self._builder = builder
+        self.published: dict[str, tuple[str, float | None, tuple[str, str]]] = {}
+        self.subscribed: dict[str, tuple[str, tuple[str, str, str]]] = {}
+        self.actions: dict[str, tuple[str, tuple[str, str, str]]] = {}
+
+    def publish(
+        self, topic: str, port: OutputPort, kind: str, rate: float | None, robot: str = "", controller: str = ""
+    ) -> None:
+        if topic in self.published:
+            raise InputError(f"two robots would publish on {topic}: give each a namespace of its own")
+        self._builder.ExportOutput(port, topic[1:])
+        self.published[topic] = (kind, rate, (robot, controller))
+
+    def listen(self, topic: str, port: InputPort, kind: str, *owner: str, action: bool = False) -> None:
+        robot, controller, name = owner
+        known = self.actions if action else self.subscribed
+        if topic in known:
+            raise InputError(f"robots {known[topic][1][0]!r} and {robot!r} would both listen to {topic}")
+        self._builder.ExportInput(port, topic[1:])
+        known[topic] = (kind, (robot, controller, name))
 
 
 def _add_robot(
@@ -134,43 +183,39 @@ def _add_robot(
     parts: PlantOfTwin,
     plan: RobotPlan,
     broadcaster: TransformBroadcaster,
-    published: dict[str, tuple[str, float | None]],
-    controllers: dict[str, tuple[RobotPlan, VelocityController]],
-) -> None:
+    topics: _Topics,
+    time_step: float,
+) -> RobotDiagram:
     plant, (instance, layout) = parts.plant, (parts.robots[plan.name].instance, parts.robots[plan.name].layout)
-    robot = build_robot_diagram(plan, layout)
+    robot = build_robot_diagram(plan, layout, time_step)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     builder.Connect(plant.get_state_output_port(instance), system.GetInputPort("state"))
     builder.Connect(plant.get_net_actuation_output_port(instance), system.GetInputPort("net_actuation"))
     if layout.num_actuators:
         builder.Connect(system.GetOutputPort("desired_state"), plant.get_desired_state_input_port(instance))
+        if system.HasOutputPort("actuation"):
+            builder.Connect(system.GetOutputPort("actuation"), plant.get_actuation_input_port(instance))
     for port in ("tf", "tf_static", "ground_truth/odom"):
         if broadcaster.HasInputPort(f"{plan.name}/{port}"):
             builder.Connect(system.GetOutputPort(port), broadcaster.GetInputPort(f"{plan.name}/{port}"))
     namespace = plan.robot.topic_namespace
-    for port, kind in PUBLISHED.items():
-        rate = None if port == "robot_description" else plan.update_rate
-        _export_output(builder, system.GetOutputPort(port), f"{namespace}/{port}", published, kind, rate)
-    for name, controller in robot.controllers.items():
-        topic = f"{namespace}/{name}/commands"
-        if topic in controllers:
-            raise InputError(f"robots {controllers[topic][0].name!r} and {plan.name!r} would both listen to {topic}")
-        controllers[topic] = (plan, controller)
-        builder.ExportInput(system.GetInputPort(f"{name}/commands"), topic[1:])
-
-
-def _export_output(
-    builder: DiagramBuilder,
-    port: OutputPort,
-    topic: str,
-    published: dict[str, tuple[str, float | None]],
-    kind: str,
-    rate: float | None,
-) -> None:
-    if topic in published:
-        raise InputError(f"two robots would publish on {topic}: give each a namespace of its own")
-    builder.ExportOutput(port, topic[1:])
-    published[topic] = (kind, rate)
+    joint_state_broadcaster = next((item.name for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), "")
+    for name, kind in PUBLISHED.items():
+        rate = None if name == "robot_description" else plan.update_rate
+        controller = joint_state_broadcaster if name.endswith("joint_states") else ""
+        topics.publish(f"{namespace}/{name}", system.GetOutputPort(name), kind, rate, plan.name, controller)
+    rates = {item.name: item.update_rate for item in plan.controllers}
+    for name, item in robot.controllers.items():
+        for topic, kind in item.subscribed.items():
+            port = system.GetInputPort(f"{name}/{topic}")
+            topics.listen(f"{namespace}/{name}/{topic}", port, kind, plan.name, name, topic)
+        for action, kind in item.actions.items():
+            port = system.GetInputPort(f"{name}/{action}")
+            topics.listen(f"{namespace}/{name}/{action}", port, kind, plan.name, name, action, action=True)
+        for topic, kind in item.published.items():
+            output = system.GetOutputPort(f"{name}/{topic}")
+            topics.publish(f"{namespace}/{name}/{topic}", output, kind, rates[name], plan.name, name)
+    return robot
 
 
 def _add_transform_broadcaster(

@@ -51,8 +51,7 @@ class ControllerSetup:
         update_offset: the time of the first update (s); chained controllers come a physics step after each other.
         namespace: the robot's namespace, ``/robot_1`` or empty.
         frame_prefix: put before its link names in tf messages.
-        upstream: the controllers that may write this one's references: name → for each reference its index in that
-            controller's ``command_interfaces``, or -1.
+        upstream: the controllers that may write this one's references.
     """
 
     name: str
@@ -64,7 +63,20 @@ class ControllerSetup:
     update_offset: float = 0.0
     namespace: str = ""
     frame_prefix: str = ""
-    upstream: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    upstream: Mapping[str, "Upstream"] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Upstream:
+    """A controller that may write another one's references.
+
+    Attributes:
+        size: the size of its port ``command_interfaces``.
+        indices: for each of the other one's references its index in that port; -1 where it does not write it.
+    """
+
+    size: int
+    indices: tuple[int, ...]
 
 
 class Controller(LeafSystem):
@@ -210,7 +222,7 @@ class PeriodicController(Controller):
         self._nothing = (float("nan"),) * (len(self.claims) + len(self.hints))
         self._state_port = self.DeclareVectorInputPort("state", setup.layout.size)
         self._upstream_ports = {
-            name: self.DeclareVectorInputPort(name, max((*indices, 0)) + 1) for name, indices in setup.upstream.items()
+            name: self.DeclareVectorInputPort(name, upstream.size) for name, upstream in setup.upstream.items()
         }
         self._sample_index: AbstractStateIndex = self.DeclareAbstractState(
             AbstractValue.Make(Sample(commands=self._nothing))
@@ -250,6 +262,10 @@ class PeriodicController(Controller):
         """The port ``state``."""
         return self._state_port
 
+    def get_upstream_input_port(self, controller: str) -> InputPort:
+        """The port of a controller that may write this one's references."""
+        return self._upstream_ports[controller]
+
     def activate(self, context: Context) -> None:
         """Begins anew at the present time."""
         sample = Sample(True, context.get_time(), self.start(context), self._nothing)
@@ -276,10 +292,10 @@ class PeriodicController(Controller):
 
     def references(self, context: Context) -> np.ndarray | None:
         """What upstream controllers write to this one's references, NaN where nothing; None when none writes."""
-        for name, indices in self.setup.upstream.items():
-            values = np.append(self._upstream_ports[name].Eval(context), np.nan)
+        for name, upstream in self.setup.upstream.items():
+            values = np.append(self._upstream_ports[name].Eval(context), np.nan)[list(upstream.indices)]
             if np.isfinite(values).any():
-                return values[list(indices)]
+                return np.asarray(values)
         return None
 
     def _update_sample(self, context: Context, state: State) -> EventStatus:

@@ -1,19 +1,50 @@
-"""What the controllers of a robot command, put together into the desired state of its joint servos."""
+"""What the controllers of a robot command, put together into the set-points of its joint servos."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, OutputPort
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import (
+    AbstractStateIndex,
+    BasicVector,
+    Context,
+    InputPort,
+    LeafSystem,
+    OutputPort,
+)
 
 from drake_twin.systems.weak_callback import weakly
 
 
+@dataclass(frozen=True)
+class ServoAssignment:
+    """Where each actuator's set-points come from.
+
+    An element is an index into all controllers' values, one controller after the other in the order of the ports; -1
+    where nothing is commanded.
+
+    Attributes:
+        modes: what drives each actuator, as in `drake_twin.diagram.servo_gains`.
+        holds: the position that is held as long as none is commanded (rad or m).
+        positions: the commanded position.
+        velocities: the commanded velocity, or the one that goes with the position.
+        efforts: the commanded effort.
+    """
+
+    modes: tuple[str, ...]
+    holds: tuple[float, ...]
+    positions: tuple[int, ...]
+    velocities: tuple[int, ...]
+    efforts: tuple[int, ...]
+
+
 class JointServo(LeafSystem):
-    """Fans the controllers' joint velocities in to the plant's desired-state port of one robot.
+    """Fans what controllers write in to the plant's ports of one robot.
 
     The servo itself is Drake's implicit PD inside the plant, so no Python runs in a physics step. As in
-    gz_ros2_control, a joint that nobody commands is held: at zero velocity when a controller has claimed it, at its
-    start position when none has.
+    gz_ros2_control, a joint that no controller has claimed is held, one whose velocity is claimed and not yet written
+    stands still, and one whose effort is claimed and not yet written has none.
 
     .. pydrake_system::
 
@@ -22,32 +53,37 @@ class JointServo(LeafSystem):
         - <controller>
         output_ports:
         - desired_state
+        - actuation
 
-    - ``<controller>``, one port for each: vector of joint velocities (rad/s or m/s) in that controller's joint order;
-      NaN where it has no command.
-    - ``desired_state``: vector ``[q_d; v_d]`` in the order of the robot's actuators (rad, rad/s, or m, m/s). It depends
-      on the controllers' ports alone, so it is computed once a command.
+    - ``<controller>``, one port for each: that controller's ``command_interfaces`` (rad, rad/s, N·m, or m, m/s, N); NaN
+      where it writes nothing.
+    - ``desired_state``: vector ``[q_d; v_d]`` in the order of the robot's actuators (rad, rad/s, or m, m/s).
+    - ``actuation``: vector of the efforts added to the servos' (N·m or N).
+
+    Both follow from the controllers' ports and the assignment alone, so they are computed once a command. Commands are
+    clamped to the limits.
 
     Args:
-        hold_positions: the position at which each actuator's joint is held (rad or m); of no meaning for an actuator
-            without stiffness, such as one that models joint friction.
-        controllers: controller name → for each of its joints the index of that joint's actuator.
+        controllers: controller name → the number of its values.
+        assignment: the one at the start.
+        lower: three rows (position, velocity, effort) of the lowest command for each actuator.
+        upper: of the highest.
     """
 
-    def __init__(self, hold_positions: Sequence[float], controllers: Mapping[str, Sequence[int]]):
+    def __init__(
+        self, controllers: Mapping[str, int], assignment: ServoAssignment, lower: np.ndarray, upper: np.ndarray
+    ):
         super().__init__()
-        self._hold_positions = np.array(hold_positions, dtype=float)
-        self._inputs = [
-            (self.DeclareVectorInputPort(name, len(actuators)), np.array(actuators, dtype=int))
-            for name, actuators in controllers.items()
-        ]
+        self._lower, self._upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+        self._ports = [self.DeclareVectorInputPort(name, size) for name, size in controllers.items()]
+        self._assignment: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(assignment))
+        prerequisites = {self.input_port_ticket(port.get_index()) for port in self._ports}
+        prerequisites.add(self.abstract_state_ticket(self._assignment))
+        size = self._lower.shape[1]
         self._desired_state = self.DeclareVectorOutputPort(
-            "desired_state",
-            2 * len(self._hold_positions),
-            weakly(self._calc_desired_state),
-            prerequisites_of_calc={self.input_port_ticket(port.get_index()) for port, _ in self._inputs}
-            or {self.nothing_ticket()},
+            "desired_state", 2 * size, weakly(self._calc_desired_state), prerequisites
         )
+        self._actuation = self.DeclareVectorOutputPort("actuation", size, weakly(self._calc_actuation), prerequisites)
 
     def get_controller_input_port(self, controller: str) -> InputPort:
         """The port of one controller."""
@@ -57,8 +93,34 @@ class JointServo(LeafSystem):
         """The port ``desired_state``."""
         return self._desired_state
 
+    def get_actuation_output_port(self) -> OutputPort:
+        """The port ``actuation``."""
+        return self._actuation
+
+    def assignment(self, context: Context) -> ServoAssignment:
+        """Where each actuator's set-points come from at present."""
+        assignment: ServoAssignment = context.get_abstract_state(int(self._assignment)).get_value()
+        return assignment
+
+    def assign(self, context: Context, assignment: ServoAssignment) -> None:
+        """Lets the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
+        context.SetAbstractState(int(self._assignment), assignment)
+
+    def _commands(self, context: Context, row: int, sources: Sequence[int]) -> np.ndarray:
+        """What is commanded of each actuator, clamped; NaN where nothing is."""
+        values = np.concatenate([*(port.Eval(context) for port in self._ports), [np.nan]])
+        return np.asarray(np.clip(values[list(sources)], self._lower[row], self._upper[row]))
+
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
-        velocities = np.zeros_like(self._hold_positions)
-        for port, actuators in self._inputs:
-            velocities[actuators] = np.nan_to_num(port.Eval(context))
-        output.SetFromVector(np.concatenate([self._hold_positions, velocities]))
+        assignment = self.assignment(context)
+        positions = self._commands(context, 0, assignment.positions)
+        velocities = self._commands(context, 1, assignment.velocities)
+        # At the end of its range a joint does not go on at the velocity that goes with a position beyond.
+        at_end = (positions <= self._lower[0]) | (positions >= self._upper[0])
+        velocities[np.isnan(velocities) | at_end] = 0.0
+        positions = np.where(np.isnan(positions), assignment.holds, positions)
+        output.SetFromVector(np.concatenate([positions, velocities]))
+
+    def _calc_actuation(self, context: Context, output: BasicVector) -> None:
+        efforts = self._commands(context, 2, self.assignment(context).efforts)
+        output.SetFromVector(np.nan_to_num(efforts))

@@ -120,5 +120,5 @@ def test_a_joint_slider_moved_in_the_page_commands_that_joint(cockpit):
     row.locator("input").fill("3")
     row.locator("input").press("Enter")
     topic = "/robot_1/forward_velocity_controller/commands"
-    frames(twin, panel, until=lambda: twin.command(topic) is not None and twin.command(topic)[2] == 3.0)
+    frames(twin, panel, until=lambda: twin.command(topic) is not None and twin.command(topic).data[2] == 3.0)
     frames(twin, panel, until=lambda: abs(twin.robot_state("robot_1").velocities[2] - 3.0) < 0.05)

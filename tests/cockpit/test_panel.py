@@ -77,7 +77,7 @@ def test_a_wheels_slider_drives_that_wheel_and_no_other_robot(meshcat, page):
     move(meshcat, "robot_1/rear_left_wheel", 3.0)
     panel.obey()
     twin.advance_to(0.01)
-    assert twin.command(WHEELS_1).tolist() == [0, 0, 3, 0]
+    assert twin.command(WHEELS_1).data.tolist() == [0, 0, 3, 0]
     assert twin.command(WHEELS_1.replace("1", "2")) is None
 
 
@@ -90,7 +90,7 @@ def test_a_slider_moved_while_paused_keeps_its_value_and_acts_when_time_goes_on(
     assert meshcat.GetSliderValue("robot_1/rear_left_wheel") == 3.0
     twin.play()
     twin.advance_to(0.01)
-    assert twin.command(WHEELS_1)[2] == 3.0
+    assert twin.command(WHEELS_1).data[2] == 3.0
 
 
 def test_sliders_show_commands_that_came_from_elsewhere(meshcat, page):
@@ -100,7 +100,7 @@ def test_sliders_show_commands_that_came_from_elsewhere(meshcat, page):
     panel.obey()
     assert meshcat.GetSliderValue("robot_1/front_right_wheel") == pytest.approx(2, abs=0.1)
     panel.obey()
-    assert twin.command(WHEELS_1).tolist() == [1, 2, 3, 4]  # showing it does not round it
+    assert twin.command(WHEELS_1).data.tolist() == [1, 2, 3, 4]  # showing it does not round it
 
 
 def test_whoever_moves_a_slider_takes_over_from_the_scenario(meshcat):
@@ -112,7 +112,7 @@ def test_whoever_moves_a_slider_takes_over_from_the_scenario(meshcat):
     move(meshcat, "robot_1/rear_left_wheel", 3.0)
     panel.obey()
     twin.advance_to(0.5)
-    assert twin.command(WHEELS_1)[2] == 3.0
+    assert twin.command(WHEELS_1).data[2] == 3.0
     meshcat.DeleteAddedControls()
 
 

@@ -20,7 +20,12 @@ def test_the_text_is_the_same_however_many_diagrams_were_made_before():
 
 def test_the_text_shows_robots_systems_and_topics():
     text = dot_text(rovers().build().diagram)
-    for name in ("name=robot_1", "VelocityController", "robot_2/forward_velocity_controller/commands", "name=plant"):
+    for name in (
+        "name=robot_1",
+        "ForwardCommandController",
+        "robot_2/forward_velocity_controller/commands",
+        "name=plant",
+    ):
         assert name in text
     assert "0x" not in text
 

@@ -46,9 +46,16 @@ def cart(tmp_path):
     return make
 
 
+def states(plan):
+    return {controller.name: controller.state for controller in plan.controllers}
+
+
+def claims(controller):
+    return [str(claim) for claim in controller.claims]
+
+
 def test_commands_are_bounded_by_the_tightest_of_urdf_and_ros2_control(cart):
-    (controller,) = cart().controllers
-    assert (controller.lower, controller.upper) == ((-8.0,), (3.0,))
+    assert cart().description.limits_of_command("left_joint", "velocity") == (-8.0, 3.0)
 
 
 def test_the_update_rate_is_the_parameters_files(cart):
@@ -65,13 +72,13 @@ def test_a_joint_the_robot_lacks_is_named_with_file_line_and_the_joints_there_ar
 
 
 def test_a_controller_without_joints_is_refused(cart):
-    with pytest.raises(InputError, match="'joints' is missing or empty"):
+    with pytest.raises(InputError, match="'joints' is missing"):
         cart(CONTROLLERS.replace("    joints: [left_joint]\n", ""))
 
 
 def test_a_joint_without_a_velocity_interface_keeps_the_controller_from_starting(cart):
     plan = cart(CONTROLLERS.replace("[left_joint]", "[right_joint]"), right="effort")
-    assert plan.controllers == ()
+    assert states(plan) == {"one": "unloaded"}
     assert plan.not_started == (
         "cart: controller one: joint right_joint has no velocity command interface in <ros2_control> (it has effort)",
     )
@@ -83,28 +90,34 @@ def test_two_controllers_on_one_joint_conflict_and_the_first_wins(cart):
     )
     text += "two:\n  ros__parameters:\n    joints: [right_joint, left_joint]\n"
     plan = cart(text)
-    assert [controller.name for controller in plan.controllers] == ["two"]
+    assert states(plan) == {"two": "active", "one": "inactive"}
     assert plan.not_started == (
         "cart: controller one: resource conflict, left_joint/velocity is already claimed by two",
     )
 
 
 def test_a_controller_type_that_is_not_supported_is_said_and_the_others_start(cart):
-    text = CONTROLLERS.replace("    one: {", "    base: {type: diff_drive_controller/DiffDriveController}\n    one: {")
+    text = CONTROLLERS.replace("    one: {", "    own: {type: my_controllers/OwnController}\n    one: {")
     plan = cart(text)
-    assert [controller.name for controller in plan.controllers] == ["one"]
-    assert "diff_drive_controller/DiffDriveController is not supported yet" in plan.not_started[0]
+    assert states(plan) == {"own": "unloaded", "one": "active"}
+    assert plan.not_started == ("cart: controller own: type my_controllers/OwnController is not supported",)
 
 
 def test_only_the_controllers_asked_for_are_active(cart):
-    assert cart(active_controllers=()).controllers == ()
+    assert states(cart(active_controllers=())) == {"one": "unloaded"}
+    assert states(cart(active_controllers=(), inactive_controllers=("one",))) == {"one": "inactive"}
+    assert states(cart(inactive_controllers=("one",))) == {"one": "inactive"}
     with pytest.raises(ScenarioError, match=r"active_controllers: the parameters files have no controller 'on'.*'one'"):
         cart(active_controllers=("on",))
 
 
-def test_without_a_parameters_file_every_velocity_interface_can_be_commanded(cart):
-    (controller,) = cart(None).controllers
-    assert (controller.name, controller.joints) == ("forward_velocity_controller", ("left_joint", "right_joint"))
+def test_without_a_parameters_file_every_joint_can_be_commanded(cart):
+    _, controller = cart(None).controllers
+    assert controller.name == "forward_velocity_controller"
+    assert claims(controller) == ["left_joint/velocity", "right_joint/velocity"]
+    _, velocity, effort = cart(None, right="effort").controllers
+    assert (velocity.name, claims(velocity)) == ("forward_velocity_controller", ["left_joint/velocity"])
+    assert (effort.name, claims(effort)) == ("forward_effort_controller", ["right_joint/effort"])
 
 
 def test_joints_start_at_the_scenarios_position_then_at_initial_value_then_at_zero(cart):
@@ -151,4 +164,4 @@ def test_a_prefix_of_the_xacro_file_is_found_in_a_parameters_file_without_it(tmp
         xacro_args={"prefix": "cart_"},
         controllers=(str(tmp_path / "controllers.yaml"),),
     )
-    assert plan_robot(robot, PACKAGES).controllers[0].joints == ("cart_left_joint",)
+    assert claims(plan_robot(robot, PACKAGES).controllers[0]) == ["cart_left_joint/velocity"]

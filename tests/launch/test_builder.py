@@ -55,7 +55,7 @@ def test_one_parameters_file_serves_robots_of_any_name():
     twin = TwinBuilder().robot("a", ROVER, xyz=(0, 0, 0.13), controllers=file).build()
     (topic,) = twin.commanded
     assert topic == "/a/forward_velocity_controller/commands"
-    assert twin.commanded[topic].controller.joints[0] == "a_front_left_wheel_joint"
+    assert next(iter(twin.command_limits(topic))).joint == "a_front_left_wheel_joint"
 
 
 @pytest.mark.parametrize("xyz", [(1, 2), "abc", (1, 2, "x"), 5])

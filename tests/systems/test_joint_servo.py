@@ -1,29 +1,72 @@
 import numpy as np
+import pytest
 
-from drake_twin.systems.joint_servo import JointServo
+from drake_twin.systems.joint_servo import JointServo, ServoAssignment
+
+NAN = np.nan
+
+
+def make_dut(assignment, controllers, lower=None, upper=None):
+    size = len(assignment.modes)
+    free = np.full((3, size), np.inf)
+    return JointServo(controllers, assignment, -free if lower is None else lower, free if upper is None else upper)
 
 
 def evaluate(dut, **commands):
     context = dut.CreateDefaultContext()
     for controller, values in commands.items():
         dut.get_controller_input_port(controller).FixValue(context, values)
-    return dut.get_desired_state_output_port().Eval(context).tolist()
+    return (
+        dut.get_desired_state_output_port().Eval(context).tolist(),
+        dut.get_actuation_output_port().Eval(context).tolist(),
+    )
+
+
+# Two wheels (actuators 2 and 0) and an arm's joint (1): the values are wheel, wheel, arm position, arm velocity, force.
+WHEELS_AND_ARM = ServoAssignment(
+    ("velocity", "position", "velocity"), (0.0, 0.3, 0.0), (-1, 2, -1), (1, 3, 0), (-1, 4, -1)
+)
+SIZES = {"wheels": 2, "arm": 3}
 
 
 def test_commands_land_on_the_actuators_of_their_controllers_joints():
-    dut = JointServo([0.0, 0.0, 0.0], {"wheels": [2, 0], "arm": [1]})
-    assert evaluate(dut, wheels=[5.0, 6.0], arm=[7.0]) == [0, 0, 0, 6.0, 7.0, 5.0]
+    desired, efforts = evaluate(make_dut(WHEELS_AND_ARM, SIZES), wheels=[5.0, 6.0], arm=[0.7, 0.1, 9.0])
+    assert desired == [0.0, 0.7, 0.0, 6.0, 0.1, 5.0]
+    assert efforts == [0, 9, 0]
 
 
-def test_a_claimed_joint_without_a_command_is_held_at_zero_velocity():
-    dut = JointServo([0.0, 0.0], {"wheels": [0, 1]})
-    assert evaluate(dut, wheels=[np.nan, np.nan]) == [0, 0, 0, 0]
-
-
-def test_a_joint_that_no_controller_claims_is_held_where_it_started():
-    dut = JointServo([0.3, -0.4], {"one": [1]})
-    assert evaluate(dut, one=[2.0]) == [0.3, -0.4, 0.0, 2.0]
+def test_before_the_first_command_wheels_stand_positions_are_held_and_no_effort_is_added():
+    desired, efforts = evaluate(make_dut(WHEELS_AND_ARM, SIZES), wheels=[NAN, NAN], arm=[NAN] * 3)
+    assert desired == [0.0, 0.3, 0.0, 0.0, 0.0, 0.0]
+    assert efforts == [0, 0, 0]
 
 
 def test_a_robot_without_controllers_is_held_where_it_started():
-    assert evaluate(JointServo([0.3, -0.4], {})) == [0.3, -0.4, 0.0, 0.0]
+    nothing = ServoAssignment(("hold", "hold"), (0.3, -0.4), (-1, -1), (-1, -1), (-1, -1))
+    assert evaluate(make_dut(nothing, {})) == ([0.3, -0.4, 0.0, 0.0], [0, 0])
+
+
+def test_commands_beyond_the_limits_are_clamped_to_them():
+    limit = np.array([[9.0, 0.5, 9.0], [2.0, 9.0, 3.0], [1.0, 4.0, 1.0]])
+    dut = make_dut(WHEELS_AND_ARM, SIZES, -limit, limit)
+    desired, efforts = evaluate(dut, wheels=[5.0, -6.0], arm=[0.4, 0.1, -9.0])
+    assert desired == [0.0, 0.4, 0.0, -2.0, 0.1, 3.0]
+    assert efforts == [0, -4, 0]
+
+
+def test_a_joint_told_to_go_beyond_its_range_stops_at_its_end():
+    limit = np.array([[9.0, 0.5, 9.0], [9.0] * 3, [9.0] * 3])
+    desired, _ = evaluate(make_dut(WHEELS_AND_ARM, SIZES, -limit, limit), wheels=[0, 0], arm=[0.7, 0.1, 0])
+    assert (desired[1], desired[4]) == (0.5, 0.0)
+
+
+def test_an_assignment_can_change_while_the_commands_stay():
+    dut = make_dut(WHEELS_AND_ARM, SIZES)
+    context = dut.CreateDefaultContext()
+    dut.get_controller_input_port("wheels").FixValue(context, [5.0, 6.0])
+    dut.get_controller_input_port("arm").FixValue(context, [0.7, 0.1, 9.0])
+    dut.get_desired_state_output_port().Eval(context)
+    held = ServoAssignment(("hold",) * 3, (1.0, 2.0, 3.0), (-1,) * 3, (-1,) * 3, (-1,) * 3)
+    dut.assign(context, held)
+    assert dut.assignment(context) == held
+    assert dut.get_desired_state_output_port().Eval(context) == pytest.approx([1, 2, 3, 0, 0, 0])

@@ -1,0 +1,228 @@
+"""What a robot's controllers amount to: typed parameters, claimed interfaces, and which are active at the start."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
+from drake_twin.description.parameters import read_parameters
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.yaml_document import ValuePath
+from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.errors import InputError
+from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.systems.controller import Interface
+
+UNLOADED, INACTIVE, ACTIVE = "unloaded", "inactive", "active"
+
+
+@dataclass(frozen=True)
+class ControllerPlan:
+    """A controller of a parameters file.
+
+    Attributes:
+        name: its name; its topics stand below it.
+        type: the plugin's name.
+        parameters: an instance of its class's ``Parameters``; None for the joint_state_broadcaster, which is the
+            robot's joint-state publisher, and where ``problem`` says why there are none.
+        claims: the command interfaces that it writes while it is active, in order.
+        references: the references that other controllers may write, as they name them.
+        state: what it is at the start: unloaded, inactive or active.
+        update_rate: how often it is updated (Hz).
+        problem: why it cannot be configured or activated; None when it can.
+    """
+
+    name: str
+    type: str
+    parameters: Any = None
+    claims: tuple[Interface, ...] = ()
+    references: tuple[Interface, ...] = ()
+    state: str = UNLOADED
+    update_rate: float = 100.0
+    problem: str | None = None
+
+
+def plan_controllers(
+    robot: Robot,
+    path: ValuePath,
+    description: RobotDescription,
+    manager: ControllerManagerParameters,
+    prefix: str,
+) -> tuple[tuple[ControllerPlan, ...], list[str], list[str]]:
+    """Plans all controllers of a robot's parameters files.
+
+    Args:
+        robot: the scenario's entry; it says which are to be active.
+        path: where the entry stands in the scenario, for error messages.
+        description: the robot.
+        manager: its parameters files.
+        prefix: what the robot's joints have in front of the names in the parameters files, where they differ.
+
+    Returns:
+        The controllers; why some that were to be active are not; what is ignored.
+
+    Raises:
+        InputError: a controller to be loaded is not there, or its parameters are wrong.
+    """
+    by_name = {controller.name: controller for controller in manager.controllers}
+    chosen = _chosen(robot, path, by_name)
+    plans: dict[str, ControllerPlan] = {}
+    not_started: list[str] = []
+    warnings: list[str] = []
+    for name, controller in by_name.items():
+        try:
+            plan, ignored = _plan(controller, description, manager.update_rate, prefix, by_name)
+        except InputError as error:
+            if name in chosen:
+                raise
+            plan, ignored = ControllerPlan(name, controller.type, problem=str(error)), ()
+        plans[name] = plan
+        if name in chosen:
+            warnings += ignored
+    _check_references(plans, chosen, by_name)
+    claimed_by: dict[Interface, str] = {}
+    for name, state in chosen.items():
+        plan = plans[name]
+        problem = plan.problem
+        taken = next((claim for claim in plan.claims if claim in claimed_by), None)
+        if problem is None and state == ACTIVE and taken is not None:
+            problem = f"resource conflict, {taken} is already claimed by {claimed_by[taken]}"
+            state = INACTIVE
+        elif problem is not None:
+            state = UNLOADED
+        if problem is not None:
+            not_started.append(f"controller {name}: {problem}")
+        if state == ACTIVE:
+            claimed_by.update(dict.fromkeys(plan.claims, name))
+        plans[name] = replace(plan, state=state)
+    ordered = [*chosen, *(name for name in plans if name not in chosen)]
+    return tuple(plans[name] for name in ordered), not_started, warnings
+
+
+def _chosen(robot: Robot, path: ValuePath, by_name: Mapping[str, ControllerParameters]) -> dict[str, str]:
+    """Controllers to be loaded, in the order in which they are activated, and their state."""
+    for entry in ("active_controllers", "inactive_controllers"):
+        for name in getattr(robot, entry) or ():
+            if name not in by_name:
+                raise ScenarioError(
+                    (*path, entry), f"the parameters files have no controller {name!r}", value=name, valid=by_name
+                )
+    active = by_name if robot.active_controllers is None else robot.active_controllers
+    inactive = [name for name in robot.inactive_controllers if robot.active_controllers is None or name not in active]
+    chosen = {name: ACTIVE for name in active if name not in inactive}
+    return chosen | dict.fromkeys(inactive, INACTIVE)
+
+
+def _plan(
+    controller: ControllerParameters,
+    description: RobotDescription,
+    manager_rate: float,
+    prefix: str,
+    known: Iterable[str],
+) -> tuple[ControllerPlan, tuple[str, ...]]:
+    rate = controller.parameters.get("update_rate", manager_rate)
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or rate < 0:
+        raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
+    plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
+    if controller.type == JOINT_STATE_BROADCASTER:
+        return plan, ()
+    kind = controller_class(controller.type)
+    if kind is None:
+        return replace(plan, problem=f"type {controller.type} is not supported"), ()
+    if prefix:
+        joints = description.joints_by_name
+        own = replace(controller, parameters=_with_prefix(controller.parameters, prefix, joints))
+    else:
+        own = controller
+    parameters, ignored = read_parameters(kind.Parameters, own)
+    claims = kind.claimed_interfaces(parameters, description)
+    _check_joints(controller, claims, description, known)
+    problem = next(filter(None, (_unusable(claim, description) for claim in claims if "/" not in claim.joint)), None)
+    references = kind.reference_interfaces(parameters, description)
+    return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
+
+
+def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:
+    """Names of joints without their prefix, wherever they stand, as the robot has them."""
+    if isinstance(value, str):
+        return prefix + value if value not in joints and prefix + value in joints else value
+    if isinstance(value, Mapping):
+        return {_with_prefix(key, prefix, joints): _with_prefix(item, prefix, joints) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_with_prefix(item, prefix, joints) for item in value]
+    return value
+
+
+def _check_joints(
+    controller: ControllerParameters, claims: Sequence[Interface], description: RobotDescription, known: Iterable[str]
+) -> None:
+    seen = set()
+    for claim in claims:
+        owner, separator, _ = claim.joint.partition("/")
+        if claim.joint not in description.joints_by_name and not (separator and owner in known):
+            place = next(_places(controller.parameters, claim.joint), ())
+            valid = [joint.name for joint in description.movable_joints]
+            raise controller.error(f"the robot has no joint {claim.joint!r}", *place, value=claim.joint, valid=valid)
+        if claim in seen:
+            *_, place = _places(controller.parameters, claim.joint)
+            raise controller.error(f"joint {claim.joint!r} stands twice", *place)
+        seen.add(claim)
+
+
+def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Where a name stands in the parameters."""
+    if isinstance(value, str):
+        if value == name:
+            yield path
+    elif isinstance(value, Mapping | list):
+        for key, item in value.items() if isinstance(value, Mapping) else enumerate(value):
+            yield from _places(item, name, (*path, key))
+
+
+def _unusable(claim: Interface, description: RobotDescription) -> str | None:
+    """Why a command interface cannot be claimed; None when it can."""
+    joint = description.joints_by_name[claim.joint]
+    if not joint.is_movable:
+        return f"joint {joint.name} is {joint.type} and cannot be commanded"
+    controlled = description.controlled_joints.get(joint.name)
+    interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
+    if claim.name not in interfaces:
+        has = f"it has {', '.join(interfaces)}" if interfaces else "it has none"
+        return f"joint {joint.name} has no {claim.name} command interface in <ros2_control> ({has})"
+    if joint.mimic is not None:
+        return f"joint {joint.name} follows another joint (mimic) and cannot be commanded"
+    if claim.name not in ("position", "velocity", "effort"):
+        return f"joint {joint.name}: the command interface {claim.name} has no meaning in the twin"
+    lower, upper = description.limits_of_command(joint.name, claim.name)
+    if lower > upper:
+        return f"joint {joint.name}: no {claim.name} is within both its URDF and its <ros2_control> limits"
+    return None
+
+
+def _check_references(
+    plans: dict[str, ControllerPlan], chosen: Mapping[str, str], by_name: Mapping[str, ControllerParameters]
+) -> None:
+    """Claims of other controllers' references: those must exist."""
+    for name, plan in plans.items():
+        for claim in plan.claims:
+            if "/" not in claim.joint:
+                continue
+            owner, _, joint = claim.joint.partition("/")
+            if Interface(joint, claim.name) in plans[owner].references:
+                continue
+            valid = [f"{owner}/{reference}" for reference in plans[owner].references]
+            error = by_name[name].error(f"controller {owner!r} has no reference {claim}", valid=valid)
+            if name in chosen:
+                raise error
+            plans[name] = replace(plan, problem=str(error))
+    for name in plans:
+        circle = [name]
+        while (below := _below(plans[circle[-1]])) and below not in circle:
+            circle.append(below)
+        if below in circle:
+            raise by_name[name].error(f"the controllers {', '.join(circle)} claim each other's references in a circle")
+
+
+def _below(plan: ControllerPlan) -> str | None:
+    """The controller that a controller writes to, in a chain."""
+    return next((claim.joint.partition("/")[0] for claim in plan.claims if "/" in claim.joint), None)

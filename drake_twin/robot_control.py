@@ -1,0 +1,156 @@
+"""One robot's controllers in a running diagram: switched, commanded, looked after when they fail, stopped."""
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import Context
+
+from drake_twin import messages
+from drake_twin.controller_manager import ControllerManager
+from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.diagram.servo_assignment import assign, holds_after
+from drake_twin.diagram.servo_gains import set_gains
+from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
+from drake_twin.errors import CommandError
+from drake_twin.systems.controller import Controller
+
+_log = logging.getLogger(__name__)
+
+
+class RobotControl:
+    """Does what the robot's controller manager decides.
+
+    Args:
+        built: the diagram.
+        plan: the robot.
+        context: the root context.
+        clear: is told of a controller whose topics' ports are to be cleared.
+
+    Attributes:
+        manager: the controller manager.
+        stopped: whether an emergency stop holds.
+    """
+
+    def __init__(self, built: TwinDiagram, plan: RobotPlan, context: Context, clear: Callable[[str, str], None]):
+        self._plan = plan
+        self._built = built
+        self._parts = built.parts[plan.name]
+        self._in_plant = built.robots[plan.name]
+        self._context = context
+        self._clear = clear
+        self.manager = ControllerManager(plan, self._switch)
+        self.stopped = False
+
+    @property
+    def controllers(self) -> dict[str, Controller]:
+        """Controller name → its system."""
+        return self._parts.controllers
+
+    def start(self) -> None:
+        """Activates what is active at the start, in a context that holds the default state."""
+        self.manager.restart()
+        self.stopped = False
+        for name in self.manager.active:
+            if name in self.controllers:
+                self.controllers[name].activate(self.context_of(name))
+        self._put_gains_in_force()
+
+    def context_of(self, controller: str) -> Context:
+        """A controller's own context."""
+        return self.controllers[controller].GetMyMutableContextFromRoot(self._context)
+
+    def read(self, topic: CommandTopic, data: Any) -> Any:
+        """What goes onto a topic's port for a message.
+
+        Raises:
+            CommandError: the data does not fit the topic's type, or the controller refuses it.
+        """
+        try:
+            message = messages.message(topic.type, data)
+        except (TypeError, ValueError) as error:
+            is_list = topic.type == "std_msgs/msg/Float64MultiArray"
+            raise CommandError(f"{data!r} is not a list of numbers" if is_list else str(error)) from None
+        return self.controllers[topic.controller].read(topic.name, message, self.context_of(topic.controller))
+
+    def accepts(self, topic: CommandTopic) -> bool:
+        """Whether a message on a topic reaches its controller: one that is not active hears nothing."""
+        return self.manager.states.get(topic.controller) == "active"
+
+    def give_up_faulty(self) -> None:
+        """Deactivates the controllers whose last update failed."""
+        for name in self.manager.active:
+            if name in self.controllers:
+                fault = self.controllers[name].fault(self.context_of(name))
+                if fault is not None:
+                    self.give_up(name, fault)
+
+    def give_up(self, controller: str, why: str) -> None:
+        """Deactivates a controller, and says so."""
+        stopped = self.manager.give_up(controller)
+        _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
+
+    def emergency_stop(self) -> None:
+        """Brings all joints to rest, within their effort limits, and holds them."""
+        if not self.stopped:
+            before = self._set_points()
+            self.stopped = True
+            self._assign(before)
+
+    def clear_emergency_stop(self) -> None:
+        """Lets the controllers command again; each begins anew."""
+        if self.stopped:
+            self.stopped = False
+            active = tuple(name for name in self.manager.active)
+            self._switch(active, active)
+
+    def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:
+        before = self._set_points()
+        for name in stopped:
+            if name in self.controllers:
+                self._clear(self._plan.name, name)
+                self.controllers[name].deactivate(self.context_of(name))
+        for name in started:
+            if name in self.controllers:
+                self._clear(self._plan.name, name)
+                self.controllers[name].activate(self.context_of(name))
+        self._assign(before)
+
+    def _set_points(self) -> np.ndarray:
+        """The positions that are commanded or held at present (rad or m), for each actuator."""
+        servo = self._parts.servo
+        if servo is None:
+            return np.zeros(0)
+        context = servo.GetMyContextFromRoot(self._context)
+        return np.array(servo.get_desired_state_output_port().Eval(context))[: len(self._parts.joints)]
+
+    def _assign(self, set_points: np.ndarray) -> None:
+        """Lets the joints follow the controllers that are active now."""
+        servo, layout = self._parts.servo, self._in_plant.layout
+        if servo is None:
+            return
+        context = servo.GetMyMutableContextFromRoot(self._context)
+        plant_context = self._built.plant.GetMyContextFromRoot(self._context)
+        state = self._built.plant.GetPositionsAndVelocities(plant_context, self._in_plant.instance)
+        joints = [joint or next(iter(layout.positions)) for joint in self._parts.joints]
+        holds = holds_after(
+            servo.assignment(context),
+            set_points,
+            state[[layout.positions[joint] for joint in joints]],
+            state[[layout.velocities[joint] for joint in joints]],
+            self._in_plant.gains,
+        )
+        limits = [self._plan.description.joints_by_name[joint].limits for joint in joints]
+        holds = [min(max(hold, item.lower), item.upper) for hold, item in zip(holds, limits, strict=True)]
+        driving = {name: item for name, item in self.controllers.items() if item.claims}
+        active = () if self.stopped else self.manager.active
+        hold_joints = self._plan.hold_joints or self.stopped
+        servo.assign(context, assign(self._parts.joints, driving, active, holds, hold_joints=hold_joints))
+        self._put_gains_in_force()
+
+    def _put_gains_in_force(self) -> None:
+        servo = self._parts.servo
+        if servo is not None:
+            modes = servo.assignment(servo.GetMyContextFromRoot(self._context)).modes
+            set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, modes)
