@@ -41,7 +41,7 @@ class JointLoad:
 
     Attributes:
         inertia: the largest of the joint's own (kg·m² or kg).
-        gravity: the largest gravity load (N·m or N).
+        gravity: the largest gravity load, and the joint's dry friction (N·m or N).
         contact: its share of the robot's weight, where it may have to bear it (N·m or N).
         damping: the joint's viscous damping (N·m·s/rad or N·s/m).
     """
@@ -177,12 +177,16 @@ def _joint_loads(
     return [
         JointLoad(
             inertia=float(m),
-            gravity=float(load),
+            gravity=float(load) + _friction(plan, actuator),
             contact=_contact_load(plant, plan, actuator, float(m), weights[plan.name]),
             damping=float(actuator.joint().default_damping_vector()[0]),
         )
         for (plan, actuator), m, load in zip(actuators, inertia, gravity, strict=True)
     ]
+
+
+def _friction(plan: RobotPlan, actuator: JointActuator) -> float:
+    return sum(joint.friction for joint in plan.friction_joints if joint.name == actuator.joint().name())
 
 
 def _contact_load(
