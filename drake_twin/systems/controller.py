@@ -53,6 +53,7 @@ class ControllerSetup:
         frame_prefix: put before its link names in tf messages.
         upstream: the controllers that may write this one's references: name → for each reference its index in that
             controller's ``command_interfaces``, or -1.
+        physics_step: the time between two steps of the physics (s); 0 for one much shorter than ``update_period``.
     """
 
     name: str
@@ -65,6 +66,7 @@ class ControllerSetup:
     namespace: str = ""
     frame_prefix: str = ""
     upstream: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    physics_step: float = 0.0
 
 
 class Controller(LeafSystem):
