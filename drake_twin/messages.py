@@ -12,6 +12,7 @@ from typing import Any
 _STORE_TYPES = {
     name.rpartition("/")[2]: name
     for name in (
+        "builtin_interfaces/msg/Duration",
         "builtin_interfaces/msg/Time",
         "geometry_msgs/msg/Point",
         "geometry_msgs/msg/Pose",
@@ -32,14 +33,66 @@ _STORE_TYPES = {
         "std_msgs/msg/MultiArrayLayout",
         "std_msgs/msg/String",
         "tf2_msgs/msg/TFMessage",
+        "trajectory_msgs/msg/JointTrajectory",
+        "trajectory_msgs/msg/JointTrajectoryPoint",
+        "trajectory_msgs/msg/MultiDOFJointTrajectory",
+        "trajectory_msgs/msg/MultiDOFJointTrajectoryPoint",
     )
 }
 
 _OWN_TYPES = {
+    "control_msgs/action/FollowJointTrajectory_Feedback": (
+        "std_msgs/Header header\nstring[] joint_names\n"
+        "trajectory_msgs/JointTrajectoryPoint desired\n"
+        "trajectory_msgs/JointTrajectoryPoint actual\n"
+        "trajectory_msgs/JointTrajectoryPoint error\n"
+        "string[] multi_dof_joint_names\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_desired\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_actual\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_error\n"
+    ),
+    "control_msgs/action/FollowJointTrajectory_Goal": (
+        "trajectory_msgs/JointTrajectory trajectory\n"
+        "trajectory_msgs/MultiDOFJointTrajectory multi_dof_trajectory\n"
+        "control_msgs/JointTolerance[] path_tolerance\n"
+        "control_msgs/JointComponentTolerance[] component_path_tolerance\n"
+        "control_msgs/JointTolerance[] goal_tolerance\n"
+        "control_msgs/JointComponentTolerance[] component_goal_tolerance\n"
+        "builtin_interfaces/Duration goal_time_tolerance\n"
+    ),
+    "control_msgs/action/FollowJointTrajectory_Result": (
+        "int32 error_code\n"
+        "int32 SUCCESSFUL = 0\n"
+        "int32 INVALID_GOAL = -1\n"
+        "int32 INVALID_JOINTS = -2\n"
+        "int32 OLD_HEADER_TIMESTAMP = -3\n"
+        "int32 PATH_TOLERANCE_VIOLATED = -4\n"
+        "int32 GOAL_TOLERANCE_VIOLATED = -5\n"
+        "string error_string\n"
+    ),
     "control_msgs/msg/InterfaceValue": "string[] interface_names\nfloat64[] values\n",
     "control_msgs/msg/DynamicJointState": (
         "std_msgs/Header header\nstring[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n"
     ),
+    "control_msgs/msg/JointComponentTolerance": (
+        "uint16 X_AXIS=1\nuint16 Y_AXIS=2\nuint16 Z_AXIS=3\nuint16 TRANSLATION=4\nuint16 ROTATION=5\n"
+        "string joint_name\nuint16 component\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"
+    ),
+    "control_msgs/msg/JointTolerance": ("string name\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"),
+    "control_msgs/msg/JointTrajectoryControllerState": (
+        "std_msgs/Header header\nstring[] joint_names\n"
+        "trajectory_msgs/JointTrajectoryPoint reference\n"
+        "trajectory_msgs/JointTrajectoryPoint feedback\n"
+        "trajectory_msgs/JointTrajectoryPoint error\n"
+        "trajectory_msgs/JointTrajectoryPoint output\n"
+        "string[] multi_dof_joint_names\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_reference\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_feedback\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_error\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_output\n"
+        "float64 speed_scaling_factor\n"
+    ),
+    "control_msgs/msg/SpeedScalingFactor": "float64 factor\n",
 }
 
 _TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in _OWN_TYPES}
@@ -68,6 +121,12 @@ def time_message(seconds: float) -> Any:
     """Simulation time (s) as a ``builtin_interfaces/msg/Time``, rounded to the nearest nanosecond."""
     nanoseconds = round(seconds * 1e9)
     return _message("Time")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def duration_message(seconds: float) -> Any:
+    """A time span (s) as a ``builtin_interfaces/msg/Duration``, rounded to the nearest nanosecond."""
+    nanoseconds = round(seconds * 1e9)
+    return _message("Duration")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
 
 
 def header(seconds: float, frame_id: str = "") -> Any:

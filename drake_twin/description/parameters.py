@@ -3,7 +3,9 @@
 A parameters class is a frozen dataclass whose fields are named like the parameters. Types are ``bool``, ``int``,
 ``float``, ``str``, tuples of these, another parameters class for a nested one (``gains.p`` or a mapping), and
 ``Mapping[str, C]`` for one nested class per joint. A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive),
-``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin.
+``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin. ``of_joints`` marks a
+mapping whose keys stand beside the class's other parameters, as ``constraints.<joint>.goal`` beside
+``constraints.goal_time``.
 """
 
 import dataclasses
@@ -57,8 +59,9 @@ def parameter_names(kind: type, prefix: str = "") -> Iterator[tuple[str, "datacl
         annotation = _types(kind)[item.name]
         inner = typing.get_args(annotation)[1] if typing.get_origin(annotation) is Mapping else annotation
         if dataclasses.is_dataclass(inner):
+            name = "" if "of_joints" in item.metadata else f"{item.name}."
             joint = "<joint>." if inner is not annotation else ""
-            yield from parameter_names(typing.cast(type, inner), f"{prefix}{item.name}.{joint}")
+            yield from parameter_names(typing.cast(type, inner), f"{prefix}{name}{joint}")
         else:
             yield prefix + item.name, item, annotation
 
@@ -89,6 +92,8 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
     if not isinstance(values, dict):
         raise controller.error(f"{values!r} is not a mapping of parameters", *path)
     fields = {item.name: item for item in dataclasses.fields(kind)}
+    for name in [name for name, item in fields.items() if "of_joints" in item.metadata]:
+        values = _of_joints_apart(values, name, fields)
     for name in values:
         if name not in fields and not (not path and name in _OF_EVERY_NODE):
             where = ".".join(map(str, (*path, name)))
@@ -99,7 +104,8 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
             if _is_required(item):
                 raise controller.error(f"the parameter {'.'.join(map(str, (*path, name)))!r} is missing", *path)
             continue
-        value = _read(_types(kind)[name], values[name], controller, (*path, name), warnings)
+        place = path if "of_joints" in item.metadata else (*path, name)
+        value = _read(_types(kind)[name], values[name], controller, place, warnings)
         if value == () and _is_required(item):
             raise controller.error("the list is empty", *path, name)
         _check_bounds(item, value, controller, (*path, name))
@@ -113,6 +119,13 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
 
 def _is_required(item: "dataclasses.Field[Any]") -> bool:
     return item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
+
+
+def _of_joints_apart(values: dict[str, Any], field: str, fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters with those below joints' names put together under the name of their field."""
+    named = fields.keys() - {field}
+    joints = {name: below for name, below in values.items() if name not in named and isinstance(below, dict)}
+    return {name: value for name, value in values.items() if name not in joints} | {field: joints}
 
 
 def _read(annotation: Any, value: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:

@@ -17,6 +17,10 @@ CONTROLLER_TYPES: Mapping[str, tuple[str, str]] = {
         "forward_command_controller",
         "MultiInterfaceForwardCommandController",
     ),
+    "joint_trajectory_controller/JointTrajectoryController": (
+        "joint_trajectory_controller",
+        "JointTrajectoryController",
+    ),
     "velocity_controllers/JointGroupVelocityController": (
         "forward_command_controller",
         "JointGroupVelocityController",

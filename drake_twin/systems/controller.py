@@ -52,6 +52,7 @@ class ControllerSetup:
         namespace: the robot's namespace, ``/robot_1`` or empty.
         frame_prefix: put before its link names in tf messages.
         upstream: the controllers that may write this one's references.
+        physics_step: the time between two steps of the physics (s); 0 for one much shorter than ``update_period``.
     """
 
     name: str
@@ -64,6 +65,7 @@ class ControllerSetup:
     namespace: str = ""
     frame_prefix: str = ""
     upstream: Mapping[str, "Upstream"] = field(default_factory=dict)
+    physics_step: float = 0.0
 
 
 @dataclass(frozen=True)

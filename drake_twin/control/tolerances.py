@@ -1,0 +1,101 @@
+"""How far joints may be from their trajectory, as joint_trajectory_controller judges it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from drake_twin.control.trajectory import TrajectoryPoint
+from drake_twin.errors import CommandError
+
+_ERASED = -1.0  # control_msgs/msg/JointTolerance: the joint may move without restriction
+_FLOAT32_EPSILON = 2.0**-23
+
+
+@dataclass(frozen=True)
+class StateTolerance:
+    """The largest errors of one joint (rad, rad/s, rad/s², or with m); 0 for any error."""
+
+    position: float = 0.0
+    velocity: float = 0.0
+    acceleration: float = 0.0
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """The tolerances of a trajectory.
+
+    Attributes:
+        path: of each joint on the way.
+        goal: of each joint at the end.
+        goal_time: how long after the end the goal tolerances may still be reached (s); 0 for ever.
+    """
+
+    path: tuple[StateTolerance, ...]
+    goal: tuple[StateTolerance, ...]
+    goal_time: float = 0.0
+
+
+def goal_tolerances(
+    defaults: Tolerances,
+    joints: Sequence[str],
+    path: Mapping[str, StateTolerance],
+    goal: Mapping[str, StateTolerance],
+    goal_time: float,
+) -> Tolerances:
+    """The tolerances of an action's goal: 0 leaves the default, -1 takes the restriction away.
+
+    Args:
+        defaults: the controller's own.
+        joints: its joints.
+        path: joint → tolerance on the way, of those that the goal names.
+        goal: joint → tolerance at the end.
+        goal_time: as in `Tolerances`.
+
+    Raises:
+        CommandError: an unknown joint, or a negative tolerance. Upstream logs this and goes on with its defaults.
+    """
+    for where, given in (("path", path), ("goal", goal)):
+        for joint in given:
+            if joint not in joints:
+                raise CommandError(
+                    f"{where}_tolerance has a joint {joint!r} that the controller does not have",
+                    valid=joints,
+                    value=joint,
+                )
+
+    def merged(where: str, given: Mapping[str, StateTolerance], default: StateTolerance, joint: str) -> StateTolerance:
+        wanted = given.get(joint, StateTolerance())
+        name = f"{where}_tolerance of joint {joint}"
+        return StateTolerance(
+            _resolved(default.position, wanted.position, name),
+            _resolved(default.velocity, wanted.velocity, name),
+            _resolved(default.acceleration, wanted.acceleration, name),
+        )
+
+    return Tolerances(
+        tuple(merged("path", path, default, joint) for default, joint in zip(defaults.path, joints, strict=True)),
+        tuple(merged("goal", goal, default, joint) for default, joint in zip(defaults.goal, joints, strict=True)),
+        _resolved(defaults.goal_time, goal_time, "goal_time_tolerance"),
+    )
+
+
+def violation(joints: Sequence[str], error: TrajectoryPoint, tolerances: Sequence[StateTolerance]) -> str | None:
+    """Which joint's error is beyond its tolerance and by how much; None when all are within."""
+    for i, (joint, tolerance) in enumerate(zip(joints, tolerances, strict=True)):
+        for what, errors, allowed in (
+            ("position", error.positions, tolerance.position),
+            ("velocity", error.velocities, tolerance.velocity),
+            ("acceleration", error.accelerations, tolerance.acceleration),
+        ):
+            if errors and allowed > 0.0 and abs(errors[i]) > allowed:
+                return f"the {what} error of joint {joint} is {errors[i]:g}, its tolerance {allowed:g}"
+    return None
+
+
+def _resolved(default: float, wanted: float, name: str) -> float:
+    if wanted > 0.0:
+        return wanted
+    if abs(wanted - _ERASED) < _FLOAT32_EPSILON:
+        return 0.0
+    if wanted < 0.0:
+        raise CommandError(f"the {name} is {wanted:g}; 0 means the default, -1 none")
+    return default
