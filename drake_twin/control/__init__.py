@@ -1,0 +1,1 @@
+"""Calculations of controllers: plain values in, plain values out, without Drake and without messages."""
