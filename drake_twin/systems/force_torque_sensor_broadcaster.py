@@ -252,9 +252,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         fx, fy, fz, tx, ty, tz = wrench.tolist()
         return messages.WrenchStamped(
             header=messages.header(time, self._frame(self.setup.parameters.frame_id)),
-            wrench=messages.Wrench(
-                force=messages.Vector3(x=fx, y=fy, z=fz), torque=messages.Vector3(x=tx, y=ty, z=tz)
-            ),
+            wrench=messages.Wrench(force=messages.Vector3(x=fx, y=fy, z=fz), torque=messages.Vector3(x=tx, y=ty, z=tz)),
         )
 
 

@@ -113,7 +113,7 @@ class GripperMemory:
 
     goal: GripperGoal
     run: GripperRun
-    pid: PidMemory = PidMemory()
+    pid: PidMemory
 
 
 class GripperActionController(PeriodicController):
@@ -176,7 +176,7 @@ class GripperActionController(PeriodicController):
         """Holds where it is; goals are counted on."""
         memory = self.sample(context).memory
         run = GripperRun() if memory is None else memory.run
-        return GripperMemory(self._hold(context, run.id), run)
+        return GripperMemory(self._hold(context, run.id), run, PidMemory())
 
     def update(self, context: Context, time: float, memory: GripperMemory) -> Update:
         """Takes a new goal, judges how the present one is getting on, and commands it."""

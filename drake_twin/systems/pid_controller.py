@@ -1,7 +1,7 @@
 """A PID for each degree of freedom, as ros2_controllers' pid_controller closes its loops."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from math import inf, isfinite, nan, pi
 from typing import Any, ClassVar
 
@@ -253,9 +253,7 @@ class PidController(PeriodicController):
         new = PidControllerMemory(reference_id, references, measured, tuple(commands), tuple(pids), dt)
         return Update(new, commands)
 
-    def _references(
-        self, context: Context, memory: PidControllerMemory
-    ) -> tuple[int, tuple[tuple[float, ...], ...]]:
+    def _references(self, context: Context, memory: PidControllerMemory) -> tuple[int, tuple[tuple[float, ...], ...]]:
         """The references, each as it was where nothing new and finite came."""
         message: PidReference | None = self._reference.Eval(context)
         reference_id = memory.reference_id if message is None else message.id
@@ -311,11 +309,9 @@ class PidController(PeriodicController):
 
 
 def _pid_gains(gains: PidControllerGains) -> PidGains:
-    names = ("p", "i", "d", "u_clamp_max", "u_clamp_min", "i_clamp_max", "i_clamp_min")
-    names += ("antiwindup_strategy", "tracking_time_constant", "error_deadband")
-    return PidGains(**{name: getattr(gains, name) for name in names})
+    return PidGains(**{item.name: getattr(gains, item.name) for item in fields(PidGains)})
 
 
 def _error(reference: float, measured: float, wraps: bool) -> float:
     error = reference - measured
-    return (error + pi) % (2.0 * pi) - pi if wraps else error
+    return pi - (pi - error) % (2.0 * pi) if wraps else error
