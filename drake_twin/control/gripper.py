@@ -88,6 +88,6 @@ def judged(
         return replace(run, status="succeeded", reached_goal=True)
     if abs(velocity) > rule.stall_velocity_threshold:
         return replace(run, last_movement=time)
-    if time - run.last_movement > rule.stall_timeout:
+    if round(time - run.last_movement, 9) > rule.stall_timeout:  # ROS counts nanoseconds
         return replace(run, status="succeeded" if rule.allow_stalling else "aborted", stalled=True)
     return run

@@ -19,7 +19,8 @@ _INTRODUCTION = """\
 
 These are the controller types that the twin has, with the names and defaults of ROS 2 Jazzy; what a controller does is
 in its class's docstring. A parameter that is not listed is ignored with a warning, and so is a value other than the
-default where the table says *ignored*. `<joint>` stands for the name of a joint.
+default where the table says *ignored*. `<joint>` stands for the name of a joint, or of
+whatever else there may be several of.
 
 This page is written by `python -m drake_twin.diagram.controller_docs`.
 """

@@ -84,7 +84,7 @@ class ImuSensor(LeafSystem):
             reference = (start @ pose).rotation()
         else:
             reference = RotationMatrix(RollPitchYaw(*sensor.orientation_reference))
-        time_step = plant.time_step() if plant.is_discrete() and plant.has_sampled_output_ports() else 0.0
+        time_step = plant.time_step() if plant.has_sampled_output_ports() else 0.0
         return cls(body.index(), pose, reference, plant.gravity_field().gravity_vector(), time_step)
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import AbstractStateIndex, Context, InputPort
+from pydrake.systems.framework import AbstractStateIndex, BasicVector, Context, InputPort
 
 from drake_twin.systems.controller import Controller, ControllerSetup, Sample
 
@@ -31,7 +31,7 @@ class SensorBroadcaster(Controller):
         super().__init__(setup)
         self._sensor = self.DeclareVectorInputPort(port, size)
         self._sample_index: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(Sample()))
-        self._declare_command_interfaces(lambda context, output: None, {self.nothing_ticket()})
+        self._declare_command_interfaces(self._calc_nothing, {self.nothing_ticket()})
 
     def get_sensor_input_port(self) -> InputPort:
         """The port that carries the sensor's values."""
@@ -49,6 +49,9 @@ class SensorBroadcaster(Controller):
     def deactivate(self, context: Context) -> None:
         """Publishes nothing from now on."""
         context.SetAbstractState(int(self._sample_index), replace(self.sample(context), active=False))
+
+    def _calc_nothing(self, context: Context, output: BasicVector) -> None:
+        """There is nothing to write."""
 
     def _present(self) -> set[Any]:
         """What a message of the present time depends on."""
