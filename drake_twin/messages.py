@@ -24,8 +24,11 @@ _STORE_TYPES = {
         "geometry_msgs/msg/TwistStamped",
         "geometry_msgs/msg/TwistWithCovariance",
         "geometry_msgs/msg/Vector3",
+        "geometry_msgs/msg/Wrench",
+        "geometry_msgs/msg/WrenchStamped",
         "nav_msgs/msg/Odometry",
         "rosgraph_msgs/msg/Clock",
+        "sensor_msgs/msg/Imu",
         "sensor_msgs/msg/JointState",
         "std_msgs/msg/Float64MultiArray",
         "std_msgs/msg/Header",
@@ -93,6 +96,23 @@ _OWN_TYPES = {
         "float64 speed_scaling_factor\n"
     ),
     "control_msgs/msg/SpeedScalingFactor": "float64 factor\n",
+    "control_msgs/msg/MultiDOFCommand": "string[] dof_names\nfloat64[] values\nfloat64[] values_dot\n",
+    "control_msgs/msg/SingleDOFState": (
+        "string name\nfloat64 reference\nfloat64 feedback\nfloat64 feedback_dot\nfloat64 error\nfloat64 error_dot\n"
+        "float64 time_step\nfloat64 output\n"
+    ),
+    "control_msgs/msg/MultiDOFStateStamped": "std_msgs/Header header\ncontrol_msgs/SingleDOFState[] dof_states\n",
+    "control_msgs/msg/GripperCommand": "float64 position\nfloat64 max_effort\n",
+    "control_msgs/action/GripperCommand_Goal": "control_msgs/GripperCommand command\n",
+    "control_msgs/action/GripperCommand_Result": "float64 position\nfloat64 effort\nbool stalled\nbool reached_goal\n",
+    "control_msgs/action/GripperCommand_Feedback": (
+        "float64 position\nfloat64 effort\nbool stalled\nbool reached_goal\n"
+    ),
+    "control_msgs/action/ParallelGripperCommand_Goal": "sensor_msgs/JointState command\n",
+    "control_msgs/action/ParallelGripperCommand_Result": (
+        "sensor_msgs/JointState state\nbool stalled\nbool reached_goal\n"
+    ),
+    "control_msgs/action/ParallelGripperCommand_Feedback": "sensor_msgs/JointState state\n",
 }
 
 _TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in _OWN_TYPES}

@@ -95,13 +95,57 @@ class ControlledJoint:
 
 
 @dataclass(frozen=True)
+class HardwareSensor:
+    """A ``<sensor>`` of a ``<ros2_control>`` tag, with the names of its state interfaces (``orientation.x``, …)."""
+
+    name: str
+    state_interfaces: tuple[str, ...] = ()
+    parameters: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class HardwareSystem:
-    """A ``<ros2_control>`` tag: one hardware component and its joints."""
+    """A ``<ros2_control>`` tag: one hardware component, its joints and sensors."""
 
     name: str
     type: str
     plugin: str
     joints: tuple[ControlledJoint, ...] = ()
+    sensors: tuple[HardwareSensor, ...] = ()
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """An IMU or a force/torque sensor that Gazebo would simulate.
+
+    Attributes:
+        name: its name; a ``<sensor>`` of ``<ros2_control>`` with the same name is this one, as for gz_ros2_control.
+        kind: ``imu`` or ``force_torque``.
+        link: the link that an IMU sits on.
+        joint: the joint that a force/torque sensor measures.
+        pose: the sensor in the link's frame, or in the joint's frame.
+        frame: the frame that the file gives its values; empty where it gives none.
+        topic: Gazebo's own topic; empty where the file gives none.
+        update_rate: how often it measures (Hz); 0 for at every step.
+        orientation_reference: of an IMU, the frame that its orientation is relative to, as roll, pitch, yaw in the
+            world (rad); None for how it stands at the start, as in Gazebo.
+        measured_on: of a force/torque sensor, the link that the measured wrench acts on: ``parent`` (that of the child
+            on the parent, Gazebo's default) or ``child``.
+        axes: of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
+            ``sensor``.
+    """
+
+    name: str
+    kind: str
+    link: str = ""
+    joint: str = ""
+    pose: Pose = Pose()
+    frame: str = ""
+    topic: str = ""
+    update_rate: float = 0.0
+    orientation_reference: Vector3 | None = None
+    measured_on: str = "parent"
+    axes: str = "child"
 
 
 @dataclass(frozen=True)
@@ -134,6 +178,7 @@ class RobotDescription:
         systems: its ``<ros2_control>`` tags.
         plugins: the plugins of its ``<gazebo>`` tags.
         surfaces: link name → what ``<gazebo reference>`` says of its surface.
+        sensors: the IMUs and force/torque sensors of its ``<gazebo>`` tags.
         text: the expanded URDF (or the SDF), which is also published as ``robot_description``.
         file: the file it was read from.
     """
@@ -144,6 +189,7 @@ class RobotDescription:
     systems: tuple[HardwareSystem, ...] = ()
     plugins: tuple[GazeboPlugin, ...] = ()
     surfaces: Mapping[str, LinkSurface] = field(default_factory=dict)
+    sensors: tuple[Sensor, ...] = ()
     text: str = field(default="", repr=False)
     file: Path | None = None
 
@@ -182,6 +228,15 @@ class RobotDescription:
             and self.joints_by_name[name].is_movable
             and self.joints_by_name[name].mimic is None
         )
+
+    @cached_property
+    def hardware_sensors(self) -> dict[str, HardwareSensor]:
+        """Sensor name → what ``<ros2_control>`` says of it."""
+        return {sensor.name: sensor for system in self.systems for sensor in system.sensors}
+
+    def sensor(self, name: str) -> Sensor | None:
+        """The simulated sensor behind a sensor of ``<ros2_control>``; None when there is none of that name."""
+        return next((sensor for sensor in self.sensors if sensor.name == name), None)
 
     @property
     def controller_files(self) -> tuple[str, ...]:

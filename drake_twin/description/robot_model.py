@@ -122,9 +122,11 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.sdf import ignored_in_sdf, prepare_sdf
+    from drake_twin.description.sensors import sensors_in_sdf
 
     prepared, is_fixed, own_name = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
+    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)))
     return RobotModel(description, prepared, "sdf", is_fixed, ignored=ignored_in_sdf(text, file))
 
 

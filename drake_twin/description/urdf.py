@@ -20,6 +20,7 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
+from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
 from drake_twin.description.xml_reader import XmlReader
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
@@ -62,6 +63,7 @@ def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
         systems=systems,
         plugins=tuple(_plugins(root)),
         surfaces=_surfaces(reader),
+        sensors=tuple(sensors_in_urdf(reader)),
         text=text,
         file=reader.file,
     )
@@ -163,6 +165,7 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
         type=element.get("type", "system"),
         plugin=(element.findtext("hardware/plugin") or "").strip(),
         joints=tuple(joints),
+        sensors=tuple(hardware_sensors(reader, element)),
     )
 
 

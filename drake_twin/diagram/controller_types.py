@@ -33,6 +33,24 @@ CONTROLLER_TYPES: Mapping[str, tuple[str, str]] = {
         "forward_command_controller",
         "JointGroupEffortController",
     ),
+    "position_controllers/GripperActionController": (
+        "gripper_action_controller",
+        "PositionGripperActionController",
+    ),
+    "effort_controllers/GripperActionController": (
+        "gripper_action_controller",
+        "EffortGripperActionController",
+    ),
+    "parallel_gripper_action_controller/GripperActionController": (
+        "gripper_action_controller",
+        "ParallelGripperActionController",
+    ),
+    "pid_controller/PidController": ("pid_controller", "PidController"),
+    "imu_sensor_broadcaster/IMUSensorBroadcaster": ("imu_sensor_broadcaster", "IMUSensorBroadcaster"),
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster": (
+        "force_torque_sensor_broadcaster",
+        "ForceTorqueSensorBroadcaster",
+    ),
 }
 
 

@@ -1,6 +1,7 @@
 """A robot's joint states as messages, as ros2_controllers' joint_state_broadcaster publishes them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -13,12 +14,77 @@ from drake_twin.systems.weak_callback import weakly
 _INTERFACES = ("position", "velocity", "effort")
 
 
+@dataclass(frozen=True)
+class JointStateInterfaceMap:
+    """The state interface that each field of ``JointState`` is taken from.
+
+    Attributes:
+        position: for positions.
+        velocity: for velocities.
+        effort: for efforts.
+    """
+
+    position: str = "position"
+    velocity: str = "velocity"
+    effort: str = "effort"
+
+
+@dataclass(frozen=True)
+class JointStateBroadcasterParameters:
+    """Parameters of ``joint_state_broadcaster/JointStateBroadcaster``.
+
+    Attributes:
+        use_local_topics: whether the topics stand below the controller's name.
+        joints: the joints, in order; all when this or ``interfaces`` is empty.
+        extra_joints: joints that the robot lacks, which are published as 0.
+        interfaces: the state interfaces; all when this or ``joints`` is empty.
+        map_interface_to_joint_state: state interfaces of other names.
+        use_urdf_to_filter: whether only joints of the robot's description are published.
+        frame_id: the frame in the messages' headers.
+        publish_dynamic_joint_states: whether ``dynamic_joint_states`` is published.
+    """
+
+    use_local_topics: bool = False
+    joints: tuple[str, ...] = ()
+    extra_joints: tuple[str, ...] = ()
+    interfaces: tuple[str, ...] = ()
+    map_interface_to_joint_state: JointStateInterfaceMap = JointStateInterfaceMap()
+    use_urdf_to_filter: bool = field(
+        default=True, metadata={"unsupported": "whatever has a state is a joint of the description"}
+    )
+    frame_id: str = "base_link"
+    publish_dynamic_joint_states: bool = True
+
+    def select(self, interfaces: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
+        """The joints and the state interfaces of each that are broadcast, in order.
+
+        Args:
+            interfaces: joint name → its state interfaces.
+        """
+        if not self.joints or not self.interfaces:
+            return {joint: tuple(names) for joint, names in interfaces.items()}
+        return dict.fromkeys(self.joints, self.interfaces)
+
+    def field_of(self, interface: str) -> str:
+        """What a state interface is called in the messages."""
+        for name in _INTERFACES:
+            if interface == getattr(self.map_interface_to_joint_state, name) and not (
+                name in self.interfaces and self.joints
+            ):
+                return name
+        return interface
+
+
+_ALL = JointStateBroadcasterParameters()
+
+
 class JointStatePublisher(LeafSystem):
     """Puts a robot's state into ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
-    Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: joints in the order of
-    ``<ros2_control>``, NaN for what a joint has no state interface for. A robot without ``<ros2_control>`` has all
-    interfaces at all its movable joints.
+    Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN for what a joint has no state
+    interface for, 0 for extra joints. Joints stand in the order of the parameter ``joints`` or else of
+    ``<ros2_control>``, where upstream sorts them by name. A robot without ``<ros2_control>`` has all interfaces at all
+    its movable joints.
 
     .. pydrake_system::
 
@@ -33,27 +99,47 @@ class JointStatePublisher(LeafSystem):
     - ``state``: vector ``[q; v]`` of the model instance (rad, rad/s, or m, m/s).
     - ``net_actuation``: vector of the efforts that its actuators applied in the last step (N·m or N).
     - ``joint_states``: ``sensor_msgs/msg/JointState``; topic ``joint_states``.
-    - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``; topic ``dynamic_joint_states``.
+    - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``, ``None`` when parameters turn it off; topic
+      ``dynamic_joint_states``.
 
     Args:
         interfaces: joint name → its state interfaces (``position``, ``velocity``, ``effort``).
         layout: where the joints stand in the input ports.
+        parameters: what is broadcast.
+        frame_id: the frame in the messages' headers, as /tf has it.
     """
 
-    def __init__(self, interfaces: Mapping[str, Sequence[str]], layout: StateLayout):
+    def __init__(
+        self,
+        interfaces: Mapping[str, Sequence[str]],
+        layout: StateLayout,
+        parameters: JointStateBroadcasterParameters = _ALL,
+        frame_id: str = "",
+    ):
         super().__init__()
-        self.joints = tuple(interfaces)
-        self._interface_names = [[name for name in names if name in _INTERFACES] for names in interfaces.values()]
-        # Rows of gathered values: position, velocity, effort. A missing one points at the NaN behind the last value.
+        self._frame_id = frame_id
+        self._with_dynamic = parameters.publish_dynamic_joint_states
+        # Two constants stand behind the last value: NaN for what is missing, 0 for extra joints.
         missing = layout.size + layout.num_actuators
-        self._gather = np.full((3, len(self.joints)), missing, dtype=int)
-        for column, (joint, names) in enumerate(interfaces.items()):
-            if "position" in names:
-                self._gather[0, column] = layout.positions[joint]
-            if "velocity" in names:
-                self._gather[1, column] = layout.velocities[joint]
-            if "effort" in names and joint in layout.efforts:
-                self._gather[2, column] = layout.size + layout.efforts[joint]
+        # Joint → what it is called in the messages → where the value stands.
+        places: dict[str, dict[str, int]] = {}
+        for joint, names in parameters.select(interfaces).items():
+            places[joint] = {}
+            for name in names:
+                place = _place(layout, joint, name) if name in interfaces.get(joint, ()) else missing
+                if place != missing or parameters.field_of(name) not in places[joint]:
+                    places[joint][parameters.field_of(name)] = place
+        for joint in parameters.extra_joints:
+            places.setdefault(joint, dict.fromkeys(_INTERFACES, missing + 1))
+        of_joint_states = {joint: where for joint, where in places.items() if not where.keys().isdisjoint(_INTERFACES)}
+        self.joints = tuple(of_joint_states)
+        # Rows of gathered values: position, velocity, effort.
+        self._gather = np.array(
+            [[where.get(name, missing) for where in of_joint_states.values()] for name in _INTERFACES], dtype=int
+        )
+        self._places = {
+            joint: (tuple(where), np.array([*where.values()], dtype=int)) for joint, where in places.items()
+        }
         self._state = self.DeclareVectorInputPort("state", layout.size)
         self._net_actuation = self.DeclareVectorInputPort("net_actuation", layout.num_actuators)
         prerequisites = {
@@ -88,17 +174,15 @@ class JointStatePublisher(LeafSystem):
         return self._dynamic_joint_states
 
     def _values(self, context: Context) -> np.ndarray:
-        """Three rows (position, velocity, effort), a column for each joint."""
-        values = np.concatenate([self._state.Eval(context), self._net_actuation.Eval(context), [np.nan]])
-        return np.asarray(values[self._gather])
+        return np.concatenate([self._state.Eval(context), self._net_actuation.Eval(context), [np.nan, 0.0]])
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
-        values = self._values(context)
+        values = self._values(context)[self._gather]
         values.setflags(write=False)  # the port hands the same message to everybody
         position, velocity, effort = values
         output.set_value(
             messages.JointState(
-                header=messages.header(context.get_time()),
+                header=messages.header(context.get_time(), self._frame_id),
                 name=list(self.joints),
                 position=position,
                 velocity=velocity,
@@ -107,17 +191,29 @@ class JointStatePublisher(LeafSystem):
         )
 
     def _calc_dynamic_joint_states(self, context: Context, output: AbstractValue) -> None:
-        columns = self._values(context).T
-        interface_values = [
-            messages.InterfaceValue(
-                interface_names=list(names), values=np.array([column[_INTERFACES.index(name)] for name in names])
-            )
-            for names, column in zip(self._interface_names, columns, strict=True)
-        ]
+        if not self._with_dynamic:
+            output.set_value(None)
+            return
+        values = self._values(context)
         output.set_value(
             messages.DynamicJointState(
-                header=messages.header(context.get_time()),
-                joint_names=list(self.joints),
-                interface_values=interface_values,
+                header=messages.header(context.get_time(), self._frame_id),
+                joint_names=list(self._places),
+                interface_values=[
+                    messages.InterfaceValue(interface_names=list(names), values=values[places])
+                    for names, places in self._places.values()
+                ],
             )
         )
+
+
+def _place(layout: StateLayout, joint: str, interface: str) -> int:
+    """Where a value stands behind each other in state, efforts and NaN."""
+    missing = layout.size + layout.num_actuators
+    if interface == "position":
+        return layout.positions[joint]
+    if interface == "velocity":
+        return layout.velocities[joint]
+    if interface == "effort" and joint in layout.efforts:
+        return layout.size + layout.efforts[joint]
+    return missing

@@ -1,0 +1,53 @@
+"""The low-pass filter of control_toolbox."""
+
+from dataclasses import dataclass
+from math import exp, pi
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class LowPassMemory:
+    """What a filter keeps from one sample to the next: the last value that came in and the last that went out."""
+
+    value: tuple[float, ...] = ()
+    filtered: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class LowPassFilter:
+    """``filtered[n] = (1 - a)·value[n-1] + a·filtered[n-1]``, on each element by itself.
+
+    As control_toolbox's ``LowPassFilter`` (Jazzy): ``a = exp(-2π·damping_frequency / sampling_frequency /
+    10^(-damping_intensity/10))``. An element starts at its first value, and starts anew after it was NaN.
+
+    Attributes:
+        sampling_frequency: how often a value comes (Hz).
+        damping_frequency: the cut-off frequency, where the intensity is 0 (Hz).
+        damping_intensity: the intensity (dB).
+    """
+
+    sampling_frequency: float
+    damping_frequency: float
+    damping_intensity: float
+
+    @property
+    def feedback(self) -> float:
+        """The coefficient ``a``."""
+        scale = 10.0 ** (self.damping_intensity / -10.0)
+        return exp(-2.0 * pi * self.damping_frequency / self.sampling_frequency / scale)
+
+    def update(self, value: np.ndarray, memory: LowPassMemory) -> tuple[np.ndarray, LowPassMemory]:
+        """One sample.
+
+        Args:
+            value: what comes in.
+            memory: what the last sample left; ``LowPassMemory()`` at first.
+
+        Returns:
+            The filtered value, and the new memory.
+        """
+        last, filtered = (np.array(item or [np.nan] * len(value)) for item in (memory.value, memory.filtered))
+        filtered = (1.0 - self.feedback) * last + self.feedback * filtered
+        filtered = np.where(np.isnan(filtered), value, filtered)
+        return filtered, LowPassMemory(tuple(value.tolist()), tuple(filtered.tolist()))

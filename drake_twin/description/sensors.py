@@ -1,0 +1,131 @@
+"""The ``<sensor>`` tags of ``<gazebo>`` and ``<ros2_control>`` in a URDF, and of an SDF's links and joints."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import pi
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor, Vector3
+from drake_twin.description.xml_reader import XmlReader
+
+KINDS = ("imu", "force_torque")
+
+# What an IMU's orientation can be relative to, in a world whose x, y and z are east, north and up.
+_LOCALIZATIONS: dict[str, Vector3] = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, pi / 2), "NED": (pi, 0.0, pi / 2)}
+
+
+def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
+    """The IMUs and force/torque sensors of a URDF's ``<gazebo reference>`` tags.
+
+    One at a link or joint that the robot lacks is left out, as Gazebo does.
+
+    Raises:
+        InputError: a value that is none.
+    """
+    for element in reader.root.iterfind("gazebo[@reference]/sensor"):
+        place = element.getparent()
+        assert place is not None
+        reference = reader.text(place, "reference")
+        sensor = _sensor(reader, element)
+        if sensor is None:
+            continue
+        tag = "link" if sensor.kind == "imu" else "joint"
+        if reference in {item.get("name", "").strip() for item in reader.root.iterfind(tag)}:
+            yield replace(sensor, link=reference) if tag == "link" else replace(sensor, joint=reference)
+
+
+def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
+    """The IMUs and force/torque sensors of an SDF model's links and joints.
+
+    Raises:
+        InputError: a value that is none.
+    """
+    reader = XmlReader(text, file)
+    for tag, kind in (("link", "imu"), ("joint", "force_torque")):
+        for element in reader.root.iterfind(f"model/{tag}/sensor"):
+            place = element.getparent()
+            assert place is not None
+            sensor = _sensor(reader, element)
+            if sensor is not None and sensor.kind == kind:
+                name = reader.text(place, "name")
+                yield replace(sensor, link=name) if tag == "link" else replace(sensor, joint=name)
+
+
+def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[HardwareSensor]:
+    """The sensors of a ``<ros2_control>`` tag."""
+    for element in system.iterfind("sensor"):
+        yield HardwareSensor(
+            name=reader.text(element, "name"),
+            state_interfaces=tuple(reader.text(item, "name") for item in element.iterfind("state_interface")),
+            parameters={item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")},
+        )
+
+
+def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
+    """A ``<sensor>`` tag, without its link or joint; None for one of another kind."""
+    kind = element.get("type", "").strip()
+    if kind not in KINDS:
+        return None
+    frames = ("gz_frame_id", "ignition_frame_id", "frame_id", "plugin/frame_name", "plugin/frameName")
+    rate = _text(element, "update_rate")
+    sensor = Sensor(
+        name=reader.text(element, "name"),
+        kind=kind,
+        pose=_pose(reader, element),
+        frame=next((text for tag in frames if (text := _text(element, tag))), ""),
+        topic=_text(element, "topic"),
+        update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
+    )
+    if sensor.update_rate < 0.0:
+        raise reader.error(element, f"update_rate is {rate!r}, and cannot be negative")
+    if kind == "imu":
+        return replace(sensor, orientation_reference=_orientation_reference(reader, element))
+    direction = _choice(reader, element, "measure_direction", ("child_to_parent", "parent_to_child"))
+    axes = _choice(reader, element, "frame", ("child", "parent", "sensor"))
+    return replace(sensor, measured_on=direction.rpartition("_")[2], axes=axes)
+
+
+def _text(element: etree._Element, path: str) -> str:
+    return (element.findtext(path) or "").strip()
+
+
+def _choice(reader: XmlReader, element: etree._Element, tag: str, choices: tuple[str, ...]) -> str:
+    """A child of ``<force_torque>`` that is one of a few words; the first where it is not given."""
+    text = _text(element, f"force_torque/{tag}") or choices[0]
+    if text not in choices:
+        raise reader.error(element, f"{tag} is {text!r}, which is none of {', '.join(choices)}")
+    return text
+
+
+def _pose(reader: XmlReader, element: etree._Element) -> Pose:
+    text = _text(element, "pose") or _text(element, "origin")
+    if not text:
+        return Pose()
+    numbers = [reader.parse_number(element, part, "pose") for part in text.split()]
+    if len(numbers) != 6:
+        raise reader.error(element, f"pose is {text!r}, where six numbers are needed")
+    x, y, z, roll, pitch, yaw = numbers
+    return Pose((x, y, z), (roll, pitch, yaw))
+
+
+def _orientation_reference(reader: XmlReader, element: etree._Element) -> Vector3 | None:
+    """As gz-sim has it: a named frame, one of the file's own, or the IMU's orientation at the start."""
+    for tag in ("initial_orientation_as_reference", "initialOrientationAsReference"):
+        if _text(element, f"plugin/{tag}").lower() in ("0", "false"):  # Gazebo classic's plugin for ROS
+            return _LOCALIZATIONS["ENU"]
+    frame = element.find("imu/orientation_reference_frame")
+    if frame is None:
+        return None
+    localization = _text(frame, "localization") or "CUSTOM"
+    if localization in _LOCALIZATIONS:
+        return _LOCALIZATIONS[localization]
+    if localization not in ("CUSTOM", "GRAV_UP", "GRAV_DOWN"):
+        raise reader.error(frame, f"localization {localization!r} is none of CUSTOM, {', '.join(_LOCALIZATIONS)}")
+    text = _text(frame, "custom_rpy")
+    numbers = [reader.parse_number(frame, part, "custom_rpy") for part in text.split()]
+    if len(numbers) not in (0, 3):
+        raise reader.error(frame, f"custom_rpy is {text!r}, where three numbers are needed")
+    roll, pitch, yaw = numbers or (0.0, 0.0, 0.0)
+    return roll, pitch, yaw
