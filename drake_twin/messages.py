@@ -19,6 +19,7 @@ _STORE_TYPES = {
         "geometry_msgs/msg/Transform",
         "geometry_msgs/msg/TransformStamped",
         "geometry_msgs/msg/Twist",
+        "geometry_msgs/msg/TwistStamped",
         "geometry_msgs/msg/TwistWithCovariance",
         "geometry_msgs/msg/Vector3",
         "nav_msgs/msg/Odometry",
@@ -34,9 +35,21 @@ _STORE_TYPES = {
 }
 
 _OWN_TYPES = {
+    "ackermann_msgs/msg/AckermannDrive": (
+        "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\nfloat32 acceleration\nfloat32 jerk\n"
+    ),
     "control_msgs/msg/InterfaceValue": "string[] interface_names\nfloat64[] values\n",
     "control_msgs/msg/DynamicJointState": (
         "std_msgs/Header header\nstring[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n"
+    ),
+    "control_msgs/msg/MecanumDriveControllerState": (
+        "std_msgs/Header header\nfloat64 front_left_wheel_velocity\nfloat64 back_left_wheel_velocity\n"
+        "float64 back_right_wheel_velocity\nfloat64 front_right_wheel_velocity\n"
+        "geometry_msgs/Twist reference_velocity\n"
+    ),
+    "control_msgs/msg/SteeringControllerStatus": (
+        "std_msgs/Header header\nfloat64[] traction_wheels_position\nfloat64[] traction_wheels_velocity\n"
+        "float64[] steer_positions\nfloat64[] linear_velocity_command\nfloat64[] steering_angle_command\n"
     ),
 }
 

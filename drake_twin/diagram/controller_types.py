@@ -29,6 +29,21 @@ CONTROLLER_TYPES: Mapping[str, tuple[str, str]] = {
         "forward_command_controller",
         "JointGroupEffortController",
     ),
+    "diff_drive_controller/DiffDriveController": ("diff_drive_controller", "DiffDriveController"),
+    "mecanum_drive_controller/MecanumDriveController": ("mecanum_drive_controller", "MecanumDriveController"),
+    "tricycle_controller/TricycleController": ("tricycle_controller", "TricycleController"),
+    "ackermann_steering_controller/AckermannSteeringController": (
+        "ackermann_steering_controller",
+        "AckermannSteeringController",
+    ),
+    "bicycle_steering_controller/BicycleSteeringController": (
+        "bicycle_steering_controller",
+        "BicycleSteeringController",
+    ),
+    "tricycle_steering_controller/TricycleSteeringController": (
+        "tricycle_steering_controller",
+        "TricycleSteeringController",
+    ),
 }
 
 

@@ -1,0 +1,1 @@
+"""What controllers calculate, without a simulator: kinematics, odometry, limiters; NumPy and plain data only."""
