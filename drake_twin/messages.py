@@ -2,12 +2,14 @@
 
 They are the dataclasses of rosbags' type store (NumPy arrays for numeric sequences), so a message goes to a bag or to
 a wire as it is. The store is loaded at the first use of a type, because a twin that nobody listens to needs none.
-Types that the store lacks are defined here by the text of their ``.msg`` file.
+Types that the store lacks are those of `drake_twin.message_definitions`.
 """
 
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
+
+from drake_twin.message_definitions import DEFINITIONS
 
 _STORE_TYPES = {
     name.rpartition("/")[2]: name
@@ -43,79 +45,7 @@ _STORE_TYPES = {
     )
 }
 
-_OWN_TYPES = {
-    "control_msgs/action/FollowJointTrajectory_Feedback": (
-        "std_msgs/Header header\nstring[] joint_names\n"
-        "trajectory_msgs/JointTrajectoryPoint desired\n"
-        "trajectory_msgs/JointTrajectoryPoint actual\n"
-        "trajectory_msgs/JointTrajectoryPoint error\n"
-        "string[] multi_dof_joint_names\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_desired\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_actual\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_error\n"
-    ),
-    "control_msgs/action/FollowJointTrajectory_Goal": (
-        "trajectory_msgs/JointTrajectory trajectory\n"
-        "trajectory_msgs/MultiDOFJointTrajectory multi_dof_trajectory\n"
-        "control_msgs/JointTolerance[] path_tolerance\n"
-        "control_msgs/JointComponentTolerance[] component_path_tolerance\n"
-        "control_msgs/JointTolerance[] goal_tolerance\n"
-        "control_msgs/JointComponentTolerance[] component_goal_tolerance\n"
-        "builtin_interfaces/Duration goal_time_tolerance\n"
-    ),
-    "control_msgs/action/FollowJointTrajectory_Result": (
-        "int32 error_code\n"
-        "int32 SUCCESSFUL = 0\n"
-        "int32 INVALID_GOAL = -1\n"
-        "int32 INVALID_JOINTS = -2\n"
-        "int32 OLD_HEADER_TIMESTAMP = -3\n"
-        "int32 PATH_TOLERANCE_VIOLATED = -4\n"
-        "int32 GOAL_TOLERANCE_VIOLATED = -5\n"
-        "string error_string\n"
-    ),
-    "control_msgs/msg/InterfaceValue": "string[] interface_names\nfloat64[] values\n",
-    "control_msgs/msg/DynamicJointState": (
-        "std_msgs/Header header\nstring[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n"
-    ),
-    "control_msgs/msg/JointComponentTolerance": (
-        "uint16 X_AXIS=1\nuint16 Y_AXIS=2\nuint16 Z_AXIS=3\nuint16 TRANSLATION=4\nuint16 ROTATION=5\n"
-        "string joint_name\nuint16 component\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"
-    ),
-    "control_msgs/msg/JointTolerance": ("string name\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"),
-    "control_msgs/msg/JointTrajectoryControllerState": (
-        "std_msgs/Header header\nstring[] joint_names\n"
-        "trajectory_msgs/JointTrajectoryPoint reference\n"
-        "trajectory_msgs/JointTrajectoryPoint feedback\n"
-        "trajectory_msgs/JointTrajectoryPoint error\n"
-        "trajectory_msgs/JointTrajectoryPoint output\n"
-        "string[] multi_dof_joint_names\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_reference\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_feedback\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_error\n"
-        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_output\n"
-        "float64 speed_scaling_factor\n"
-    ),
-    "control_msgs/msg/SpeedScalingFactor": "float64 factor\n",
-    "control_msgs/msg/MultiDOFCommand": "string[] dof_names\nfloat64[] values\nfloat64[] values_dot\n",
-    "control_msgs/msg/SingleDOFState": (
-        "string name\nfloat64 reference\nfloat64 feedback\nfloat64 feedback_dot\nfloat64 error\nfloat64 error_dot\n"
-        "float64 time_step\nfloat64 output\n"
-    ),
-    "control_msgs/msg/MultiDOFStateStamped": "std_msgs/Header header\ncontrol_msgs/SingleDOFState[] dof_states\n",
-    "control_msgs/msg/GripperCommand": "float64 position\nfloat64 max_effort\n",
-    "control_msgs/action/GripperCommand_Goal": "control_msgs/GripperCommand command\n",
-    "control_msgs/action/GripperCommand_Result": "float64 position\nfloat64 effort\nbool stalled\nbool reached_goal\n",
-    "control_msgs/action/GripperCommand_Feedback": (
-        "float64 position\nfloat64 effort\nbool stalled\nbool reached_goal\n"
-    ),
-    "control_msgs/action/ParallelGripperCommand_Goal": "sensor_msgs/JointState command\n",
-    "control_msgs/action/ParallelGripperCommand_Result": (
-        "sensor_msgs/JointState state\nbool stalled\nbool reached_goal\n"
-    ),
-    "control_msgs/action/ParallelGripperCommand_Feedback": "sensor_msgs/JointState state\n",
-}
-
-_TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in _OWN_TYPES}
+_TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in DEFINITIONS}
 
 
 @cache
@@ -124,7 +54,7 @@ def type_store() -> Any:
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
-    for name, text in _OWN_TYPES.items():
+    for name, text in DEFINITIONS.items():
         store.register(get_types_from_msg(text, name))
     return store
 

@@ -3,9 +3,10 @@
 A parameters class is a frozen dataclass whose fields are named like the parameters. Types are ``bool``, ``int``,
 ``float``, ``str``, tuples of these, another parameters class for a nested one (``gains.p`` or a mapping), and
 ``Mapping[str, C]`` for one nested class per joint. A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive),
-``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin. ``of_joints`` marks a
-mapping whose keys stand beside the class's other parameters, as ``constraints.<joint>.goal`` beside
-``constraints.goal_time``.
+``above`` (exclusive), ``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin.
+``of_joints`` marks a mapping whose keys stand beside the class's other parameters, as ``constraints.<joint>.goal``
+beside ``constraints.goal_time``. Values that must go together are checked in ``__post_init__``, which raises
+`ParameterError`.
 """
 
 import dataclasses
@@ -31,6 +32,20 @@ _OF_EVERY_NODE = frozenset(
 )
 
 Path = tuple[str | int, ...]
+
+
+class ParameterError(ValueError):
+    """What a parameters class raises in ``__post_init__`` for values that do not go together.
+
+    Args:
+        message: what is wrong.
+        path: the parameter it is about.
+    """
+
+    def __init__(self, message: str, *path: str | int):
+        super().__init__(message)
+        self.message = message
+        self.path = path
 
 
 def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, tuple[str, ...]]:
@@ -114,7 +129,10 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
             where = ".".join(map(str, (*path, name)))
             warnings.append(f"controller {controller.name}: {where} is ignored: {item.metadata['unsupported']}")
         given[name] = value
-    return kind(**given)
+    try:
+        return kind(**given)
+    except ParameterError as error:
+        raise controller.error(error.message, *path, *error.path) from None
 
 
 def _is_required(item: "dataclasses.Field[Any]") -> bool:
@@ -161,9 +179,12 @@ def _read(annotation: Any, value: Any, controller: ControllerParameters, path: P
 
 def _check_bounds(item: "dataclasses.Field[Any]", value: Any, controller: ControllerParameters, path: Path) -> None:
     lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
+    above = item.metadata.get("above")
     for each in value if isinstance(value, tuple) else (value,):
         if choices is not None and each not in choices:
             raise controller.error(f"{each!r} is not a choice", *path, value=str(each), valid=choices)
+        if above is not None and not each > above:
+            raise controller.error(f"{each!r} is not above {above:g}", *path)
         if lower is not None and not (each >= lower or isnan(each)):
             raise controller.error(f"{each!r} is below {lower:g}", *path)
         if upper is not None and not (each <= upper or isnan(each)):

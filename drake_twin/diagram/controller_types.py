@@ -51,6 +51,21 @@ CONTROLLER_TYPES: Mapping[str, tuple[str, str]] = {
         "force_torque_sensor_broadcaster",
         "ForceTorqueSensorBroadcaster",
     ),
+    "diff_drive_controller/DiffDriveController": ("diff_drive_controller", "DiffDriveController"),
+    "mecanum_drive_controller/MecanumDriveController": ("mecanum_drive_controller", "MecanumDriveController"),
+    "tricycle_controller/TricycleController": ("tricycle_controller", "TricycleController"),
+    "ackermann_steering_controller/AckermannSteeringController": (
+        "ackermann_steering_controller",
+        "AckermannSteeringController",
+    ),
+    "bicycle_steering_controller/BicycleSteeringController": (
+        "bicycle_steering_controller",
+        "BicycleSteeringController",
+    ),
+    "tricycle_steering_controller/TricycleSteeringController": (
+        "tricycle_steering_controller",
+        "TricycleSteeringController",
+    ),
 }
 
 

@@ -1,0 +1,85 @@
+"""ROS 2 message types that rosbags' type store lacks, by the text of their ``.msg`` files."""
+
+DEFINITIONS = {
+    "control_msgs/action/FollowJointTrajectory_Feedback": (
+        "std_msgs/Header header\nstring[] joint_names\n"
+        "trajectory_msgs/JointTrajectoryPoint desired\n"
+        "trajectory_msgs/JointTrajectoryPoint actual\n"
+        "trajectory_msgs/JointTrajectoryPoint error\n"
+        "string[] multi_dof_joint_names\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_desired\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_actual\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_error\n"
+    ),
+    "control_msgs/action/FollowJointTrajectory_Goal": (
+        "trajectory_msgs/JointTrajectory trajectory\n"
+        "trajectory_msgs/MultiDOFJointTrajectory multi_dof_trajectory\n"
+        "control_msgs/JointTolerance[] path_tolerance\n"
+        "control_msgs/JointComponentTolerance[] component_path_tolerance\n"
+        "control_msgs/JointTolerance[] goal_tolerance\n"
+        "control_msgs/JointComponentTolerance[] component_goal_tolerance\n"
+        "builtin_interfaces/Duration goal_time_tolerance\n"
+    ),
+    "control_msgs/action/FollowJointTrajectory_Result": (
+        "int32 error_code\n"
+        "int32 SUCCESSFUL = 0\n"
+        "int32 INVALID_GOAL = -1\n"
+        "int32 INVALID_JOINTS = -2\n"
+        "int32 OLD_HEADER_TIMESTAMP = -3\n"
+        "int32 PATH_TOLERANCE_VIOLATED = -4\n"
+        "int32 GOAL_TOLERANCE_VIOLATED = -5\n"
+        "string error_string\n"
+    ),
+    "ackermann_msgs/msg/AckermannDrive": (
+        "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\nfloat32 acceleration\nfloat32 jerk\n"
+    ),
+    "control_msgs/msg/InterfaceValue": "string[] interface_names\nfloat64[] values\n",
+    "control_msgs/msg/DynamicJointState": (
+        "std_msgs/Header header\nstring[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n"
+    ),
+    "control_msgs/msg/JointComponentTolerance": (
+        "uint16 X_AXIS=1\nuint16 Y_AXIS=2\nuint16 Z_AXIS=3\nuint16 TRANSLATION=4\nuint16 ROTATION=5\n"
+        "string joint_name\nuint16 component\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"
+    ),
+    "control_msgs/msg/JointTolerance": ("string name\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"),
+    "control_msgs/msg/JointTrajectoryControllerState": (
+        "std_msgs/Header header\nstring[] joint_names\n"
+        "trajectory_msgs/JointTrajectoryPoint reference\n"
+        "trajectory_msgs/JointTrajectoryPoint feedback\n"
+        "trajectory_msgs/JointTrajectoryPoint error\n"
+        "trajectory_msgs/JointTrajectoryPoint output\n"
+        "string[] multi_dof_joint_names\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_reference\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_feedback\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_error\n"
+        "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_output\n"
+        "float64 speed_scaling_factor\n"
+    ),
+    "control_msgs/msg/SpeedScalingFactor": "float64 factor\n",
+    "control_msgs/msg/MultiDOFCommand": "string[] dof_names\nfloat64[] values\nfloat64[] values_dot\n",
+    "control_msgs/msg/SingleDOFState": (
+        "string name\nfloat64 reference\nfloat64 feedback\nfloat64 feedback_dot\nfloat64 error\nfloat64 error_dot\n"
+        "float64 time_step\nfloat64 output\n"
+    ),
+    "control_msgs/msg/MultiDOFStateStamped": "std_msgs/Header header\ncontrol_msgs/SingleDOFState[] dof_states\n",
+    "control_msgs/msg/GripperCommand": "float64 position\nfloat64 max_effort\n",
+    "control_msgs/action/GripperCommand_Goal": "control_msgs/GripperCommand command\n",
+    "control_msgs/action/GripperCommand_Result": "float64 position\nfloat64 effort\nbool stalled\nbool reached_goal\n",
+    "control_msgs/action/GripperCommand_Feedback": (
+        "float64 position\nfloat64 effort\nbool stalled\nbool reached_goal\n"
+    ),
+    "control_msgs/action/ParallelGripperCommand_Goal": "sensor_msgs/JointState command\n",
+    "control_msgs/action/ParallelGripperCommand_Result": (
+        "sensor_msgs/JointState state\nbool stalled\nbool reached_goal\n"
+    ),
+    "control_msgs/action/ParallelGripperCommand_Feedback": "sensor_msgs/JointState state\n",
+    "control_msgs/msg/MecanumDriveControllerState": (
+        "std_msgs/Header header\nfloat64 front_left_wheel_velocity\nfloat64 back_left_wheel_velocity\n"
+        "float64 back_right_wheel_velocity\nfloat64 front_right_wheel_velocity\n"
+        "geometry_msgs/Twist reference_velocity\n"
+    ),
+    "control_msgs/msg/SteeringControllerStatus": (
+        "std_msgs/Header header\nfloat64[] traction_wheels_position\nfloat64[] traction_wheels_velocity\n"
+        "float64[] steer_positions\nfloat64[] linear_velocity_command\nfloat64[] steering_angle_command\n"
+    ),
+}

@@ -1,0 +1,103 @@
+"""Limits of a commanded speed, as the drives' parameters say them."""
+
+from dataclasses import dataclass, field
+from math import nan
+
+from drake_twin.control.speed_limiter import SpeedLimiter
+from drake_twin.description.parameters import ParameterError
+
+_AT_LEAST_ZERO = {"lower": 0.0}
+_AT_MOST_ZERO = {"upper": 0.0}
+
+
+@dataclass(frozen=True)
+class SpeedLimits:
+    """Limits of one component of a commanded velocity; NaN switches one off, a NaN minimum is the maximum's opposite.
+
+    Attributes:
+        has_velocity_limits: false switches the velocity limits off; deprecated upstream.
+        has_acceleration_limits: false switches the acceleration limits off; deprecated upstream.
+        has_jerk_limits: false switches the jerk limits off; deprecated upstream.
+        max_velocity: m/s or rad/s.
+        min_velocity: at most zero (m/s or rad/s).
+        max_acceleration: forwards (m/s² or rad/s²).
+        max_deceleration: braking a forward motion, at most zero.
+        min_acceleration: Humble's; see its metadata.
+        max_acceleration_reverse: backwards, at most zero.
+        max_deceleration_reverse: braking a backward motion.
+        max_jerk: m/s³ or rad/s³; only while the speed grows in amount.
+        min_jerk: at most zero.
+    """
+
+    has_velocity_limits: bool = True
+    has_acceleration_limits: bool = True
+    has_jerk_limits: bool = True
+    max_velocity: float = field(default=nan, metadata=_AT_LEAST_ZERO)
+    min_velocity: float = field(default=nan, metadata=_AT_MOST_ZERO)
+    max_acceleration: float = field(default=nan, metadata=_AT_LEAST_ZERO)
+    max_deceleration: float = field(default=nan, metadata=_AT_MOST_ZERO)
+    min_acceleration: float = field(
+        default=nan,
+        metadata={"unsupported": "ros2_controllers reads max_acceleration_reverse and max_deceleration since Jazzy"},
+    )
+    max_acceleration_reverse: float = field(default=nan, metadata=_AT_MOST_ZERO)
+    max_deceleration_reverse: float = field(default=nan, metadata=_AT_LEAST_ZERO)
+    max_jerk: float = field(default=nan, metadata=_AT_LEAST_ZERO)
+    min_jerk: float = field(default=nan, metadata=_AT_MOST_ZERO)
+
+    def __post_init__(self) -> None:
+        try:
+            self.limiter()
+        except ValueError as error:
+            raise ParameterError(str(error)) from None
+
+    def limiter(self) -> SpeedLimiter:
+        """What applies these limits."""
+        limits: dict[str, float] = {}
+        if self.has_velocity_limits:
+            limits |= {"min_velocity": self.min_velocity, "max_velocity": self.max_velocity}
+        if self.has_acceleration_limits:
+            limits |= {
+                "max_acceleration_reverse": self.max_acceleration_reverse,
+                "max_acceleration": self.max_acceleration,
+                "max_deceleration": self.max_deceleration,
+                "max_deceleration_reverse": self.max_deceleration_reverse,
+            }
+        if self.has_jerk_limits:
+            limits |= {"min_jerk": self.min_jerk, "max_jerk": self.max_jerk}
+        return SpeedLimiter(**limits)
+
+
+@dataclass(frozen=True)
+class LimitsX:
+    """Limits of a velocity along x.
+
+    Attributes:
+        x: forwards.
+    """
+
+    x: SpeedLimits = SpeedLimits()
+
+
+@dataclass(frozen=True)
+class LimitsXY:
+    """Limits of a velocity in the plane.
+
+    Attributes:
+        x: forwards.
+        y: to the left.
+    """
+
+    x: SpeedLimits = SpeedLimits()
+    y: SpeedLimits = SpeedLimits()
+
+
+@dataclass(frozen=True)
+class LimitsZ:
+    """Limits of a velocity about z.
+
+    Attributes:
+        z: counterclockwise, seen from above.
+    """
+
+    z: SpeedLimits = SpeedLimits()
