@@ -68,7 +68,8 @@ class RobotControl:
             CommandError: the data does not fit the topic's type, or the controller refuses it.
         """
         try:
-            message = messages.message(topic.type, data)
+            kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
+            message = messages.message(kind, data)
         except (TypeError, ValueError) as error:
             is_list = topic.type == "std_msgs/msg/Float64MultiArray"
             raise CommandError(f"{data!r} is not a list of numbers" if is_list else str(error)) from None

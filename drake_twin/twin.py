@@ -15,6 +15,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator, SimulatorStatus
 
+from drake_twin.action import ActionGoal
 from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, build_twin_diagram
@@ -53,6 +54,7 @@ class Twin:
             plan.name: RobotControl(self._built, plan, self._context, self._clear) for plan in self._built.plans
         }
         self._queue: list[tuple[str, Any]] = []
+        self._goals: list[ActionGoal] = []
         self._silenced: set[str] = set()
         self.paused = False
         self._advancing = False
@@ -198,6 +200,35 @@ class Twin:
                 control.give_up(item.controller, error.message)
             raise
         self._queue.append((topic, value))
+
+    def send_goal(self, action: str, goal: Any, on_result: Callable[[ActionGoal], None] | None = None) -> ActionGoal:
+        """Sends a goal to an action; it is taken up at the controller's next update.
+
+        Args:
+            action: for example ``/robot_1/joint_trajectory_controller/follow_joint_trajectory``.
+            goal: the action's goal message, or its fields as a mapping.
+            on_result: called with the goal when it is done, at that very simulation time.
+
+        Raises:
+            InputError: there is no such action.
+            CommandError: the goal is rejected.
+        """
+        if action not in self._built.actions:
+            raise InputError(f"there is no action {action!r}", value=action, valid=self._built.actions)
+        item = self._built.actions[action]
+        control = self._controls[item.robot]
+        if control.stopped or not control.accepts(item):
+            why = "the emergency stop holds" if control.stopped else f"controller {item.controller} is not active"
+            raise CommandError(f"{action}: the goal is rejected: {why}")
+        try:
+            value = control.read(item, goal)
+        except CommandError as error:
+            raise CommandError(f"{action}: the goal is rejected: {error.message}") from None
+        controller, context = control.controllers[item.controller], control.context_of(item.controller)
+        self._queue.append((action, value))
+        sent = ActionGoal(action, item.type, value.id, controller, context, on_result)
+        self._goals.append(sent)
+        return sent
 
     def controller_manager(self, robot: str) -> ControllerManager:
         """The controller manager of a robot; its methods are named like the services of ROS 2.
@@ -377,6 +408,9 @@ class Twin:
         """
         self._refuse_inside_callback("reset")
         self._queue.clear()
+        for goal in self._goals:
+            goal.drop()
+        self._goals.clear()
         self._silenced.clear()
         self._built.diagram.SetDefaultContext(self._context)
         self._context.SetTime(0.0)
@@ -489,6 +523,7 @@ class Twin:
             self._step = next_step
             for control in self._controls.values():
                 control.give_up_faulty()
+            self._goals = [goal for goal in self._goals if not goal.deliver()]
 
     def _advance_for(self, wall_time: float, end: int | None) -> None:
         """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
@@ -519,7 +554,7 @@ class Twin:
         self._queue = []
 
     def _set_command(self, topic: str, value: Any) -> None:
-        item = self._built.commanded[topic]
+        item = self._built.commanded.get(topic) or self._built.actions[topic]
         item.port.FixValue(self._context, AbstractValue.Make(value))
         self._commands.pop(topic, None)
         self._expiries.pop(topic, None)
@@ -532,15 +567,13 @@ class Twin:
 
     def _clear(self, robot: str, controller: str) -> None:
         """Forgets what was commanded of a controller."""
-        for items in (self._built.commanded, self._built.actions):
-            for item in items.values():
-                if (item.robot, item.controller) == (robot, controller):
-                    item.port.FixValue(self._context, AbstractValue.Make(None))
-        topics = [t for t, i in self._built.commanded.items() if (i.robot, i.controller) == (robot, controller)]
-        self._queue = [entry for entry in self._queue if entry[0] not in topics]
-        for topic in topics:
-            self._commands.pop(topic, None)
-            self._expiries.pop(topic, None)
+        topics = self._built.commanded | self._built.actions
+        own = {name: item for name, item in topics.items() if (item.robot, item.controller) == (robot, controller)}
+        self._queue = [entry for entry in self._queue if entry[0] not in own]
+        for name, item in own.items():
+            item.port.FixValue(self._context, AbstractValue.Make(None))
+            self._commands.pop(name, None)
+            self._expiries.pop(name, None)
 
     def _deliver(self) -> None:
         # Callbacks may subscribe and end subscriptions, theirs and others'.

@@ -12,6 +12,8 @@ from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, control
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot, ScenarioError
 from drake_twin.systems.controller import Interface
+from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters
+from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
 UNLOADED, INACTIVE, ACTIVE = "unloaded", "inactive", "active"
 
@@ -23,8 +25,7 @@ class ControllerPlan:
     Attributes:
         name: its name; its topics stand below it.
         type: the plugin's name.
-        parameters: an instance of its class's ``Parameters``; None for the joint_state_broadcaster, which is the
-            robot's joint-state publisher, and where ``problem`` says why there are none.
+        parameters: an instance of its class's ``Parameters``; None where ``problem`` says why there are none.
         claims: the command interfaces that it writes while it is active, in order.
         references: the references that other controllers may write, as they name them.
         state: what it is at the start: unloaded, inactive or active.
@@ -125,7 +126,8 @@ def _plan(
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
     plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
     if controller.type == JOINT_STATE_BROADCASTER:
-        return plan, ()
+        parameters, ignored = read_parameters(JointStateBroadcasterParameters, controller)
+        return replace(plan, parameters=parameters), ignored
     kind = controller_class(controller.type)
     if kind is None:
         return replace(plan, problem=f"type {controller.type} is not supported"), ()
@@ -138,8 +140,18 @@ def _plan(
     claims = kind.claimed_interfaces(parameters, description)
     _check_joints(controller, claims, description, known)
     problem = next(filter(None, (_unusable(claim, description) for claim in claims if "/" not in claim.joint)), None)
+    if issubclass(kind, SensorBroadcaster):
+        problem = problem or _no_sensor(kind.sensor_name(parameters), kind.kind, description)
     references = kind.reference_interfaces(parameters, description)
     return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
+
+
+def _no_sensor(name: str, kind: str, description: RobotDescription) -> str | None:
+    """Why a sensor cannot be broadcast; None when it can."""
+    if any(sensor.name == name and sensor.kind == kind for sensor in description.sensors):
+        return None
+    known = ", ".join(sensor.name for sensor in description.sensors if sensor.kind == kind) or "none"
+    return f"the robot has no {kind} sensor {name!r} for Gazebo (it has {known})"
 
 
 def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:

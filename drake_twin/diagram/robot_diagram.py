@@ -5,18 +5,23 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.controller_plan import ACTIVE, ControllerPlan
-from drake_twin.diagram.controller_types import controller_class
+from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
+from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher
+from drake_twin.systems.imu_sensor import ImuSensor
 from drake_twin.systems.joint_servo import JointServo
-from drake_twin.systems.joint_state_publisher import JointStatePublisher
+from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters, JointStatePublisher
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
+from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 from drake_twin.systems.state_layout import StateLayout
 
 # Output port → message type. The topic is the port's name below the robot's namespace.
@@ -37,35 +42,41 @@ class RobotDiagram:
         controllers: controller name → its system, in the order in which they are activated.
         servo: puts their values together; None for a robot without actuators.
         joints: the joint of each actuator; None for one that models friction.
-        warnings: update rates that cannot be met.
+        plant_inputs: its input ports that take a port of the plant of all robots, which is only there for sensors.
+        warnings: update rates that cannot be met, parameters without effect.
     """
 
     diagram: Diagram
     controllers: dict[str, Controller]
     servo: JointServo | None
     joints: tuple[str | None, ...]
+    plant_inputs: dict[str, OutputPort]
     warnings: tuple[str, ...] = ()
 
 
-def build_robot_diagram(plan: RobotPlan, layout: StateLayout, time_step: float) -> RobotDiagram:
+def build_robot_diagram(
+    plan: RobotPlan, plant: MultibodyPlant, instance: ModelInstanceIndex, layout: StateLayout
+) -> RobotDiagram:
     """Builds a robot's sub-diagram.
 
-    Its input ports are ``state`` and ``net_actuation`` (from the plant) and ``<controller>/<topic>``; its output ports
-    are ``desired_state`` and, where an effort may be commanded, ``actuation`` (to the plant), ``tf``, ``tf_static``,
-    ``<controller>/<topic>`` and those of `PUBLISHED`.
+    Its input ports are ``state``, ``net_actuation`` and those of ``plant_inputs`` (from the plant), and
+    ``<controller>/<topic>``; its output ports are ``desired_state`` and, where an effort may be commanded,
+    ``actuation`` (to the plant), ``tf``, ``tf_static``, ``<controller>/<topic>`` and those of `PUBLISHED`.
 
     Args:
         plan: the robot.
+        plant: the finalized plant.
+        instance: the robot in it.
         layout: where its joints stand in the plant's ports.
-        time_step: the physics step (s).
     """
     builder = DiagramBuilder()
     description = plan.description
-    controllers, warnings = _add_controllers(builder, plan, layout, time_step)
+    controllers, warnings = _add_controllers(builder, plan, layout, plant.time_step())
     joints = _joints_of_actuators(layout)
     servo = _add_servo(builder, plan, joints, controllers) if joints else None
     joint_states = builder.AddNamedSystem(
-        "joint_state_publisher", JointStatePublisher(_state_interfaces(description), layout)
+        "joint_state_publisher",
+        JointStatePublisher(_state_interfaces(description), layout, *_broadcaster(plan, description)),
     )
     robot_state = builder.AddNamedSystem(
         "robot_state_publisher", RobotStatePublisher(description, layout, plan.frame_prefix)
@@ -79,6 +90,7 @@ def build_robot_diagram(plan: RobotPlan, layout: StateLayout, time_step: float) 
     builder.ConnectInput("state", ground_truth.get_state_input_port())
     for name, controller in controllers.items():
         _wire_controller(builder, name, controller, controllers)
+    plant_inputs = _add_sensors(builder, plan, plant, instance, controllers)
     builder.ExportInput(joint_states.get_net_actuation_input_port(), "net_actuation")
     builder.ExportOutput(joint_states.get_joint_states_output_port(), "joint_states")
     builder.ExportOutput(joint_states.get_dynamic_joint_states_output_port(), "dynamic_joint_states")
@@ -88,14 +100,16 @@ def build_robot_diagram(plan: RobotPlan, layout: StateLayout, time_step: float) 
     builder.ExportOutput(ground_truth.get_odom_output_port(), "ground_truth/odom")
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, joints, warnings)
+    return RobotDiagram(diagram, controllers, servo, joints, plant_inputs, warnings)
 
 
 def _add_controllers(
     builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float
 ) -> tuple[dict[str, Controller], tuple[str, ...]]:
     """Adds a system for each controller that could be activated, now or later."""
-    usable = {item.name: item for item in plan.controllers if item.problem is None and item.parameters is not None}
+    usable = {
+        item.name: item for item in plan.controllers if item.problem is None and item.type != JOINT_STATE_BROADCASTER
+    }
     depths = {name: _depth(name, usable) for name in usable}
     controllers: dict[str, Controller] = {}
     warnings = []
@@ -123,8 +137,10 @@ def _add_controllers(
                 other: Upstream(controllers[other].get_command_interfaces_output_port().size(), indices)
                 for other, indices in _upstream(item, usable).items()
             },
+            physics_step=time_step,
         )
         controllers[name] = builder.AddNamedSystem(name, kind(setup))
+        warnings += [f"{plan.name}: controller {name}: {warning}" for warning in controllers[name].warnings]
     return {name: controllers[name] for name in usable}, tuple(warnings)
 
 
@@ -191,6 +207,44 @@ def _wire_controller(
             builder.Connect(
                 controllers[other].get_command_interfaces_output_port(), controller.get_upstream_input_port(other)
             )
+
+
+def _add_sensors(
+    builder: DiagramBuilder,
+    plan: RobotPlan,
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    controllers: Mapping[str, Controller],
+) -> dict[str, OutputPort]:
+    """Adds the sensors whose broadcasters are there; returns which of the plant's ports they need."""
+    needed: dict[str, OutputPort] = {}
+    for name, controller in controllers.items():
+        if not isinstance(controller, SensorBroadcaster):
+            continue
+        sensor_name = controller.sensor_name(controller.setup.parameters)
+        sensor = next(
+            item for item in plan.description.sensors if (item.name, item.kind) == (sensor_name, controller.kind)
+        )
+        kind: type[ImuSensor] | type[ForceTorqueSensor] = ImuSensor if sensor.kind == "imu" else ForceTorqueSensor
+        system = builder.AddNamedSystem(f"{name}_sensor", kind.of(plant, instance, sensor))
+        builder.Connect(system.get_output_port(), controller.get_sensor_input_port())
+        for output, port in system.inputs_from(plant):
+            if output.get_name() not in needed:
+                builder.ExportInput(port, output.get_name())
+                needed[output.get_name()] = output
+            else:
+                builder.ConnectInput(output.get_name(), port)
+    return needed
+
+
+def _broadcaster(plan: RobotPlan, description: RobotDescription) -> tuple[JointStateBroadcasterParameters, str]:
+    """What the joint_state_broadcaster's parameters say, and the frame of its messages as /tf has it."""
+    for item in plan.controllers:
+        if item.type == JOINT_STATE_BROADCASTER and item.parameters is not None:
+            frame = item.parameters.frame_id
+            is_link = frame in description.links
+            return item.parameters, f"{plan.frame_prefix}{frame}" if is_link else frame
+    return JointStateBroadcasterParameters(), ""
 
 
 def _state_interfaces(description: RobotDescription) -> dict[str, tuple[str, ...]]:

@@ -160,9 +160,9 @@ def _default_controllers(description: RobotDescription) -> ControllerManagerPara
     joints: dict[str, list[str]] = {}
     for joint in description.actuated_joints:
         interfaces = [item.name for item in description.controlled_joints[joint.name].command_interfaces]
-        kind = next((name for name in ("velocity", "position", "effort") if name in interfaces), None)
-        if kind is not None:
-            joints.setdefault(kind, []).append(joint.name)
+        preferred = next((name for name in ("velocity", "position", "effort") if name in interfaces), "")
+        if preferred:
+            joints.setdefault(preferred, []).append(joint.name)
     if not joints:
         return ControllerManagerParameters()
     kind = "forward_command_controller/ForwardCommandController"

@@ -1,6 +1,6 @@
 """The root diagram of a twin: plant, scene graph, one sub-diagram per robot, clock, tf and viewer."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -19,6 +19,8 @@ from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.transform_broadcaster import FixedFrame, TransformBroadcaster
+
+TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is no topic of its own
 
 
 @dataclass(frozen=True)
@@ -109,8 +111,8 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
     builder = DiagramBuilder()
     parts = add_plant(builder, scenario, plans)
     topics = _Topics(builder)
-    broadcaster = _add_transform_broadcaster(builder, scenario, plans)
-    robots = {plan.name: _add_robot(builder, parts, plan, broadcaster, topics, scenario.time_step) for plan in plans}
+    robots = {plan.name: _add_robot(builder, parts, plan, topics) for plan in plans}
+    broadcaster = _add_transform_broadcaster(builder, scenario, plans, robots)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
     tf_type = "tf2_msgs/msg/TFMessage"
@@ -182,12 +184,10 @@ def _add_robot(
     builder: DiagramBuilder,
     parts: PlantOfTwin,
     plan: RobotPlan,
-    broadcaster: TransformBroadcaster,
     topics: _Topics,
-    time_step: float,
 ) -> RobotDiagram:
     plant, (instance, layout) = parts.plant, (parts.robots[plan.name].instance, parts.robots[plan.name].layout)
-    robot = build_robot_diagram(plan, layout, time_step)
+    robot = build_robot_diagram(plan, plant, instance, layout)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     builder.Connect(plant.get_state_output_port(instance), system.GetInputPort("state"))
     builder.Connect(plant.get_net_actuation_output_port(instance), system.GetInputPort("net_actuation"))
@@ -195,9 +195,8 @@ def _add_robot(
         builder.Connect(system.GetOutputPort("desired_state"), plant.get_desired_state_input_port(instance))
         if system.HasOutputPort("actuation"):
             builder.Connect(system.GetOutputPort("actuation"), plant.get_actuation_input_port(instance))
-    for port in ("tf", "tf_static", "ground_truth/odom"):
-        if broadcaster.HasInputPort(f"{plan.name}/{port}"):
-            builder.Connect(system.GetOutputPort(port), broadcaster.GetInputPort(f"{plan.name}/{port}"))
+    for name, output in robot.plant_inputs.items():
+        builder.Connect(output, system.GetInputPort(name))
     namespace = plan.robot.topic_namespace
     joint_state_broadcaster = next((item.name for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), "")
     for name, kind in PUBLISHED.items():
@@ -214,14 +213,15 @@ def _add_robot(
             topics.listen(f"{namespace}/{name}/{action}", port, kind, plan.name, name, action, action=True)
         for topic, kind in item.published.items():
             output = system.GetOutputPort(f"{name}/{topic}")
-            topics.publish(f"{namespace}/{name}/{topic}", output, kind, rates[name], plan.name, name)
+            if topic != TF_ODOMETRY:  # which goes to /tf
+                topics.publish(f"{namespace}/{name}/{topic}", output, kind, rates[name], plan.name, name)
     return robot
 
 
 def _add_transform_broadcaster(
-    builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan]
+    builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan], robots: Mapping[str, RobotDiagram]
 ) -> TransformBroadcaster:
-    """A frame has one parent: a true base pose goes to tf only where no static transform places that frame."""
+    """A frame has one parent: a true base pose goes to tf only where nobody else places that frame."""
     static_transforms = [
         FixedFrame(item.parent, item.child, Pose(item.xyz, item.rpy)) for item in scenario.static_transforms
     ]
@@ -241,12 +241,28 @@ def _add_transform_broadcaster(
     own = [plan for plan in plans if plan.base_frame not in placed]
     fixed_bases = [FixedFrame("world", plan.base_frame, plan.spawn_pose) for plan in own if plan.model.is_fixed]
     _refuse_circles(plans, static_transforms)
+    odometry = {
+        (robot, name): controller.odometry_frames
+        for robot, parts in robots.items()
+        for name, controller in parts.controllers.items()
+        if controller.odometry_frames is not None
+    }
+    placed_by_odometry = {child for _, child in odometry.values()}
     broadcaster = TransformBroadcaster(
         robots=[plan.name for plan in plans],
-        moving_bases=[plan.name for plan in own if not plan.model.is_fixed],
+        moving_bases=[
+            plan.name for plan in own if not plan.model.is_fixed and plan.base_frame not in placed_by_odometry
+        ],
         static_transforms=[*static_transforms, *fixed_bases],
+        odometry=[f"{robot}/{name}/{TF_ODOMETRY}" for robot, name in odometry],
     )
     builder.AddNamedSystem("tf", broadcaster)
+    for robot, parts in robots.items():
+        names = ["tf", "tf_static", "ground_truth/odom"]
+        names += [f"{name}/{TF_ODOMETRY}" for owner, name in odometry if owner == robot]
+        for name in names:
+            if broadcaster.HasInputPort(f"{robot}/{name}"):
+                builder.Connect(parts.diagram.GetOutputPort(name), broadcaster.GetInputPort(f"{robot}/{name}"))
     return broadcaster
 
 

@@ -18,6 +18,7 @@ from pydrake.systems.framework import (
 )
 
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.goal_state import GoalState
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
@@ -99,6 +100,8 @@ class Controller(LeafSystem):
         subscribed: input topic below the controller's name → ROS message type; each is an abstract input port.
         published: output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: action below the controller's name → ROS action type; each is an abstract input port.
+        odometry_frames: the frames that its port ``tf_odometry`` connects, the parent first; None without that port.
+        warnings: what of its parameters has no effect.
     """
 
     Parameters: ClassVar[type]
@@ -121,6 +124,8 @@ class Controller(LeafSystem):
         self.subscribed: dict[str, str] = {}
         self.published: dict[str, str] = {}
         self.actions: dict[str, str] = {}
+        self.odometry_frames: tuple[str, str] | None = None
+        self.warnings: tuple[str, ...] = ()
 
     def read(self, topic: str, message: Any, context: Context) -> Any:
         """What goes onto a topic's port for a message.
@@ -148,6 +153,21 @@ class Controller(LeafSystem):
     def fault(self, context: Context) -> str | None:
         """Why its last update failed; None if it did not."""
         return None
+
+    def goal_state(self, context: Context) -> GoalState | None:
+        """How the present or last goal of its action is getting on; None before the first."""
+        return None
+
+    def feedback(self, context: Context) -> Any:
+        """The feedback message of its action."""
+        return None
+
+    def result(self, context: Context) -> Any:
+        """The result message of its action's last goal; None where it holds the goal state's error and no more."""
+        return None
+
+    def cancel(self, context: Context) -> None:
+        """Ends the present goal of its action."""
 
     def get_command_interfaces_output_port(self) -> OutputPort:
         """The port ``command_interfaces``."""

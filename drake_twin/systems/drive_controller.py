@@ -168,6 +168,7 @@ class DriveController(PeriodicController):
         tickets = {self.sample_ticket()}
         self._odometry = self._declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
         if with_transform:
+            self.odometry_frames = frames
             self._declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
 
     def _feedback(

@@ -33,12 +33,14 @@ class TransformBroadcaster(LeafSystem):
         - <robot>/tf
         - <robot>/tf_static
         - <robot>/ground_truth/odom
+        - <robot>/<controller>/tf_odometry
         output_ports:
         - tf
         - tf_static
 
     - ``<robot>/tf``, ``<robot>/tf_static``: ``tf2_msgs/msg/TFMessage``, one port each for every robot.
     - ``<robot>/ground_truth/odom``: ``nav_msgs/msg/Odometry``, for the robots whose base frame nobody else publishes.
+    - ``<robot>/<controller>/tf_odometry``: ``tf2_msgs/msg/TFMessage``, or ``None``, from the drives' controllers.
     - ``tf``: ``tf2_msgs/msg/TFMessage``: the robots' moving frames, in the order of the robots; topic ``/tf``.
     - ``tf_static``: ``tf2_msgs/msg/TFMessage``: all frames that never move; topic ``/tf_static``.
 
@@ -46,10 +48,15 @@ class TransformBroadcaster(LeafSystem):
         robots: the robots' names.
         moving_bases: the robots among them whose true base pose is put on ``tf``.
         static_transforms: further frames for ``tf_static``.
+        odometry: the names of the ports for drives' transforms.
     """
 
     def __init__(
-        self, robots: Iterable[str], moving_bases: Iterable[str] = (), static_transforms: Iterable[FixedFrame] = ()
+        self,
+        robots: Iterable[str],
+        moving_bases: Iterable[str] = (),
+        static_transforms: Iterable[FixedFrame] = (),
+        odometry: Iterable[str] = (),
     ):
         super().__init__()
         self._static_transforms = tuple(static_transforms)
@@ -62,6 +69,7 @@ class TransformBroadcaster(LeafSystem):
             self._tf_static_inputs.append(self._declare_input(f"{robot}/tf_static"))
             if robot in moving_bases:
                 self._odom_inputs.append(self._declare_input(f"{robot}/ground_truth/odom"))
+        self._tf_inputs[:0] = [self._declare_input(name) for name in odometry]
         self._tf = self.DeclareAbstractOutputPort(
             "tf",
             lambda: AbstractValue.Make(None),
@@ -89,8 +97,9 @@ class TransformBroadcaster(LeafSystem):
 
     def _calc_tf(self, context: Context, output: AbstractValue) -> None:
         transforms = [_base_transform(port.Eval(context)) for port in self._odom_inputs]
-        for port in self._tf_inputs:
-            transforms.extend(port.Eval(context).transforms)
+        for message in (port.Eval(context) for port in self._tf_inputs):
+            if message is not None:
+                transforms.extend(message.transforms)
         output.set_value(messages.TFMessage(transforms=transforms))
 
     def _calc_tf_static(self, context: Context, output: AbstractValue) -> None:
