@@ -1,17 +1,17 @@
-"""How an action's goal is getting on."""
+"""What has become of an action's goal."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class GoalState:
-    """The state of an action's present or last goal.
+    """The state of a goal that a controller was given.
 
     Attributes:
-        id: the goal's number, counted by its controller from 1.
+        id: the number that the controller gave it.
         status: ``accepted``, ``executing``, ``succeeded``, ``aborted`` or ``canceled``.
-        error_code: the result's error code, for actions that have one.
-        error_string: the result's error text, for actions that have one.
+        error_code: of the action's result.
+        error_string: of the action's result.
     """
 
     id: int
@@ -21,5 +21,5 @@ class GoalState:
 
     @property
     def is_done(self) -> bool:
-        """Whether the goal has come to its end."""
+        """Whether it has come to its end."""
         return self.status in ("succeeded", "aborted", "canceled")
