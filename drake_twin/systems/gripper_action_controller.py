@@ -205,14 +205,25 @@ class GripperActionController(PeriodicController):
             sample = replace(sample, memory=replace(sample.memory, goal=hold))
             context.SetAbstractState(int(self._sample_index), sample)
 
-    def goal_state(self, context: Context) -> GoalState | None:
-        """The present or last goal's state; None before the first."""
+    def goal_state(self, context: Context, id: int | None = None) -> GoalState | None:
+        """The state of a goal.
+
+        Args:
+            context: the controller's own context.
+            id: the goal's number; None for the last one. A goal that had not ended when a newer one came is cancelled.
+
+        Returns:
+            None when there has been no goal.
+        """
         waiting: GripperGoal | None = self._goal.Eval(context)
-        memory = self.sample(context).memory
-        run = GripperRun() if memory is None else memory.run
+        run = self._run(context)
+        newest = GoalState(run.id, run.status) if run.id else None
         if waiting is not None and waiting.id > run.id:
-            return GoalState(waiting.id, "accepted")
-        return GoalState(run.id, run.status) if run.id else None
+            newest = GoalState(waiting.id, "accepted")
+        if newest is None or id is None or id == newest.id:
+            return newest
+        has_ended = id == run.id and not run.is_executing
+        return GoalState(id, run.status if has_ended else "canceled")
 
     def feedback(self, context: Context) -> Any:
         """The present goal's feedback message."""

@@ -26,7 +26,7 @@ class PidControllerGains:
         d: derivative gain (times second).
         u_clamp_max: the highest command of the PID, before the feed-forward is added.
         u_clamp_min: the lowest command of the PID.
-        antiwindup: deprecated upstream.
+        antiwindup: deprecated; changes nothing, upstream neither, as the integral term is clamped either way.
         i_clamp_max: the highest integral term.
         i_clamp_min: the lowest integral term.
         antiwindup_strategy: how the integral term is kept from winding up.
@@ -44,7 +44,7 @@ class PidControllerGains:
     d: float = 0.0
     u_clamp_max: float = inf
     u_clamp_min: float = -inf
-    antiwindup: bool = field(default=False, metadata={"unsupported": "the integral term is clamped either way"})
+    antiwindup: bool = False
     i_clamp_max: float = inf
     i_clamp_min: float = -inf
     antiwindup_strategy: str = field(default="legacy", metadata={"choices": ANTIWINDUP_STRATEGIES})

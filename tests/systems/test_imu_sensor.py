@@ -111,6 +111,13 @@ def test_a_link_that_turns_about_the_vertical_gives_the_centripetal_acceleration
     np.testing.assert_allclose(orientation, [cos(rate * 0.25), 0, 0, sin(rate * 0.25)], atol=1e-9)
 
 
+def test_a_tilted_imu_measures_the_angular_velocity_in_its_own_axes():
+    pitch, rate = 0.4, 3.0
+    rig = turntable("0 0 1", rate, Pose(rpy=(0, pitch, 0)))
+    _, angular_velocity, _ = rig.measure(0.5)
+    np.testing.assert_allclose(angular_velocity, [-rate * sin(pitch), 0, rate * cos(pitch)], atol=1e-12)
+
+
 def test_gravity_does_not_lean_when_the_link_turns_about_a_level_axis():
     # With accelerations and orientation from either end of a step, gravity would lean by rate · 1 ms · 9.81 = 0.03.
     rate, radius = 3.0, 0.4

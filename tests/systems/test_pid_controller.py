@@ -107,6 +107,13 @@ def test_an_element_that_is_nan_leaves_its_reference_as_it_was():
     assert run.commands() == [1.0, 5.0]
 
 
+def test_a_derivative_without_its_value_changes_nothing():
+    run = pid([PidControllerGains(d=1.0)], BOTH, state=(0.0, 0.0, 0.0, 0.0))
+    run.send("reference", reference([float("nan")], [5.0]))
+    run.advance(0.02)
+    assert run.commands() == [0.0]
+
+
 @pytest.mark.parametrize(
     ("message", "text"),
     [
