@@ -208,15 +208,17 @@ def _command(topic: str, text: str) -> Command:
 
     try:
         value = yaml.safe_load(text)
-        data = value["data"] if isinstance(value, dict) else value
+        data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
+        if isinstance(data, dict):
+            return Command(topic, data)
         if not isinstance(data, list) or any(isinstance(item, bool) for item in data):
             raise TypeError
-        numbers = tuple(float(item) for item in data)
-    except (yaml.YAMLError, KeyError, TypeError, ValueError, OverflowError):
+        return Command(topic, tuple(float(item) for item in data))
+    except (yaml.YAMLError, TypeError, ValueError, OverflowError):
         raise InputError(
-            f'--pub {topic} {text!r}: the data must be a list of numbers, such as "[2, 2, 2, 2]" or "{{data: [2, 2]}}"'
+            f'--pub {topic} {text!r}: the data must be a list of numbers, such as "[2, 2, 2, 2]", or the fields of a'
+            ' message, such as "{twist: {linear: {x: 0.5}}}"'
         ) from None
-    return Command(topic, numbers)
 
 
 def _twin(scenario: Scenario, file: ScenarioFile | None, meshcat: Any) -> Any:

@@ -69,8 +69,8 @@ class Driven:
         self.joints_context = joints.GetMyMutableContextFromRoot(self.root)
         for topic in self.controller.subscribed:
             self.put(topic, None)
-        for name, indices in (upstream or {}).items():
-            self.controller.GetInputPort(name).FixValue(self.context, np.full(max(indices) + 1, np.nan))
+        for name, above in (upstream or {}).items():
+            self.controller.GetInputPort(name).FixValue(self.context, np.full(above.size, np.nan))
         if wheels is not None:
             self.joints_context.SetDiscreteState(np.concatenate([wheels, np.zeros(len(wheels))]))
         self.activate()

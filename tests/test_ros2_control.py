@@ -127,7 +127,7 @@ def test_a_message_of_the_wrong_size_is_an_error_writes_nothing_and_deactivates(
         twin.publish("/r/velocities/commands", [5])
     assert states(twin)["velocities"] == "inactive"
     assert "controller velocities is deactivated: /r/velocities/commands: the command has 1 elements" in caplog.text
-    twin.advance_to(2.0)
+    twin.advance_to(3.0)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-3)
 
 

@@ -129,16 +129,19 @@ def test_other_peoples_arm_with_its_own_meshes_holds(tmp_path, corpus):
     (file,) = corpus.glob("arduinobot/**/arduinobot.urdf.xacro")
     result = summary_of(tmp_path, file, "--duration", 2)
     assert result["robots"]["arduinobot"]["positions"] == pytest.approx([0] * 5, abs=0.01)
-    assert any("JointTrajectoryController is not supported" in reason for reason in result["not_started"])
+    assert result["not_started"] == []
+    assert "/arduinobot/arm_controller/joint_trajectory" in result["topics"]
 
 
 def test_other_peoples_rover_drives_by_its_own_parameters_file(tmp_path, corpus):
     (file,) = corpus.glob("bumperbot/**/bumperbot.urdf.xacro")
-    topic = "/bumperbot/simple_velocity_controller/commands"
-    result = summary_of(tmp_path, file, "--pub", topic, "[1, 1]", "--duration", 2)
+    topic = "/bumperbot/bumperbot_controller/cmd_vel"
+    result = summary_of(tmp_path, file, "--pub", topic, "{twist: {linear: {x: 0.1}}}", "--duration", 1)
     robot = result["robots"]["bumperbot"]
-    assert robot["velocities"] == pytest.approx([1, 1], rel=0.01)
-    assert robot["base_pose"][0] == pytest.approx(0.033 * 2, rel=0.1)
+    # 0.1 m/s on wheels of 33 mm, for the half second that a command holds
+    assert robot["base_pose"][0] == pytest.approx(0.05, rel=0.1)
+    (conflict,) = result["not_started"]
+    assert "simple_velocity_controller: resource conflict" in conflict
 
 
 # --- how it ends

@@ -106,6 +106,10 @@ def _path(parameters: type, name: str) -> Iterator[tuple[type, str]]:
     kind: Any = parameters
     for part in name.split("."):
         if part == "<joint>":
+            for item in dataclasses.fields(kind):
+                if "of_joints" in item.metadata:
+                    kind = typing.get_args(typing.get_type_hints(kind)[item.name])[1]
+                    break
             continue
         yield kind, part
         kind = typing.get_type_hints(kind)[part]

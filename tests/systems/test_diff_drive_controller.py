@@ -9,6 +9,7 @@ from drive_harness import Driven
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import CommandError, InputError
+from drake_twin.systems.controller import Upstream
 from drake_twin.systems.diff_drive_controller import DiffDriveController, DiffDriveParameters
 
 KIND = "diff_drive_controller/DiffDriveController"
@@ -230,7 +231,7 @@ def test_unstamped_commands_have_their_own_topic():
 
 
 def test_chained_references_take_the_place_of_the_topic():
-    dut = drive(upstream={"above": (1, 0)})
+    dut = drive(upstream={"above": Upstream(2, (1, 0))})
     assert list(map(str, DiffDriveController.reference_interfaces(None, None))) == [
         "linear/velocity",
         "angular/velocity",
@@ -318,7 +319,7 @@ def test_humbles_names_are_accepted_with_a_warning_where_they_change_nothing():
     ("parameters", "text"),
     [
         ({"wheel_radius": 0.0}, "0.0 is not above 0"),
-        ({"right_wheel_names": []}, "right_wheel_names is empty"),
+        ({"right_wheel_names": []}, "the list is empty"),
         ({"right_wheel_names": ["a", "b"]}, r"left wheels \[1\] and the number of right wheels \[2\] are different"),
         ({"pose_covariance_diagonal": [0.1]}, "pose_covariance_diagonal has 1 elements; it needs six"),
         ({"linear.x.max_velocity": -1.0}, "-1.0 is below 0"),

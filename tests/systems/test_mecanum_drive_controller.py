@@ -5,6 +5,7 @@ import pytest
 from drive_harness import Driven
 
 from drake_twin.errors import CommandError, InputError
+from drake_twin.systems.controller import Upstream
 from drake_twin.systems.mecanum_drive_controller import MecanumDriveController
 
 KIND = "mecanum_drive_controller/MecanumDriveController"
@@ -130,7 +131,7 @@ def test_odometry_state_and_transform_are_published_at_every_update():
 def test_chained_references():
     names = MecanumDriveController.reference_interfaces(None, None)
     assert list(map(str, names)) == ["linear/x/velocity", "linear/y/velocity", "angular/z/velocity"]
-    dut = drive(upstream={"above": (0, 1, 2)})
+    dut = drive(upstream={"above": Upstream(3, (0, 1, 2))})
     dut.controller.GetInputPort("above").FixValue(dut.context, [0.0, 0.2, 0.0])
     dut.advance(0.005)
     assert dut.commands == pytest.approx([-2.0, 2.0, -2.0, 2.0])

@@ -12,7 +12,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from drake_twin import messages
 from drake_twin.errors import CommandError, InputError
-from drake_twin.systems.controller import ControllerSetup, Interface
+from drake_twin.systems.controller import ControllerSetup, Interface, Upstream
 from drake_twin.systems.pid_controller import PidController, PidControllerGains, PidControllerParameters
 from drake_twin.systems.state_layout import StateLayout
 
@@ -128,7 +128,9 @@ def test_a_reference_of_another_size_or_name_is_refused(message, text):
 
 
 def test_a_controller_above_writes_the_references_and_messages_are_ignored_meanwhile():
-    run = pid([PidControllerGains(p=1.0, d=1.0)], BOTH, state=(0.0, 0.0, 0.0, 0.0), upstream={"above": (0, 1)})
+    run = pid(
+        [PidControllerGains(p=1.0, d=1.0)], BOTH, state=(0.0, 0.0, 0.0, 0.0), upstream={"above": Upstream(2, (0, 1))}
+    )
     run.send("reference", reference([7.0], [0.0]))
     run.fix("above", [2.0, 0.5])
     run.advance(0.02)

@@ -5,6 +5,7 @@ import pytest
 from drive_harness import Driven
 
 from drake_twin.errors import CommandError, InputError
+from drake_twin.systems.controller import Upstream
 
 BICYCLE = "bicycle_steering_controller/BicycleSteeringController"
 TRICYCLE = "tricycle_steering_controller/TricycleSteeringController"
@@ -175,7 +176,7 @@ def test_unstamped_commands_have_their_own_topic():
 
 
 def test_chained_references_take_the_place_of_the_topic():
-    dut = drive(BICYCLE, upstream={"above": (0, 1)})
+    dut = drive(BICYCLE, upstream={"above": Upstream(2, (0, 1))})
     dut.controller.GetInputPort("above").FixValue(dut.context, [0.5, 0.0])
     dut.advance(0.005)
     assert dut.commands == pytest.approx([5.0, 0.0])
