@@ -92,8 +92,8 @@ class JointTrajectoryController(PeriodicController):
     - ``speed_scaling_input``: ``control_msgs/msg/SpeedScalingFactor``, how fast trajectories run, or None; topic
       ``~/speed_scaling_input``. Only with the interface ``position`` alone.
     - ``command_interfaces``: for each commanded joint its interfaces, in the order of the parameters (rad, rad/s, N·m,
-      or m, m/s, N); then, with ``position`` and without ``velocity``, the velocity of each as a hint. From the first
-      update on it holds the position at the activation.
+      or m, m/s, N); then, with ``position`` and without ``velocity``, the velocity of each joint as a hint. From the
+      first update on it holds the position at the activation.
     - ``controller_state``: ``control_msgs/msg/JointTrajectoryControllerState`` of the last update; None before it.
 
     Attributes:
@@ -122,7 +122,8 @@ class JointTrajectoryController(PeriodicController):
     def __init__(self, setup: ControllerSetup):
         parameters: JointTrajectoryParameters = setup.parameters
         commands = parameters.command_interfaces
-        self._has_hint = "position" in commands and "velocity" not in commands
+        is_joint = all(joint in setup.layout.velocities for joint in parameters.commanded)  # no other one's reference
+        self._has_hint = is_joint and "position" in commands and "velocity" not in commands
         super().__init__(
             setup, [Interface(joint, "velocity") for joint in parameters.commanded] if self._has_hint else ()
         )

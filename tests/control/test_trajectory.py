@@ -78,11 +78,17 @@ def test_after_the_last_point_it_stays_there_with_what_the_point_says():
 
 
 def test_a_time_that_is_the_last_point_but_for_rounding_is_the_end():
-    # 0.1 + 0.2 > 0.3 and 3 · 0.1 > 0.3: sums of periods miss the point by an ulp to either side.
-    trajectory = take_up(Trajectory((TrajectoryPoint((1.0,)),), (0.7,)), 0.1, TrajectoryPoint((0.0,)))
-    for time in (0.8, np.nextafter(0.8, 0.0), 0.1 + 0.7, 8 * 0.1):
-        assert trajectory.sample(time).is_over
-    assert not trajectory.sample(0.8 - 1e-8).is_over
+    # 0.58 − 0.01 < 0.57, as many a difference of multiples of a period.
+    missed = 0
+    for start in range(1, 60):
+        for duration in range(1, 60):
+            message = Trajectory((TrajectoryPoint((1.0,)),), (duration * 0.01,))
+            trajectory = take_up(message, start * 0.01, TrajectoryPoint((0.0,)))
+            end = (start + duration) * 0.01
+            missed += end - start * 0.01 < duration * 0.01
+            assert trajectory.sample(end).is_over
+            assert not trajectory.sample(end - 1e-8).is_over
+    assert missed > 0
 
 
 def test_it_moves_towards_the_first_point_before_the_start_that_it_was_given():
