@@ -92,7 +92,8 @@ def test_a_time_that_is_the_last_point_but_for_rounding_is_the_end():
 
 
 def test_it_moves_towards_the_first_point_before_the_start_that_it_was_given():
-    trajectory = take_up(Trajectory((TrajectoryPoint((2.0,)),), (1.0,), start=5.0), 2.0, TrajectoryPoint((0.0,)))
+    message = Trajectory((TrajectoryPoint((2.0,)), TrajectoryPoint((3.0,))), (1.0, 9.0), start=5.0)
+    trajectory = take_up(message, 2.0, TrajectoryPoint((0.0,)))
     sample = trajectory.sample(4.0)
     assert sample.point.positions == (1.0,)
     assert sample.time_since_point == pytest.approx(-2.0)
