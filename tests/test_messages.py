@@ -24,6 +24,23 @@ def test_types_that_rosbags_lacks_hash_as_upstream():
     assert "control_msgs/InterfaceValue[] interface_values" in definition
 
 
+def test_the_messages_of_the_joint_trajectory_controller_survive_the_wire():
+    store = messages.type_store()
+    result = messages.FollowJointTrajectory_Result(error_code=-4, error_string="Aborted")
+    assert messages.FollowJointTrajectory_Result.PATH_TOLERANCE_VIOLATED == -4
+    name = "control_msgs/action/FollowJointTrajectory_Result"
+    assert store.deserialize_cdr(store.serialize_cdr(result, name), name) == result
+    definition, _ = store.generate_msgdef("control_msgs/action/FollowJointTrajectory_Goal")
+    assert "control_msgs/JointTolerance[] path_tolerance" in definition
+    definition, _ = store.generate_msgdef("control_msgs/msg/JointTrajectoryControllerState")
+    assert "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_output" in definition
+
+
+def test_durations_before_zero_have_their_nanoseconds_above_it():
+    duration = messages.duration_message(-0.25)
+    assert (duration.sec, duration.nanosec) == (-1, 750_000_000)
+
+
 def test_a_twin_that_nobody_listens_to_does_not_load_the_message_library():
     program = (
         "import sys; from drake_twin.launch.demo import demo_scenario; from drake_twin import Twin;"

@@ -11,7 +11,7 @@ import numpy as np
 INTERPOLATION_METHODS = ("splines", "none")
 
 # ROS counts nanoseconds: a time this close before a point is at the point (s).
-_SAME_TIME = 0.5e-9
+SAME_TIME = 0.5e-9
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class RunningTrajectory:
     def sample(self, time: float) -> TrajectorySample:
         """The state at a simulation time (s)."""
         elapsed = time - self.start
-        index = bisect_right(self.times, elapsed + _SAME_TIME)  # the first point that has not been reached
+        index = bisect_right(self.times, elapsed + SAME_TIME)  # the first point that has not been reached
         size = len(self.lasts[0].positions)
         if index == len(self.times):
             return TrajectorySample(_complete(self.lasts[-1], size), True, elapsed - self.times[-1])

@@ -11,6 +11,7 @@ from drake_twin.control.pid import Pid, PidMemory
 from drake_twin.control.stop_trajectory import hold_trajectory, stop_trajectory
 from drake_twin.control.tolerances import StateTolerance, Tolerances, goal_tolerances, violation
 from drake_twin.control.trajectory import (
+    SAME_TIME,
     Trajectory,
     TrajectoryPoint,
     TrajectorySample,
@@ -58,10 +59,11 @@ class JointTrajectoryController(PeriodicController):
     Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy, read from its sources;
     where it differs, a reason is given here:
 
-    - A position is held for an update period ``P`` by a servo that acts from the next physics step ``h`` on. Upstream
-      writes the trajectory's position at ``t + P``, and so leads it by half a period; here it is that at
-      ``t + (P + h) / 2``, so that the joint is on its trajectory in the mean. With it goes a hint for the servo's
-      damping: the mean velocity of the trajectory over the period. Velocities and efforts are those in its middle.
+    - What is written at ``t`` acts from ``t + h`` on for an update period ``P``, as the plant's step at ``t`` does not
+      see it yet (``h``: physics step), and the implicit servo aims at the end of each step. So the position is that of
+      ``t + h + (P + h) / 2``: with it the joint is on its trajectory in the mean. Upstream writes that of ``t + P``,
+      which leads by half a period. With it goes a hint for the servo's damping: the trajectory's mean velocity while
+      it acts. Velocities and efforts are those in the middle of that time.
     - A joint that wraps around is commanded the turns that it has made, so that it goes the short way; upstream leaves
       that to the hardware.
     - A goal ends at the update at which it is so, upstream's up to a period of ``action_monitor_rate`` later; after an
@@ -87,11 +89,11 @@ class JointTrajectoryController(PeriodicController):
       ``~/joint_trajectory``.
     - ``follow_joint_trajectory``: the same from a goal of ``control_msgs/action/FollowJointTrajectory``; action
       ``~/follow_joint_trajectory``.
-    - ``speed_scaling_input``: how fast trajectories run, or None; ``control_msgs/msg/SpeedScalingFactor`` on
+    - ``speed_scaling_input``: ``control_msgs/msg/SpeedScalingFactor``, how fast trajectories run, or None; topic
       ``~/speed_scaling_input``. Only with the interface ``position`` alone.
     - ``command_interfaces``: for each commanded joint its interfaces, in the order of the parameters (rad, rad/s, N·m,
-      or m, m/s, N); then, with ``position`` and without ``velocity``, the velocity of each as a hint. From the first
-      update on it holds the position at the activation.
+      or m, m/s, N); then, with ``position`` and without ``velocity``, the velocity of each joint as a hint. From the
+      first update on it holds the position at the activation.
     - ``controller_state``: ``control_msgs/msg/JointTrajectoryControllerState`` of the last update; None before it.
 
     Attributes:
@@ -120,7 +122,8 @@ class JointTrajectoryController(PeriodicController):
     def __init__(self, setup: ControllerSetup):
         parameters: JointTrajectoryParameters = setup.parameters
         commands = parameters.command_interfaces
-        self._has_hint = "position" in commands and "velocity" not in commands
+        is_joint = all(joint in setup.layout.velocities for joint in parameters.commanded)  # no other one's reference
+        self._has_hint = is_joint and "position" in commands and "velocity" not in commands
         super().__init__(
             setup, [Interface(joint, "velocity") for joint in parameters.commanded] if self._has_hint else ()
         )
@@ -179,7 +182,7 @@ class JointTrajectoryController(PeriodicController):
         if topic == SPEED_SCALING:
             if not (isfinite(message.factor) and message.factor >= 0.0):
                 raise CommandError(f"the speed scaling factor {message.factor:g} is not a number from zero up")
-            return float(message.factor)
+            return message
         tolerances = self._tolerances
         trajectory = message
         if topic == ACTION:
@@ -231,7 +234,7 @@ class JointTrajectoryController(PeriodicController):
         state = self.goal_state(context)
         if not sample.active or state is None or state.is_done:
             return
-        memory = self._stopped(context, context.get_time(), sample.memory, self._measured(context, sample.memory))
+        memory = self._stopped(context.get_time(), sample.memory, self._measured(context, sample.memory))
         memory = replace(memory, last_id=self._last_id(context), goal=GoalState(state.id, "canceled"))
         context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
 
@@ -292,7 +295,7 @@ class JointTrajectoryController(PeriodicController):
             if code == SUCCESSFUL:
                 memory = replace(memory, is_holding=True)
             else:
-                memory = self._with_reference(time, self._stopped(context, time, memory, measured))
+                memory = self._with_reference(time, self._stopped(time, memory, measured))
         memory = self._with_output(time, period or self.setup.update_period, memory)
         notice = memory.goal is not None and memory.goal.is_done and memory.goal != before
         return Update(memory, self._commands(time, memory), notice)
@@ -345,20 +348,18 @@ class JointTrajectoryController(PeriodicController):
             return None
         has_goal = memory.goal is not None and not memory.goal.is_done
         text = violation(self._joints, memory.error, memory.tolerances.goal)
-        late = sample.time_since_point
+        late = sample.time_since_point - SAME_TIME  # that a period's sum exceeds by rounding is not late
         if text is None:
             if has_goal:
                 return "succeeded", SUCCESSFUL, "Goal successfully reached!"
         elif 0.0 < memory.tolerances.goal_time < late:
-            text = f"Aborted due to goal_time_tolerance exceeding by {late:f} seconds: {text}."
+            text = f"Aborted due to goal_time_tolerance exceeding by {sample.time_since_point:f} seconds: {text}."
             return "aborted", GOAL_TOLERANCE_VIOLATED, text
         if 0.0 < self.setup.parameters.effective_cmd_timeout < late:
             return "aborted", GOAL_TOLERANCE_VIOLATED, f"Aborted due to command timeout: {text or 'no new command'}."
         return None
 
-    def _stopped(
-        self, context: Context, time: float, memory: JointTrajectoryMemory, measured: TrajectoryPoint
-    ) -> JointTrajectoryMemory:
+    def _stopped(self, time: float, memory: JointTrajectoryMemory, measured: TrajectoryPoint) -> JointTrajectoryMemory:
         """The memory with a trajectory that brings the joints to rest."""
         trajectory: Trajectory = hold_trajectory(measured.positions)
         if self.setup.parameters.can_decelerate:
@@ -379,11 +380,11 @@ class JointTrajectoryController(PeriodicController):
 
     def _with_output(self, time: float, period: float, memory: JointTrajectoryMemory) -> JointTrajectoryMemory:
         """The memory with what is commanded of each joint until the next update."""
-        hold, step = self.setup.update_period, self.setup.physics_step or 0.0
-        middle = self._sampled(time, memory, 0.5 * hold).point
+        hold, step = self.setup.update_period, self.setup.physics_step
+        middle = self._sampled(time, memory, step + 0.5 * hold).point
         positions: tuple[float, ...] = ()
         if "position" in self._names:
-            point = self._sampled(time, memory, 0.5 * (hold + step)).point if step else middle
+            point = self._sampled(time, memory, step + 0.5 * (hold + step)).point if step else middle
             positions = _turned(point, memory.running.turns).positions
         velocities, effort, pids = middle.velocities, middle.effort, memory.pids
         if self._pids:
@@ -414,10 +415,10 @@ class JointTrajectoryController(PeriodicController):
         values = {"position": output.positions, "velocity": output.velocities, "effort": output.effort}
         commands = [values[name][i] for i in self._indices for name in self._names]
         if self._has_hint:
-            hold = self.setup.update_period
-            now, later = memory.reference.positions, self._sampled(time, memory, hold).point.positions
+            hold, step = self.setup.update_period, self.setup.physics_step
+            begin, end = (self._sampled(time, memory, ahead).point.positions for ahead in (step, step + hold))
             no_hint = self.setup.parameters.interpolation_method == "none"
-            commands += [0.0 if no_hint else (later[i] - now[i]) / hold for i in self._indices]
+            commands += [0.0 if no_hint else (end[i] - begin[i]) / hold for i in self._indices]
         return commands
 
     def _sampled(self, time: float, memory: JointTrajectoryMemory, ahead: float = 0.0) -> TrajectorySample:
@@ -452,8 +453,9 @@ class JointTrajectoryController(PeriodicController):
     def _speed_scaling_factor(self, context: Context) -> float:
         if self._scaling_port is None:
             return 1.0
-        factor = self._scaling_port.Eval(context) if self._scaling_port.HasValue(context) else None
-        return self.setup.parameters.speed_scaling.initial_scaling_factor if factor is None else float(factor)
+        message = self._scaling_port.Eval(context) if self._scaling_port.HasValue(context) else None
+        initial: float = self.setup.parameters.speed_scaling.initial_scaling_factor
+        return initial if message is None else float(message.factor)
 
     def _waiting(self, context: Context, port: InputPort) -> Any:
         """The command on a port, unless it has been taken up already."""

@@ -72,7 +72,7 @@ def test_back_calculation_draws_the_integral_back_to_the_limit():
 
 
 def test_an_error_within_the_deadband_is_not_integrated():
-    _, memory = run(PidGains(i=1.0, error_deadband=0.1), [0.1, -0.1, 0.05])
+    _, memory = run(PidGains(i=1.0, error_deadband=0.1), [0.1, 0.1, 0.05])
     assert memory.integral == 0.0
 
 

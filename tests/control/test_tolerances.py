@@ -1,0 +1,50 @@
+import pytest
+
+from drake_twin.control.tolerances import StateTolerance, Tolerances, goal_tolerances, violation
+from drake_twin.control.trajectory import TrajectoryPoint
+from drake_twin.errors import CommandError
+
+JOINTS = ("a", "b")
+DEFAULTS = Tolerances((StateTolerance(0.1), StateTolerance(0.2)), (StateTolerance(0.01, 0.01),) * 2, 0.5)
+
+
+def test_a_goal_that_names_no_tolerances_has_the_controllers_own():
+    assert goal_tolerances(DEFAULTS, JOINTS, {}, {}, 0.0) == DEFAULTS
+
+
+def test_zero_leaves_a_tolerance_and_minus_one_takes_it_away():
+    merged = goal_tolerances(
+        DEFAULTS, JOINTS, {"b": StateTolerance(-1.0, 0.3)}, {"a": StateTolerance(0.0, -1.0, 2.0)}, -1.0
+    )
+    assert merged.path == (StateTolerance(0.1), StateTolerance(0.0, 0.3))
+    assert merged.goal == (StateTolerance(0.01, 0.0, 2.0), StateTolerance(0.01, 0.01))
+    assert merged.goal_time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("path", "goal", "time", "text"),
+    [
+        ({"c": StateTolerance()}, {}, 0.0, "path_tolerance has a joint 'c' that the controller does not have"),
+        ({}, {"a": StateTolerance(velocity=-0.5)}, 0.0, "goal_tolerance of joint a is -0.5; 0 means the default"),
+        ({}, {}, -2.0, "goal_time_tolerance is -2"),
+    ],
+)
+def test_tolerances_without_meaning_are_refused(path, goal, time, text):
+    with pytest.raises(CommandError, match=text):
+        goal_tolerances(DEFAULTS, JOINTS, path, goal, time)
+
+
+def test_a_violation_names_joint_error_and_tolerance():
+    error = TrajectoryPoint((0.05, -0.3), (0.0, 0.0))
+    assert violation(JOINTS, error, DEFAULTS.path) == "the position error of joint b is -0.3, its tolerance 0.2"
+
+
+def test_zero_is_no_tolerance_and_an_error_that_equals_its_tolerance_is_within():
+    assert violation(JOINTS, TrajectoryPoint((9.0, 0.2)), (StateTolerance(), StateTolerance(0.2))) is None
+
+
+def test_velocities_are_judged_where_they_are_measured():
+    tolerances = (StateTolerance(velocity=0.01),) * 2
+    assert violation(JOINTS, TrajectoryPoint((0.0, 0.0)), tolerances) is None
+    text = violation(JOINTS, TrajectoryPoint((0.0, 0.0), (0.0, 0.02)), tolerances)
+    assert text == "the velocity error of joint b is 0.02, its tolerance 0.01"
