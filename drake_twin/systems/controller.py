@@ -212,6 +212,10 @@ class Sample:
     commands: tuple[float, ...] = ()
     fault: str | None = None
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Sample":
+        """Itself, as nothing in it changes; Drake copies a state at each of its updates."""
+        return self
+
 
 @dataclass(frozen=True)
 class Update:

@@ -37,7 +37,7 @@ def test_other_peoples_parameters_are_read_without_a_warning(corpus, file):
         if controller is None and kind is None:
             continue
         parameters, warnings = read_parameters(kind or controller.Parameters, entry)
-        assert warnings == ()
+        assert [warning for warning in warnings if "since Jazzy" not in warning] == []
         if entry.name in FILES[file]:
             sensor, of_kind = FILES[file][entry.name]
             assert (controller.sensor_name(parameters), controller.kind) == (sensor, of_kind)
