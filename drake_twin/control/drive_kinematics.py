@@ -82,6 +82,7 @@ class SteeringDrive:
         steered: the number of steered wheels, 1 or 2.
         driven_track: the distance between two driven wheels (m).
         steered_track: the distance between two steered wheels (m).
+        largest_angle: the largest angle in the middle of the steered axle (rad).
     """
 
     wheelbase: float
@@ -90,12 +91,19 @@ class SteeringDrive:
     steered: int = 1
     driven_track: float = 0.0
     steered_track: float = 0.0
+    largest_angle: float = inf
 
     def steering_angle(self, linear: float, angular: float) -> float:
         """The angle (rad) in the middle of the steered axle for a velocity of the base (m/s, rad/s)."""
         if linear == 0.0:
-            return 0.0 if angular == 0.0 else atan(angular * self.wheelbase * inf)
-        return atan(angular * self.wheelbase / linear)
+            angle = 0.0 if angular == 0.0 else atan(angular * self.wheelbase * inf)
+        else:
+            angle = atan(angular * self.wheelbase / linear)
+        return self.within_limits(angle)
+
+    def within_limits(self, angle: float) -> float:
+        """The nearest angle (rad) that the steered axle reaches."""
+        return min(max(angle, -self.largest_angle), self.largest_angle)
 
     def mean_steering_angle(self, angles: tuple[float, ...]) -> float:
         """The angle (rad) in the middle of the steered axle for those of its wheels."""
@@ -107,18 +115,17 @@ class SteeringDrive:
         return 0.5 * (atan(base * right / (base - half * right)) + atan(base * left / (base + half * left)))
 
     def wheel_commands(
-        self, linear: float, angular: float, measured: float | None = None, *, slow_while_steering: bool = False
+        self, linear: float, angle: float, measured: float | None = None, *, slow_while_steering: bool = False
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Velocities of the driven wheels (rad/s) and angles of the steered ones (rad).
 
         Args:
             linear: the base's commanded velocity (m/s).
-            angular: the base's commanded velocity (rad/s).
+            angle: the commanded angle in the middle of the steered axle (rad); see `steering_angle`.
             measured: the present angle in the middle of the steered axle (rad), after which the driven wheels turn;
                 None: they turn as if it were the commanded one.
             slow_while_steering: the driven wheels turn slower while the angle is more than 30° off.
         """
-        angle = self.steering_angle(linear, angular)
         speed = linear / self.wheel_radius
         if measured is not None and slow_while_steering and abs(measured - angle) >= pi / 6.0:
             speed *= cos(min(abs(measured - angle), 1.5608)) / cos(pi / 6.0)

@@ -150,12 +150,23 @@ class Sensor:
 
 @dataclass(frozen=True)
 class GazeboPlugin:
-    """A ``<plugin>`` of a ``<gazebo>`` tag; ``parameters`` are the controllers' YAML files it names."""
+    """A ``<plugin>`` of a ``<gazebo>`` tag, or of an SDF's model.
+
+    Attributes:
+        filename: its library.
+        name: its name; gz's plugins give their class.
+        parameters: the controllers' YAML files it names.
+        namespace: the text of ``<ros><namespace>``.
+        elements: tag → the texts of its elements of that tag, in file order; ``ros/remapping`` for one inside another.
+        line: its line in the file, where that is known.
+    """
 
     filename: str
     name: str
     parameters: tuple[str, ...] = ()
     namespace: str | None = None
+    elements: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    line: int | None = None
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, Ignored, drake_link_name, prepare_urdf
+from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
@@ -126,7 +127,8 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
 
     prepared, is_fixed, own_name = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
-    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)))
+    plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
+    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     return RobotModel(description, prepared, "sdf", is_fixed, ignored=ignored_in_sdf(text, file))
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from lxml import etree
 
+from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.robot_description import (
     CommandInterface,
     ControlledJoint,
-    GazeboPlugin,
     HardwareSystem,
     Joint,
     JointLimits,
@@ -61,7 +61,7 @@ def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
         links=tuple(links),
         joints=tuple(joints),
         systems=systems,
-        plugins=tuple(_plugins(root)),
+        plugins=tuple(read_plugins(reader, "gazebo/plugin")),
         surfaces=_surfaces(reader),
         sensors=tuple(sensors_in_urdf(reader)),
         text=text,
@@ -219,18 +219,6 @@ def _check_followers(reader: XmlReader, joints: list[Joint]) -> None:
                 what = "follows itself" if leader.name in seen else "is fixed, or follows one that is"
                 raise reader.error(element, f"it mimics {leader.name!r}, and {what}")
             seen.add(leader.name)
-
-
-def _plugins(root: etree._Element) -> Iterable[GazeboPlugin]:
-    for plugin in root.iterfind("gazebo/plugin"):
-        parameters = (item.text or "" for item in plugin.iterfind("parameters"))
-        namespace = plugin.findtext("ros/namespace")
-        yield GazeboPlugin(
-            filename=plugin.get("filename", ""),
-            name=plugin.get("name", ""),
-            parameters=tuple(text.strip() for text in parameters if text.strip()),
-            namespace=None if namespace is None else namespace.strip(),
-        )
 
 
 def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:

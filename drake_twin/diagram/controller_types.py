@@ -66,6 +66,7 @@ CONTROLLER_TYPES: Mapping[str, tuple[str, str]] = {
         "tricycle_steering_controller",
         "TricycleSteeringController",
     ),
+    "gazebo_ros/PlanarMove": ("planar_move_controller", "PlanarMoveController"),
 }
 
 

@@ -1,7 +1,7 @@
 """What the controllers of bases with steered wheels share."""
 
 from dataclasses import dataclass, field, replace
-from math import isnan, nan
+from math import copysign, inf, isnan, nan, tan
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.controller import ControllerSetup, Interface, Update
 from drake_twin.systems.drive_controller import DriveController, DriveMemory, check_covariances, state_joint
 from drake_twin.systems.odometry_frames import odometry_frames
+from drake_twin.systems.speed_limits import LimitsX, LimitsZ
 
 _UPSTREAMS_COVARIANCE = (0.0, 7.0, 14.0, 21.0, 28.0, 35.0)
 _NAMES = (
@@ -50,6 +51,11 @@ class SteeringParameters:
         pose_covariance_diagonal: goes into the odometry as it is.
         position_feedback: odometry from the driven wheels' positions instead of their velocities.
         use_stamped_vel: Humble's; false: ``~/reference_unstamped`` with ``Twist`` takes the place of ``~/reference``.
+        linear: limits of the velocity forwards; the twin's own, for robots that Gazebo's plugins drive.
+        angular: limits of the velocity about z; the twin's own.
+        largest_steering_angle: in the middle of the steered axle (rad); the twin's own.
+        angular_is_steering_angle: a command's ``angular.z`` is that angle (rad), as classic Gazebo's plugin for
+            Ackermann's steering takes it; the twin's own.
     """
 
     reference_timeout: float = field(default=1.0, metadata={"lower": 0.0})
@@ -72,6 +78,10 @@ class SteeringParameters:
     pose_covariance_diagonal: tuple[float, ...] = _UPSTREAMS_COVARIANCE
     position_feedback: bool = False
     use_stamped_vel: bool = True
+    linear: LimitsX = field(default_factory=LimitsX)
+    angular: LimitsZ = field(default_factory=LimitsZ)
+    largest_steering_angle: float = field(default=inf, metadata={"above": 0.0})
+    angular_is_steering_angle: bool = False
 
     def __post_init__(self) -> None:
         drive = self.kinematics()
@@ -157,7 +167,8 @@ class SteeringController(DriveController):
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
         parameters: SteeringParameters = setup.parameters
-        self._drive = parameters.kinematics()
+        self._drive = replace(parameters.kinematics(), largest_angle=parameters.largest_steering_angle)
+        self._limiters = (parameters.linear.x.limiter(), parameters.angular.z.limiter())
         self._odometry_wheels, self._steering_joints = (
             tuple(
                 map(
@@ -185,9 +196,14 @@ class SteeringController(DriveController):
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
         """Reckons the odometry, turns the driven wheels and steers the others."""
         parameters: SteeringParameters = self.setup.parameters
-        (linear, angular), memory = self._reference(context, time, memory)
+        (linear, angular), memory = self._limited_reference(context, time, memory)
         angles = tuple(map(float, self.positions(context, self._steering_joints)))
         measured = self._drive.mean_steering_angle(angles)
+        if parameters.angular_is_steering_angle:
+            angle = self._drive.within_limits(copysign(1.0, linear) * angular)
+            angular = tan(angle) * linear / self._drive.wheelbase
+        else:
+            angle = self._drive.steering_angle(linear, angular)
         if parameters.open_loop:
             velocity = (0.0 if isnan(linear) else linear, 0.0 if isnan(angular) else angular)
             odometry = memory.odometry.moved_open_loop(*velocity, time)
@@ -203,11 +219,26 @@ class SteeringController(DriveController):
             return Update(memory, (0.0,) * self._drive.driven + held)
         speeds, steering = self._drive.wheel_commands(
             linear,
-            angular,
+            angle,
             None if parameters.open_loop else measured,
             slow_while_steering=parameters.reduce_wheel_speed_until_steering_reached,
         )
         return Update(memory, (*speeds, *steering))
+
+    def _limited_reference(
+        self, context: Context, time: float, memory: DriveMemory
+    ) -> tuple[tuple[float, float], DriveMemory]:
+        (linear, angular), memory = self._reference(context, time, memory)
+        if isnan(linear) or isnan(angular):
+            return (nan, nan), replace(memory, last=(0.0, 0.0), second_to_last=(0.0, 0.0))
+        period = self.setup.update_period
+        linear, angular = (
+            limiter.limited(value, last, before, period)
+            for limiter, value, last, before in zip(
+                self._limiters, (linear, angular), memory.last, memory.second_to_last, strict=False
+            )
+        )
+        return (linear, angular), replace(memory, last=(linear, angular), second_to_last=memory.last)
 
     def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[tuple[float, float], DriveMemory]:
         chained = self.references(context)

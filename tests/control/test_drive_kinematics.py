@@ -48,7 +48,7 @@ def test_ackermanns_wheels_all_stand_on_circles_about_one_point():
     drive = SteeringDrive(base, radius, 2, 2, driven_track, steered_track)
     linear, angular = 1.2, 0.5
     measured = drive.steering_angle(linear, angular)
-    (right, left), (steer_right, steer_left) = drive.wheel_commands(linear, angular, measured)
+    (right, left), (steer_right, steer_left) = drive.wheel_commands(linear, measured, measured)
     center = linear / angular  # on the driven axle, to the left
     assert measured == pytest.approx(atan(base / center))
     assert right * radius == pytest.approx(angular * (center + driven_track / 2))
@@ -61,29 +61,34 @@ def test_ackermanns_wheels_all_stand_on_circles_about_one_point():
 
 def test_a_tricycle_and_a_bicycle_invert_their_commands():
     for drive in (SteeringDrive(0.4, 0.1, driven=2, driven_track=0.3), SteeringDrive(0.4, 0.1)):
-        speeds, (angle,) = drive.wheel_commands(-0.8, 0.3)
+        speeds, (angle,) = drive.wheel_commands(-0.8, drive.steering_angle(-0.8, 0.3))
         assert drive.base_velocity(speeds, angle) == pytest.approx((-0.8, 0.3))
 
 
 def test_the_driven_wheels_follow_the_measured_angle_until_it_is_the_commanded_one():
     drive = SteeringDrive(0.4, 0.1, driven=2, driven_track=0.3)
-    (right, left), (angle,) = drive.wheel_commands(1.0, 1.0, measured=0.0)
+    (right, left), (angle,) = drive.wheel_commands(1.0, 0.4, measured=0.0)
     assert right == left == pytest.approx(10.0)
-    assert angle == pytest.approx(atan(0.4))
+    assert angle == 0.4
 
 
 def test_steering_without_driving_turns_the_wheels_to_the_side():
     drive = SteeringDrive(0.4, 0.1)
-    assert drive.wheel_commands(0.0, 0.0) == ((0.0,), (0.0,))
-    assert drive.wheel_commands(0.0, 0.7)[1][0] == pytest.approx(pi / 2)
-    assert drive.wheel_commands(0.0, -0.7)[1][0] == pytest.approx(-pi / 2)
+    assert drive.steering_angle(0.0, 0.0) == 0.0
+    assert drive.steering_angle(0.0, 0.7) == pytest.approx(pi / 2)
+    assert drive.steering_angle(0.0, -0.7) == pytest.approx(-pi / 2)
+
+
+def test_the_steering_angle_has_a_limit():
+    drive = SteeringDrive(0.4, 0.1, largest_angle=0.3)
+    assert drive.steering_angle(1.0, 0.1) == pytest.approx(atan(0.04))
+    assert (drive.steering_angle(1.0, 9.0), drive.steering_angle(0.0, -1.0)) == (0.3, -0.3)
 
 
 def test_wheels_turn_slower_while_the_angle_is_far_off():
     drive = SteeringDrive(0.4, 0.1)
-    angle = drive.steering_angle(1.0, 1.0)
-    near = drive.wheel_commands(1.0, 1.0, angle - 0.5, slow_while_steering=True)
-    far = drive.wheel_commands(1.0, 1.0, angle - 1.0, slow_while_steering=True)
+    near = drive.wheel_commands(1.0, 0.4, -0.1, slow_while_steering=True)
+    far = drive.wheel_commands(1.0, 0.4, -0.6, slow_while_steering=True)
     assert near[0][0] == pytest.approx(10.0)
     assert far[0][0] == pytest.approx(10.0 * cos(1.0) / cos(pi / 6))
 

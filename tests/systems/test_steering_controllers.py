@@ -209,3 +209,19 @@ def test_chained_references_take_the_place_of_the_topic():
 def test_parameters_that_cannot_be_are_refused(kind, parameters, text):
     with pytest.raises(InputError, match=text):
         drive(kind, parameters)
+
+
+def test_the_twins_own_limits_for_robots_that_gazebos_plugins_drive():
+    dut = drive(BICYCLE, {"linear.x.max_acceleration": 1.0, "largest_steering_angle": 0.3})
+    commands = dut.commands_while(0.03, x=0.5, z=9.0)
+    np.testing.assert_allclose(commands, [[0.1, 0.3], [0.2, 0.3], [0.3, 0.3]])
+
+
+def test_the_twins_own_commands_of_an_angle():
+    dut = drive(BICYCLE, {"angular_is_steering_angle": True, "largest_steering_angle": 0.3})
+    dut.send(x=0.0, z=0.2)
+    dut.advance(0.005)
+    assert dut.commands == [0.0, 0.2]
+    dut.send(x=-0.5, z=0.4)
+    dut.advance(0.015)
+    assert dut.commands == pytest.approx([-5.0, -0.3])

@@ -1,0 +1,163 @@
+"""The ``<plugin>`` tags of a robot file as plain data: what they hold, and the topics they name."""
+
+import re
+import shlex
+from collections.abc import Iterable, Iterator
+from math import isfinite
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.description.robot_description import GazeboPlugin
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
+
+_GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
+_CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
+_CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
+
+
+def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
+    """The plugins at a path of a document: ``gazebo/plugin`` in a URDF, ``model/plugin`` in an SDF."""
+    for plugin in reader.root.iterfind(path):
+        elements: dict[str, tuple[str, ...]] = {}
+        for name, text in _texts(plugin):
+            elements[name] = (*elements.get(name, ()), text)
+        namespace = plugin.findtext("ros/namespace")
+        yield GazeboPlugin(
+            filename=plugin.get("filename", ""),
+            name=plugin.get("name", ""),
+            parameters=tuple(text for text in elements.get("parameters", ()) if text),
+            namespace=None if namespace is None else namespace.strip(),
+            elements=elements,
+            line=reader.line(plugin),
+        )
+
+
+def _texts(element: etree._Element, above: str = "") -> Iterator[tuple[str, str]]:
+    for child in element:
+        if not isinstance(child.tag, str):
+            continue
+        name = f"{above}{child.tag}"
+        if len(child):
+            yield from _texts(child, f"{name}/")
+        else:
+            yield name, (child.text or "").strip()
+
+
+def plugin_kind(plugin: GazeboPlugin) -> str:
+    """What a plugin is, however its library is written: ``gazebo_ros_diff_drive``, or ``diff-drive-system`` in gz."""
+    library = plugin.filename.rpartition("/")[2]
+    for pattern in (_GZ_LIBRARY, _CLASSIC_LIBRARY):
+        match = pattern.fullmatch(library)
+        if match:
+            return match[1]
+    match = _CLASS.fullmatch(plugin.name)
+    return f"{_words(match[1], '-')}-system" if match else library
+
+
+def plugin_node_name(plugin: GazeboPlugin) -> str:
+    """What a plugin's node is called: its name, or ``diff_drive`` for ``gz::sim::systems::DiffDrive``."""
+    name = plugin.name.rpartition("::")[2]
+    if name != plugin.name:
+        name = _words(name, "_")
+    return re.sub(r"\W+", "_", name).strip("_") or re.sub(r"\W+", "_", plugin_kind(plugin))
+
+
+def _words(name: str, separator: str) -> str:
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", separator, name).lower()
+
+
+def ros_topic(plugin: GazeboPlugin, topic: str) -> str:
+    """A topic of a classic plugin as the robot's namespace sees it, with the remappings of its ``<ros>`` tag.
+
+    Args:
+        plugin: the plugin.
+        topic: the topic's name in the plugin, ``cmd_vel``.
+
+    Returns:
+        A name relative to the robot's namespace, or one with a leading ``/`` that a remapping puts elsewhere.
+    """
+    namespace = (plugin.namespace or "").strip("/")
+    before_all = f"/{namespace}/" if namespace else "/"
+
+    def relative(name: str) -> str:
+        """Without the plugin's own namespace; what is elsewhere keeps its leading slash."""
+        if name.startswith("~"):
+            return f"{plugin_node_name(plugin)}/{name.lstrip('~/')}"
+        return name[len(before_all) :] if namespace and name.startswith(before_all) else name
+
+    def is_same(one: str, other: str) -> bool:
+        absolute = (name if name.startswith("/") else before_all + name for name in (one, other))
+        return len(set(absolute)) == 1
+
+    for before, after in _remappings(plugin):
+        if is_same(relative(before), topic):
+            return relative(after)
+    return topic
+
+
+def _remappings(plugin: GazeboPlugin) -> Iterator[tuple[str, str]]:
+    texts: Iterable[str] = [
+        *plugin.elements.get("ros/remapping", ()),
+        *(word for text in plugin.elements.get("ros/argument", ()) for word in shlex.split(text)),
+    ]
+    for text in texts:
+        before, assigned, after = text.partition(":=")
+        if assigned and not before.startswith("__"):
+            yield before.strip(), after.strip()
+
+
+class PluginReader:
+    """Reads the values of a plugin's elements; errors name the file, the line and the element.
+
+    Args:
+        plugin: the plugin.
+        file: the robot's file.
+    """
+
+    def __init__(self, plugin: GazeboPlugin, file: Path | None):
+        self.plugin = plugin
+        self._file = file
+
+    def error(self, message: str) -> InputError:
+        """An error that points at the plugin."""
+        return InputError(
+            f"<plugin filename={self.plugin.filename!r}>: {message}", file=self._file, line=self.plugin.line
+        )
+
+    def has(self, tag: str) -> bool:
+        """Whether the plugin has such an element."""
+        return tag in self.plugin.elements
+
+    def texts(self, tag: str) -> tuple[str, ...]:
+        """All elements of a name."""
+        return tuple(text for text in self.plugin.elements.get(tag, ()) if text)
+
+    def text(self, tag: str, default: str) -> str:
+        """The first element of a name."""
+        return next(iter(self.texts(tag)), default)
+
+    def numbers(self, tag: str) -> tuple[float, ...]:
+        """All elements of a name as finite numbers."""
+        values = []
+        for text in self.texts(tag):
+            try:
+                value = float(text)
+            except ValueError:
+                raise self.error(f"<{tag}> is {text!r}, which is not a number") from None
+            if not isfinite(value):
+                raise self.error(f"<{tag}> is {text!r}, which is not finite")
+            values.append(value)
+        return tuple(values)
+
+    def number(self, tag: str, default: float) -> float:
+        """The first element of a name as a finite number."""
+        return next(iter(self.numbers(tag)), default)
+
+    def flag(self, tag: str, default: bool) -> bool:
+        """The first element of a name as true or false, written in any of SDF's ways."""
+        text = self.text(tag, str(default)).lower()
+        if text not in ("true", "false", "1", "0"):
+            raise self.error(f"<{tag}> is {text!r}, which is neither true nor false")
+        return text in ("true", "1")

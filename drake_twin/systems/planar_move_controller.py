@@ -1,0 +1,109 @@
+"""A base without driven wheels, moved over the plane by a commanded twist, as Gazebo's planar_move plugin does."""
+
+from dataclasses import dataclass, field, replace
+from math import atan2, cos, nan, sin
+from typing import Any, ClassVar
+
+from pydrake.systems.framework import Context
+
+from drake_twin.control.wheel_odometry import WheelOdometry
+from drake_twin.description.gazebo_drives import PLANAR_INTERFACES
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.controller import ControllerSetup, Interface, Update
+from drake_twin.systems.drive_controller import DriveController, DriveMemory, check_covariances, publication
+from drake_twin.systems.odometry_frames import odometry_frames
+
+_COVARIANCE = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanarMoveParameters:
+    """Parameters of ``gazebo_ros/PlanarMove``, after those of ``libgazebo_ros_planar_move.so``.
+
+    Attributes:
+        odom_frame_id: the odometry's frame; ``<odometry_frame>``.
+        base_frame_id: the base's frame; ``<robot_base_frame>``.
+        pose_covariance_diagonal: goes into the odometry as it is.
+        twist_covariance_diagonal: goes into the odometry as it is.
+        enable_odom_tf: whether the odometry's transform is published; ``<publish_odom_tf>``.
+        publish_rate: rate of the odometry (Hz).
+        use_stamped_vel: whether commands come as ``TwistStamped`` on ``~/cmd_vel`` instead of ``Twist`` on
+            ``~/cmd_vel_unstamped``.
+    """
+
+    odom_frame_id: str = "odom"
+    base_frame_id: str = "base_footprint"
+    pose_covariance_diagonal: tuple[float, ...] = _COVARIANCE
+    twist_covariance_diagonal: tuple[float, ...] = _COVARIANCE
+    enable_odom_tf: bool = True
+    publish_rate: float = field(default=20.0, metadata={"above": 0.0})
+    use_stamped_vel: bool = False
+
+    def __post_init__(self) -> None:
+        check_covariances(self)
+
+
+class PlanarMoveController(DriveController):
+    """Commands a base's velocity in the plane; its odometry is the true pose in the world, as the plugin's.
+
+    A command holds until the next one, as with the plugin; one that is not finite is refused.
+
+    .. pydrake_system::
+
+        name: PlanarMoveController
+        input_ports:
+        - state
+        - cmd_vel_unstamped
+        output_ports:
+        - command_interfaces
+        - odom
+        - tf_odometry
+
+    - ``cmd_vel_unstamped``: ``geometry_msgs/msg/Twist`` (m/s, rad/s), or ``cmd_vel``,
+      ``geometry_msgs/msg/TwistStamped``, with ``use_stamped_vel``.
+    - ``command_interfaces``: the root link's velocity forwards and to the left, along its own axes in the plane (m/s),
+      and about the world's z (rad/s); NaN before the first command.
+    - ``odom``: ``nav_msgs/msg/Odometry`` at ``publish_rate``; None before the first update.
+    - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
+    """
+
+    Parameters: ClassVar[type] = PlanarMoveParameters
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """The velocities of the base forwards, to the left and about z."""
+        return tuple(Interface(*interface) for interface in PLANAR_INTERFACES)
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        parameters: PlanarMoveParameters = setup.parameters
+        self._odometry_wheels = ()
+        self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=0.0)
+        self._declare_odometry(
+            "odom",
+            odometry_frames(setup, parameters.odom_frame_id, parameters.base_frame_id),
+            parameters.pose_covariance_diagonal,
+            parameters.twist_covariance_diagonal,
+            with_transform=parameters.enable_odom_tf,
+        )
+
+    def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
+        """Passes the command on and looks where the base is."""
+        memory = replace(memory, odometry=self._true_odometry(context, time))
+        memory = publication(memory, time, self.setup.parameters.publish_rate)
+        command = self.get_command_input_port().Eval(context)
+        if command is None:
+            return Update(memory, (nan, nan, nan))
+        return Update(memory, (command.linear_x, command.linear_y, command.angular_z))
+
+    def _true_odometry(self, context: Context, time: float) -> WheelOdometry:
+        layout = self.setup.layout
+        if layout.base_position is None or layout.base_velocity is None:
+            return WheelOdometry(time=time)
+        state = self.get_state_input_port().Eval(context).tolist()
+        qw, qx, qy, qz, x, y, _ = state[layout.base_position :][:7]
+        *_, angular, along_x, along_y, _ = state[layout.base_velocity :][:6]
+        heading = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+        forwards = cos(heading) * along_x + sin(heading) * along_y
+        to_the_left = cos(heading) * along_y - sin(heading) * along_x
+        return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)

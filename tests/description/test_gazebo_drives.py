@@ -1,0 +1,367 @@
+"""Gazebo's drive plugins as controllers: what Gazebo does with the same tags, by the plugins' sources."""
+
+from math import atan, sin
+
+import numpy as np
+import pytest
+from drive_harness import Driven
+
+from drake_twin.description.controllers_yaml import read_controllers
+from drake_twin.description.gazebo_drives import PLANAR_MOVE, gazebo_drives
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.parameters import read_parameters
+from drake_twin.description.robot_model import load_robot_model
+from drake_twin.description.urdf import parse_urdf
+from drake_twin.diagram.controller_types import controller_class
+from drake_twin.errors import InputError
+
+WHEELS = ("fl", "fr", "rl", "rr", "steer_left", "steer_right")
+
+
+def drives_of(content, filename, name="drive", joints=WHEELS):
+    text = '<robot name="r"><link name="base_footprint"/>'
+    for joint in joints:
+        text += f'<link name="{joint}_link"/><joint name="{joint}" type="continuous"><axis xyz="0 1 0"/>'
+        text += f'<parent link="base_footprint"/><child link="{joint}_link"/></joint>'
+    text += f'<gazebo><plugin filename="{filename}" name="{name}">{content}</plugin></gazebo></robot>'
+    return gazebo_drives(parse_urdf(text))
+
+
+def drive_of(*arguments, **options):
+    (drive,) = drives_of(*arguments, **options)
+    if drive.controller is not None:
+        check(drive)
+    return drive
+
+
+def check(drive):
+    """The controller takes the parameters without a warning, and claims what the record says it needs."""
+    cls = controller_class(drive.controller.type)
+    if cls is None or drive.controller.type.startswith("joint_state"):
+        return
+    parameters, warnings = read_parameters(cls.Parameters, drive.controller)
+    assert warnings == ()
+    claims = cls.claimed_interfaces(parameters, None)
+    assert tuple(map(str, claims)) == tuple("/".join(interface) for interface in drive.interfaces)
+
+
+DIFF = "<left_joint>fl</left_joint><right_joint>fr</right_joint>"
+
+
+def test_classic_diff_drive_with_everything_said():
+    drive = drive_of(
+        "<ros><namespace>n</namespace><remapping>odom:=odom/raw</remapping></ros><update_rate>30</update_rate>"
+        "<num_wheel_pairs>2</num_wheel_pairs><left_joint>fl</left_joint><right_joint>fr</right_joint>"
+        "<left_joint>rl</left_joint><right_joint>rr</right_joint>"
+        "<wheel_separation>0.4</wheel_separation><wheel_diameter>0.2</wheel_diameter>"
+        "<max_wheel_torque>20</max_wheel_torque><max_wheel_acceleration>1.5</max_wheel_acceleration>"
+        "<odometry_frame>o</odometry_frame><robot_base_frame>b</robot_base_frame><odometry_source>0</odometry_source>"
+        "<publish_odom>true</publish_odom><publish_odom_tf>1</publish_odom_tf><covariance_yaw>0.1</covariance_yaw>",
+        "libgazebo_ros_diff_drive.so",
+    )
+    values = drive.controller.parameters
+    assert (drive.controller.name, drive.controller.type) == ("drive", "diff_drive_controller/DiffDriveController")
+    assert (values["left_wheel_names"], values["right_wheel_names"]) == (["fl", "rl"], ["fr", "rr"])
+    assert (values["wheel_separation"], values["wheel_radius"], values["publish_rate"]) == (0.4, 0.1, 30.0)
+    assert (values["odom_frame_id"], values["base_frame_id"], values["enable_odom_tf"]) == ("o", "b", True)
+    assert values["pose_covariance_diagonal"] == [1e-5, 1e-5, 1e12, 1e12, 1e12, 0.1]
+    assert drive.topics == {"cmd_vel_unstamped": "cmd_vel", "odom": "odom/raw"}
+    assert drive.efforts == {"fl": 20.0, "rl": 20.0, "fr": 20.0, "rr": 20.0}
+    assert not drive.true_odometry
+
+
+def test_classic_diff_drives_defaults():
+    drive = drive_of(DIFF, "libgazebo_ros_diff_drive.so")
+    values = drive.controller.parameters
+    assert (values["wheel_separation"], values["wheel_radius"], values["publish_rate"]) == (0.34, 0.075, 100.0)
+    assert (values["base_frame_id"], values["enable_odom_tf"]) == ("base_footprint", False)
+    assert drive.topics == {"cmd_vel_unstamped": "cmd_vel"}  # publish_odom is false
+    assert drive.efforts == {"fl": 5.0, "fr": 5.0}
+    assert drive.true_odometry
+
+
+def test_a_wheels_acceleration_limits_the_base():
+    drive = drive_of(DIFF + "<max_wheel_acceleration>0.5</max_wheel_acceleration>", "libgazebo_ros_diff_drive.so")
+    radius = drive.controller.parameters["wheel_radius"]
+    for command in ({"x": 9.0}, {"z": 9.0}):
+        dut = Driven(drive.controller.type, drive.controller.parameters)
+        rims = dut.commands_while(0.04, **command) * radius
+        np.testing.assert_allclose(np.abs(rims), np.outer([0.005, 0.01, 0.015, 0.02], [1, 1]))
+
+
+def test_a_command_to_a_plugins_drive_holds_for_ever():
+    drive = drive_of(DIFF, "libgazebo_ros_diff_drive.so")
+    dut = Driven(drive.controller.type, drive.controller.parameters)
+    dut.send(x=0.15)
+    dut.advance(30.0)
+    assert dut.commands == pytest.approx([2.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        ("", "<left_joint> is missing"),
+        ("<left_joint>fl</left_joint><right_joint>nose</right_joint>", "the robot has no movable joint 'nose'"),
+        (DIFF + "<left_joint>rl</left_joint>", "<num_wheel_pairs> is 1, but there are 2 left and 1 right joints"),
+    ],
+)
+def test_a_plugin_that_does_not_work_in_gazebo_is_not_started(content, reason):
+    drive = drive_of(content, "libgazebo_ros_diff_drive.so")
+    assert drive.controller is None
+    assert drive.not_started == f"drive (libgazebo_ros_diff_drive.so): {reason}"
+
+
+def test_a_value_that_cannot_be_is_an_error():
+    with pytest.raises(InputError, match="<wheel_diameter> is -1, which is not above zero"):
+        drive_of(DIFF + "<wheel_diameter>-1</wheel_diameter>", "libgazebo_ros_diff_drive.so")
+
+
+def test_gz_diff_drive_with_limits_topics_and_frames():
+    drive = drive_of(
+        DIFF + "<wheel_separation>0.16</wheel_separation><wheel_radius>0.033</wheel_radius>"
+        "<min_velocity>-0.3</min_velocity><max_velocity>0.5</max_velocity><max_angular_velocity>2</max_angular_velocity>"
+        "<max_linear_acceleration>1</max_linear_acceleration><odom_publish_frequency>30</odom_publish_frequency>"
+        "<topic>cmd_vel</topic><odom_topic>/odom</odom_topic><tf_topic>/tf</tf_topic><frame_id>odom</frame_id>",
+        "gz-sim-diff-drive-system",
+        "gz::sim::systems::DiffDrive",
+    )
+    values = drive.controller.parameters
+    assert drive.controller.name == "diff_drive"
+    assert values["linear"]["x"] == {
+        "min_velocity": -0.3,
+        "max_velocity": 0.5,
+        "max_acceleration_reverse": -np.inf,
+        "max_acceleration": 1.0,
+    }
+    assert values["angular"]["z"] == {"min_velocity": -0.3, "max_velocity": 2.0}
+    assert (values["publish_rate"], values["base_frame_id"]) == (30.0, "base_footprint")
+    assert drive.topics == {"cmd_vel_unstamped": "cmd_vel", "odom": "odom"}
+    assert drive.gz_topics == {"cmd_vel_unstamped": "cmd_vel", "odom": "/odom", "tf_odometry": "/tf"}
+
+
+def test_where_gz_limits_one_direction_only_the_other_is_free():
+    drive = drive_of(DIFF + "<max_acceleration>1</max_acceleration>", "gz-sim-diff-drive-system")
+    dut = Driven(drive.controller.type, drive.controller.parameters)
+    dut.commands_while(0.05, x=0.02)
+    assert dut.commands == pytest.approx([0.1, 0.1])
+    dut.commands_while(0.06, x=0.0)
+    assert dut.commands == [0.0, 0.0]
+
+
+def test_gz_topics_have_the_models_name_by_default():
+    drive = drive_of(DIFF, "ignition-gazebo-diff-drive-system")
+    assert drive.topics == {"cmd_vel_unstamped": "cmd_vel", "odom": "odometry"}
+    assert drive.gz_topics["cmd_vel_unstamped"] == "/model/{model}/cmd_vel"
+
+
+def test_gz_mecanum_drive():
+    content = "<front_left_joint>fl</front_left_joint><front_right_joint>fr</front_right_joint>"
+    content += "<back_left_joint>rl</back_left_joint><back_right_joint>rr</back_right_joint>"
+    content += "<wheel_separation>0.4</wheel_separation><wheelbase>0.6</wheelbase><wheel_radius>0.1</wheel_radius>"
+    drive = drive_of(content, "gz-sim-mecanum-drive-system")
+    dut = Driven(drive.controller.type, drive.controller.parameters)
+    dut.send(z=1.0)
+    dut.advance(10.0)
+    assert dut.commands == pytest.approx([-5.0, 5.0, 5.0, -5.0])
+    assert drive.topics["reference_unstamped"] == "cmd_vel"
+
+
+def test_gz_ackermann_steering_drives_the_wheels_that_are_not_steered():
+    text = '<robot name="r"><link name="base"/>'
+    for joint, parent in (
+        ("steer_left", "base"),
+        ("steer_right", "base"),
+        ("fl", "steer_left_link"),
+        ("fr", "steer_right_link"),
+        ("rl", "base"),
+        ("rr", "base"),
+    ):
+        text += f'<link name="{joint}_link"/><joint name="{joint}" type="continuous"><parent link="{parent}"/>'
+        text += f'<child link="{joint}_link"/></joint>'
+    text += '<gazebo><plugin filename="gz-sim-ackermann-steering-system" name="gz::sim::systems::AckermannSteering">'
+    text += "<left_joint>fl</left_joint><left_joint>rl</left_joint><right_joint>fr</right_joint>"
+    text += "<right_joint>rr</right_joint><left_steering_joint>steer_left</left_steering_joint>"
+    text += "<right_steering_joint>steer_right</right_steering_joint><max_velocity>1</max_velocity>"
+    text += "<steering_limit>0.5</steering_limit></plugin></gazebo></robot>"
+    (drive,) = gazebo_drives(parse_urdf(text))
+    check(drive)
+    assert drive.interfaces == (
+        ("rr", "velocity"),
+        ("rl", "velocity"),
+        ("steer_right", "position"),
+        ("steer_left", "position"),
+    )
+    assert drive.warnings == (
+        "of <right_joint> fr, rr the twin drives rr, and the others roll",
+        "of <left_joint> fl, rl the twin drives rl, and the others roll",
+    )
+    dut = Driven(drive.controller.type, drive.controller.parameters)
+    dut.commands_while(0.05, x=5.0, z=50.0)
+    # gz: the smallest turning radius is wheel_base / sin(limit), with a kingpin width of 0.8 and a base of 1
+    radius = 1.0 / sin(0.5)
+    assert dut.commands[2:] == pytest.approx([atan(1 / (radius + 0.4)), atan(1 / (radius - 0.4))])
+    assert dut.commands[:2] == pytest.approx([(1 + 0.5 / radius) / 0.2, (1 - 0.5 / radius) / 0.2])
+
+
+def test_classic_ackermann_takes_its_geometry_from_the_model():
+    text = '<robot name="r"><link name="base"/>'
+    places = {"fl": (0.5, 0.3), "fr": (0.5, -0.3), "rl": (-0.4, 0.25), "rr": (-0.4, -0.25)}
+    for name, (x, y) in places.items():
+        parent = "base"
+        if name.startswith("f"):
+            parent = f"{name}_steering_link"
+            text += f'<link name="{parent}"/><joint name="{name}_steering" type="continuous"><parent link="base"/>'
+            text += f'<child link="{parent}"/><origin xyz="{x} {y} 0"/></joint>'
+            x, y = 0, 0
+        text += f'<link name="{name}_link"><collision><geometry><cylinder radius="0.15" length="0.1"/></geometry>'
+        text += f'</collision></link><joint name="{name}" type="continuous"><parent link="{parent}"/>'
+        text += f'<child link="{name}_link"/><origin xyz="{x} {y} 0" rpy="1.57 0 0"/></joint>'
+    text += '<gazebo><plugin filename="libgazebo_ros_ackermann_drive.so" name="car">'
+    for tag, joint in (("front_left", "fl"), ("front_right", "fr"), ("rear_left", "rl"), ("rear_right", "rr")):
+        text += f"<{tag}_joint>{joint}</{tag}_joint>"
+    text += "<left_steering_joint>fl_steering</left_steering_joint><max_steer>0.5</max_steer>"
+    text += "<right_steering_joint>fr_steering</right_steering_joint></plugin></gazebo></robot>"
+    (drive,) = gazebo_drives(parse_urdf(text))
+    check(drive)
+    values = drive.controller.parameters
+    assert values["traction_wheels_radius"] == 0.15
+    assert values["wheelbase"] == pytest.approx(0.9)
+    assert values["traction_track_width"] == pytest.approx(0.5)
+    assert values["steering_track_width"] == pytest.approx(0.6)
+    dut = Driven(drive.controller.type, values)
+    dut.send(z=0.9)  # an angle, as the plugin takes it
+    dut.advance(0.005)
+    dut.advance(0.015)
+    assert np.tan(dut.commands[2:]) == pytest.approx([1 / (1 / np.tan(0.5) + 1 / 3), 1 / (1 / np.tan(0.5) - 1 / 3)])
+
+
+def test_planar_move_commands_the_base():
+    drive = drive_of("<publish_odom_tf>false</publish_odom_tf>", "libgazebo_ros_planar_move.so", "object_controller")
+    assert (drive.controller.type, drive.controller.parameters["publish_rate"]) == (PLANAR_MOVE, 20.0)
+    assert drive.interfaces[0] == ("base/linear/x", "velocity")
+    assert drive.topics == {"cmd_vel_unstamped": "cmd_vel", "odom": "odom"}
+    assert drive_of("<topic>twist</topic>", "gz-sim-velocity-control-system").topics == {"cmd_vel_unstamped": "twist"}
+
+
+def test_joint_state_publishers_broadcast_their_joints():
+    classic = drive_of(
+        "<joint_name>fl</joint_name><update_rate>30</update_rate>", "libgazebo_ros_joint_state_publisher.so"
+    )
+    assert classic.controller.type == "joint_state_broadcaster/JointStateBroadcaster"
+    assert classic.controller.parameters == {
+        "joints": ["fl"],
+        "interfaces": ["position", "velocity"],
+        "update_rate": 30,
+    }
+    assert classic.topics == {"joint_states": "joint_states"}
+    gz = drive_of("", "gz-sim-joint-state-publisher-system")
+    assert gz.controller.parameters["joints"] == list(WHEELS)
+
+
+@pytest.mark.parametrize(
+    ("filename", "interface", "topic"),
+    [
+        ("gz-sim-joint-position-controller-system", "position", "joint/fl/0/cmd_pos"),
+        ("gz-sim-joint-controller-system", "velocity", "joint/fl/cmd_vel"),
+    ],
+)
+def test_joint_controllers_of_gz_are_joint_group_controllers_commanded_by_a_number(filename, interface, topic):
+    drive = drive_of("<joint_name>fl</joint_name><p_gain>3</p_gain>", filename)
+    assert drive.controller.type == f"{interface}_controllers/JointGroup{interface.title()}Controller"
+    assert (drive.topics, drive.types) == ({"commands": topic}, {"commands": "std_msgs/msg/Float64"})
+    assert drive.gz_topics == {"commands": f"/model/{{model}}/{topic}"}
+    assert drive.interfaces == (("fl", interface),)
+    assert drive.warnings == ("<p_gain> is not used: the twin chooses the joint's gains",)
+    named = drive_of(
+        "<joint_name>fl</joint_name><topic>/lift</topic><initial_position>0.2</initial_position>", filename
+    )
+    assert named.topics == {"commands": "lift"}
+    assert named.start == ({"fl": 0.2} if interface == "position" else {})
+
+
+def test_several_plugins_of_a_kind_have_names_of_their_own_and_other_plugins_are_left_out():
+    text = '<robot name="r"><link name="b"/><link name="l"/><joint name="j" type="continuous"><parent link="b"/>'
+    text += '<child link="l"/></joint><gazebo>'
+    for _ in range(2):
+        text += '<plugin filename="gz-sim-joint-controller-system" name="gz::sim::systems::JointController">'
+        text += "<joint_name>j</joint_name></plugin>"
+    text += '<plugin filename="libgazebo_ros_camera.so" name="camera"/></gazebo></robot>'
+    assert [drive.controller.name for drive in gazebo_drives(parse_urdf(text))] == [
+        "joint_controller",
+        "joint_controller_2",
+    ]
+
+
+def test_an_sdf_models_plugins_count_too(tmp_path):
+    file = tmp_path / "model.sdf"
+    inertial = "<inertial><mass>1</mass></inertial>"
+    file.write_text(
+        f'<sdf version="1.8"><model name="m"><link name="base">{inertial}</link>'
+        + "".join(
+            f'<link name="{side}_link">{inertial}</link><joint name="{side}" type="revolute"><parent>base</parent>'
+            f"<child>{side}_link</child><axis><xyz>0 1 0</xyz></axis></joint>"
+            for side in ("left", "right")
+        )
+        + '<plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">\n'
+        "<left_joint>left</left_joint><right_joint>right</right_joint></plugin></model></sdf>"
+    )
+    (drive,) = gazebo_drives(load_robot_model(str(file), PackageIndex()).description)
+    check(drive)
+    assert drive.interfaces == (("left", "velocity"), ("right", "velocity"))
+
+
+@pytest.mark.parametrize(
+    ("robot", "arguments", "types"),
+    [
+        (
+            "cadre_demos/cadre_demo/robot_description/robot/robot.xacro",
+            {"robot_name": "rover"},
+            ["joint_state_broadcaster/JointStateBroadcaster", "diff_drive_controller/DiffDriveController"],
+        ),
+        (
+            "linorobot2/linorobot2_description/urdf/robots/2wd.urdf.xacro",
+            {},
+            ["diff_drive_controller/DiffDriveController"],
+        ),
+        (
+            "linorobot2/linorobot2_description/urdf/robots/4wd.urdf.xacro",
+            {},
+            ["diff_drive_controller/DiffDriveController"],
+        ),
+        ("linorobot2/linorobot2_description/urdf/robots/mecanum.urdf.xacro", {}, [PLANAR_MOVE]),
+    ],
+)
+def test_robots_of_the_corpus_that_only_plugins_drive(corpus, robot, arguments, types):
+    model = load_robot_model(str(corpus / robot), PackageIndex([corpus]), xacro_args=arguments)
+    drives = gazebo_drives(model.description)
+    assert [drive.controller.type for drive in drives] == types
+    for drive in drives:
+        check(drive)
+        assert drive.topics.get("cmd_vel_unstamped", "cmd_vel") == "cmd_vel"
+
+
+@pytest.mark.parametrize(
+    "file",
+    [
+        "bumperbot/Section12_Build_the_Robot/bumperbot_ws/src/bumperbot_controller/config/bumperbot_controllers.yaml",
+        "forklift_one/config/forklift_controllers.yaml",
+        "gazebo_ros2_control/gazebo_ros2_control_demos/config/diff_drive_controller.yaml",
+        "gz_ros2_control/gz_ros2_control_demos/config/ackermann_drive_controller.yaml",
+        "gz_ros2_control/gz_ros2_control_demos/config/diff_drive_controller_velocity.yaml",
+        "gz_ros2_control/gz_ros2_control_demos/config/tricycle_drive_controller.yaml",
+        "ros2_control_demos/example_11/bringup/config/carlikebot_controllers.yaml",
+        "ros2_control_demos/example_16/bringup/config/diffbot_chained_controllers.yaml",
+        "ros2_control_demos/example_2/bringup/config/diffbot_controllers.yaml",
+        "rosbot_xl_ros/rosbot_xl_controller/config/diff_drive_controller.yaml",
+    ],
+)
+def test_parameters_of_the_corpus_load(corpus, file):
+    drives = [
+        (controller, cls)
+        for controller in read_controllers(corpus / file, "/robot_1", {}).controllers
+        if (cls := controller_class(controller.type)) is not None and hasattr(cls.Parameters, "base_frame_id")
+    ]
+    assert drives
+    for controller, cls in drives:
+        parameters, _ = read_parameters(cls.Parameters, controller)
+        assert cls.claimed_interfaces(parameters, None)
