@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import logging
 import os
 import signal
 import sys
@@ -33,6 +34,9 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal without "…" shows a question mark
+    log = logging.getLogger("drake_twin")
+    if not any(isinstance(handler, _LogHandler) for handler in log.handlers):
+        log.addHandler(_LogHandler(logging.WARNING))
     try:
         return program(arguments)
     except TwinError as error:
@@ -47,6 +51,14 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+class _LogHandler(logging.Handler):
+    """Shows what happens while a twin runs, such as a controller that is given up."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        text = f"{record.levelname.lower()}: {record.getMessage()}"
+        say(f"\r\033[K{text}" if sys.stdout is not None and sys.stdout.isatty() else text, sys.stderr)
 
 
 def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:

@@ -73,7 +73,10 @@ class RobotControl:
         except (TypeError, ValueError) as error:
             is_list = topic.type == "std_msgs/msg/Float64MultiArray"
             raise CommandError(f"{data!r} is not a list of numbers" if is_list else str(error)) from None
-        return self.controllers[topic.controller].read(topic.name, message, self.context_of(topic.controller))
+        controller = self.controllers[topic.controller]
+        if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
+            message = messages.float64_multi_array([message.data] * len(controller.claims))
+        return controller.read(topic.name, message, self.context_of(topic.controller))
 
     def accepts(self, topic: CommandTopic) -> bool:
         """Whether a message on a topic reaches its controller: one that is not active hears nothing."""

@@ -494,3 +494,35 @@ def test_the_scenarios_own_commands_are_refused_too_while_the_stop_holds(make, c
     twin.advance_to(1.0)
     assert velocity(twin, "wheel") == pytest.approx(0, abs=1e-9)
     assert "emergency stop" in caplog.text
+
+
+# gz_ros2_control's own settings
+
+
+def test_hold_joints_false_leaves_unclaimed_joints_limp(make, monkeypatch):
+    limp = "<hardware><param name='hold_joints'>false</param>"
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", limp))
+    twin = make("velocities", inactive=("positions",))
+    twin.controller_manager("r").switch_controller(deactivate=["velocities"])
+    twin.advance_to(1.0)
+    assert position(twin, "arm") > 0.8  # it falls: its weight hangs in front of it
+
+
+def test_the_proportional_gain_of_the_position_is_honoured(make, monkeypatch):
+    gain = "<hardware><param name='position_proportional_gain'>0.05</param>"
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", gain))
+    twin = make("positions")
+    twin.publish("/r/positions/commands", [0.9])
+    # 0.05 at 100 Hz closes the gap with a time constant of 0.2 s, once the joint has picked up speed
+    twin.advance_to(0.3)
+    gaps = [0.9 - position(twin, "arm")]
+    twin.advance_to(0.5)
+    gaps.append(0.9 - position(twin, "arm"))
+    assert gaps[1] / gaps[0] == pytest.approx(np.exp(-1), rel=0.08)
+
+
+def test_a_gain_that_is_none_is_refused(make, monkeypatch):
+    wrong = "<hardware><param name='position_proportional_gain'>fast</param>"
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", wrong))
+    with pytest.raises(InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a number"):
+        make("positions")

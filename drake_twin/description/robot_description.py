@@ -105,13 +105,14 @@ class HardwareSensor:
 
 @dataclass(frozen=True)
 class HardwareSystem:
-    """A ``<ros2_control>`` tag: one hardware component, its joints and sensors."""
+    """A ``<ros2_control>`` tag: one hardware component, its joints, sensors and ``<hardware><param>`` values."""
 
     name: str
     type: str
     plugin: str
     joints: tuple[ControlledJoint, ...] = ()
     sensors: tuple[HardwareSensor, ...] = ()
+    parameters: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

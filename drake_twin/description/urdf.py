@@ -165,6 +165,7 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
         type=element.get("type", "system"),
         plugin=(element.findtext("hardware/plugin") or "").strip(),
         joints=tuple(joints),
+        parameters=_parameters(hardware) if (hardware := element.find("hardware")) is not None else {},
         sensors=tuple(hardware_sensors(reader, element)),
     )
 
@@ -178,7 +179,8 @@ def _command_interface(reader: XmlReader, element: etree._Element) -> CommandInt
     lower, upper = bounds.get("min", -inf), bounds.get("max", inf)
     if lower > upper:
         raise reader.error(element, f"min ({lower:g}) is above max ({upper:g})")
-    return CommandInterface(reader.text(element, "name"), lower, upper)
+    # gazebo_ros2_control names an interface `position_pid` where its own PID is to follow the position.
+    return CommandInterface(reader.text(element, "name").removesuffix("_pid"), lower, upper)
 
 
 def _state_interface(reader: XmlReader, element: etree._Element) -> StateInterface:

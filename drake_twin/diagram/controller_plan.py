@@ -1,10 +1,11 @@
 """What a robot's controllers amount to: typed parameters, claimed interfaces, and which are active at the start."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
+from drake_twin.description.gazebo_drives import GazeboDrive
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.yaml_document import ValuePath
@@ -31,6 +32,10 @@ class ControllerPlan:
         state: what it is at the start: unloaded, inactive or active.
         update_rate: how often it is updated (Hz).
         problem: why it cannot be configured or activated; None when it can.
+        topics: its own topic → the one in its place, below the robot's namespace or with a leading ``/``; a topic that
+            is not here does not exist. None where its topics stand below its name.
+        types: its own topic → the ROS type there, where it is another one.
+        true_odometry: whether its odometry is the true pose instead of what the wheels tell.
     """
 
     name: str
@@ -41,6 +46,9 @@ class ControllerPlan:
     state: str = UNLOADED
     update_rate: float = 100.0
     problem: str | None = None
+    topics: Mapping[str, str] | None = None
+    types: Mapping[str, str] = field(default_factory=dict)
+    true_odometry: bool = False
 
 
 def plan_controllers(
@@ -49,6 +57,7 @@ def plan_controllers(
     description: RobotDescription,
     manager: ControllerManagerParameters,
     prefix: str,
+    drives: Sequence[GazeboDrive] = (),
 ) -> tuple[tuple[ControllerPlan, ...], list[str], list[str]]:
     """Plans all controllers of a robot's parameters files.
 
@@ -58,6 +67,7 @@ def plan_controllers(
         description: the robot.
         manager: its parameters files.
         prefix: what the robot's joints have in front of the names in the parameters files, where they differ.
+        drives: Gazebo plugins that are controllers, too; active from the start.
 
     Returns:
         The controllers; why some that were to be active are not; what is ignored.
@@ -67,6 +77,9 @@ def plan_controllers(
     """
     by_name = {controller.name: controller for controller in manager.controllers}
     chosen = _chosen(robot, path, by_name)
+    by_drive = _drives_by_name(drives, by_name)
+    chosen |= dict.fromkeys(by_drive, ACTIVE)
+    by_name |= {name: replace(drive.controller, name=name) for name, drive in by_drive.items() if drive.controller}
     plans: dict[str, ControllerPlan] = {}
     not_started: list[str] = []
     warnings: list[str] = []
@@ -77,6 +90,9 @@ def plan_controllers(
             if name in chosen:
                 raise
             plan, ignored = ControllerPlan(name, controller.type, problem=str(error)), ()
+        if name in by_drive:
+            drive = by_drive[name]
+            plan = replace(plan, topics=drive.topics, types=drive.types, true_odometry=drive.true_odometry)
         plans[name] = plan
         if name in chosen:
             warnings += ignored
@@ -98,6 +114,20 @@ def plan_controllers(
         plans[name] = replace(plan, state=state)
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), not_started, warnings
+
+
+def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:
+    """Plugins under names that no controller has; of two broadcasters of joint states, ros2_control's is the one."""
+    has_broadcaster = any(item.type == JOINT_STATE_BROADCASTER for item in taken.values())
+    found: dict[str, GazeboDrive] = {}
+    for drive in drives:
+        if drive.controller is None or (has_broadcaster and drive.controller.type == JOINT_STATE_BROADCASTER):
+            continue
+        name = drive.controller.name
+        while name in taken or name in found:
+            name += "_plugin"
+        found[name] = drive
+    return found
 
 
 def _chosen(robot: Robot, path: ValuePath, by_name: Mapping[str, ControllerParameters]) -> dict[str, str]:

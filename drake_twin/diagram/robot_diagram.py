@@ -137,6 +137,7 @@ def _add_controllers(
                 other: Upstream(controllers[other].get_command_interfaces_output_port().size(), indices)
                 for other, indices in _upstream(item, usable).items()
             },
+            true_odometry=item.true_odometry,
             physics_step=time_step,
         )
         controllers[name] = builder.AddNamedSystem(name, kind(setup))

@@ -1,9 +1,11 @@
 """What a scenario's robot amounts to once its files are read: its model, its controllers, its frames."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from math import inf, nan
 
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
+from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
@@ -11,6 +13,7 @@ from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
 from drake_twin.diagram.controller_plan import ControllerPlan, plan_controllers
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
+from drake_twin.diagram.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot, ScenarioError
 
@@ -105,13 +108,18 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         without_repairs=robot.without_repairs,
         collision=robot.collision,
     )
+    own = model.description
+    drives, not_started, drive_warnings = usable_drives(gazebo_drives(own), model.is_fixed)
+    model = replace(model, description=with_actuators(own, drives))
     description = model.description
-    warnings += [*model.warnings, *map(str, model.repairs), *_unused_interfaces(description)]
-    manager = _controller_manager(robot, path, description, packages, xacro_args)
-    controllers, not_started, controller_warnings = plan_controllers(
-        robot, path, description, manager, xacro_args.get("prefix", "")
+    warnings += [*drive_warnings, *model.warnings, *map(str, model.repairs), *_unused_interfaces(description)]
+    manager = _controller_manager(robot, path, own, packages, xacro_args)
+    controllers, not_activated, controller_warnings = plan_controllers(
+        robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )
-    positions, position_warnings = _start_positions(robot, path, description)
+    not_started += not_activated
+    starts = {joint: position for drive in drives for joint, position in drive.start.items()}
+    positions, position_warnings = _start_positions(robot, path, description, starts)
     warnings += [*controller_warnings, *position_warnings]
     return RobotPlan(
         robot=robot,
@@ -119,13 +127,41 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         controllers=controllers,
         update_rate=manager.update_rate,
         enforce_limits=manager.enforce_command_limits,
-        hold_joints=True,
-        position_time_constant=None,
+        hold_joints=_hold_joints(description),
+        position_time_constant=_position_time_constant(description, manager.update_rate),
         frame_prefix=_frame_prefix(robot, description),
         start_positions=positions,
         not_started=tuple(f"{robot.name}: {reason}" for reason in not_started),
         warnings=tuple(f"{robot.name}: {warning}" for warning in warnings),
     )
+
+
+def _settings(description: RobotDescription, name: str) -> Iterator[str]:
+    """A setting of gz_ros2_control's, wherever a robot file may give it: at the hardware or at the plugin."""
+    for system in description.systems:
+        if name in system.parameters:
+            yield system.parameters[name]
+    for plugin in description.plugins:
+        yield from plugin.elements.get(name, ())
+
+
+def _hold_joints(description: RobotDescription) -> bool:
+    return next((text.strip().lower() not in ("false", "0") for text in _settings(description, "hold_joints")), True)
+
+
+def _position_time_constant(description: RobotDescription, update_rate: float) -> float | None:
+    """gz_ros2_control moves a joint at gain · error · update rate; None where no gain is given."""
+    for text in _settings(description, "position_proportional_gain"):
+        try:
+            gain = float(text)
+        except ValueError:
+            gain = nan
+        if not 0 < gain < inf:
+            raise InputError(
+                f"position_proportional_gain is {text!r}, which is not a number above zero", file=description.file
+            )
+        return 1.0 / (gain * update_rate)
+    return None
 
 
 def _unused_interfaces(description: RobotDescription) -> list[str]:
@@ -152,7 +188,11 @@ def _controller_manager(
         resolved = [packages.resolve(file, description.file) for file in files]
     except InputError as error:
         raise ScenarioError((*path, "controllers"), str(error)) from None
-    return read_controllers(resolved, robot.topic_namespace, placeholders)
+    parameters = read_controllers(resolved, robot.topic_namespace, placeholders)
+    for plugin in description.plugins:
+        if not parameters.controllers and plugin.namespace:  # written for the namespace that the robot's file gives
+            parameters = read_controllers(resolved, f"/{plugin.namespace.strip('/')}", placeholders)
+    return parameters
 
 
 def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:
@@ -186,9 +226,16 @@ def _frame_prefix(robot: Robot, description: RobotDescription) -> str:
 
 
 def _start_positions(
-    robot: Robot, path: ValuePath, description: RobotDescription
+    robot: Robot, path: ValuePath, description: RobotDescription, starts: Mapping[str, float]
 ) -> tuple[dict[str, float], list[str]]:
-    """Positions from the scenario, else ``initial_value``, else zero; within limits; followers where they belong."""
+    """Positions from the scenario, else the robot's file, else zero; within limits; followers where they belong.
+
+    Args:
+        robot: the scenario's entry.
+        path: where it stands in the scenario.
+        description: the robot, whose ``initial_value``s count.
+        starts: what Gazebo's plugins begin with.
+    """
     joints = {joint.name: joint for joint in description.movable_joints}
     warnings = []
     for name in robot.initial_positions:
@@ -198,7 +245,7 @@ def _start_positions(
             )
     positions: dict[str, float] = {}
     for name, joint in joints.items():
-        value = robot.initial_positions.get(name)
+        value = robot.initial_positions.get(name, starts.get(name))
         if value is None:
             controlled = description.controlled_joints.get(name)
             interfaces = controlled.state_interfaces if controlled else ()

@@ -11,6 +11,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPor
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
+from drake_twin.diagram.controller_plan import ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_diagram import PUBLISHED, RobotDiagram, build_robot_diagram
@@ -198,24 +199,46 @@ def _add_robot(
     for name, output in robot.plant_inputs.items():
         builder.Connect(output, system.GetInputPort(name))
     namespace = plan.robot.topic_namespace
-    joint_state_broadcaster = next((item.name for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), "")
+    plans = {item.name: item for item in plan.controllers}
+    broadcaster = next((item for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), None)
     for name, kind in PUBLISHED.items():
         rate = None if name == "robot_description" else plan.update_rate
-        controller = joint_state_broadcaster if name.endswith("joint_states") else ""
-        topics.publish(f"{namespace}/{name}", system.GetOutputPort(name), kind, rate, plan.name, controller)
-    rates = {item.name: item.update_rate for item in plan.controllers}
+        if broadcaster is None or not name.endswith("joint_states"):
+            topics.publish(f"{namespace}/{name}", system.GetOutputPort(name), kind, rate, plan.name)
+        elif (topic := _broadcast_topic(namespace, broadcaster, name)) is not None:
+            rate = broadcaster.update_rate
+            topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name, broadcaster.name)
     for name, item in robot.controllers.items():
-        for topic, kind in item.subscribed.items():
-            port = system.GetInputPort(f"{name}/{topic}")
-            topics.listen(f"{namespace}/{name}/{topic}", port, kind, plan.name, name, topic)
-        for action, kind in item.actions.items():
-            port = system.GetInputPort(f"{name}/{action}")
-            topics.listen(f"{namespace}/{name}/{action}", port, kind, plan.name, name, action, action=True)
-        for topic, kind in item.published.items():
-            output = system.GetOutputPort(f"{name}/{topic}")
-            if topic != TF_ODOMETRY:  # which goes to /tf
-                topics.publish(f"{namespace}/{name}/{topic}", output, kind, rates[name], plan.name, name)
+        for own, kind in item.subscribed.items():
+            if (topic := _controller_topic(namespace, plans[name], own)) is not None:
+                port = system.GetInputPort(f"{name}/{own}")
+                topics.listen(topic, port, plans[name].types.get(own, kind), plan.name, name, own)
+        for own, kind in item.actions.items():
+            port = system.GetInputPort(f"{name}/{own}")
+            topics.listen(f"{namespace}/{name}/{own}", port, kind, plan.name, name, own, action=True)
+        for own, kind in item.published.items():
+            topic = _controller_topic(namespace, plans[name], own)
+            if topic is not None and own != TF_ODOMETRY:  # which goes to /tf
+                output = system.GetOutputPort(f"{name}/{own}")
+                topics.publish(topic, output, kind, plans[name].update_rate, plan.name, name)
     return robot
+
+
+def _controller_topic(namespace: str, plan: ControllerPlan, own: str) -> str | None:
+    """The full name of a controller's topic; None where its plugin does not have it."""
+    if plan.topics is None:
+        return f"{namespace}/{plan.name}/{own}"
+    topic = plan.topics.get(own)
+    return topic if topic is None or topic.startswith("/") else f"{namespace}/{topic}"
+
+
+def _broadcast_topic(namespace: str, plan: ControllerPlan, name: str) -> str | None:
+    """The full name of one of the joint_state_broadcaster's topics; None for one that it does not publish."""
+    if plan.topics is not None:
+        return _controller_topic(namespace, plan, name)
+    if plan.parameters is not None and plan.parameters.use_local_topics:
+        return f"{namespace}/{plan.name}/{name}"
+    return f"{namespace}/{name}"
 
 
 def _add_transform_broadcaster(

@@ -53,6 +53,7 @@ class ControllerSetup:
         namespace: the robot's namespace, ``/robot_1`` or empty.
         frame_prefix: put before its link names in tf messages.
         upstream: the controllers that may write this one's references.
+        true_odometry: whether a drive's odometry is the true pose instead of what its wheels tell.
         physics_step: the time between two steps of the physics (s); 0 for one much shorter than ``update_period``.
     """
 
@@ -66,6 +67,7 @@ class ControllerSetup:
     namespace: str = ""
     frame_prefix: str = ""
     upstream: Mapping[str, "Upstream"] = field(default_factory=dict)
+    true_odometry: bool = False
     physics_step: float = 0.0
 
 

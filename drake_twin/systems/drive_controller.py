@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos, isinf, isnan, nan, sin
+from math import atan2, cos, isinf, isnan, nan, sin
 from typing import Any
 
 import numpy as np
@@ -166,6 +166,8 @@ class DriveController(PeriodicController):
         self._covariances = tuple(np.diag(diagonal).ravel() for diagonal in (pose_covariance, twist_covariance))
         self._with_pose = with_pose
         tickets = {self.sample_ticket()}
+        if self.setup.true_odometry:
+            tickets.add(self.input_port_ticket(self.get_state_input_port().get_index()))
         self._odometry = self._declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
         if with_transform:
             self.odometry_frames = frames
@@ -197,12 +199,28 @@ class DriveController(PeriodicController):
             return None, memory
         return command, replace(memory, used=command.id)
 
+    def _seen_odometry(self, context: Context, published: WheelOdometry) -> WheelOdometry:
+        return self.true_odometry(context, published.time) if self.setup.true_odometry else published
+
+    def true_odometry(self, context: Context, time: float) -> WheelOdometry:
+        """The true pose of the root link in the world, seen from above, and its velocity in its own axes."""
+        layout = self.setup.layout
+        if layout.base_position is None or layout.base_velocity is None:
+            return WheelOdometry(time=time)
+        state = self.get_state_input_port().Eval(context).tolist()
+        qw, qx, qy, qz, x, y, _ = state[layout.base_position :][:7]
+        *_, angular, along_x, along_y, _ = state[layout.base_velocity :][:6]
+        heading = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+        forwards = cos(heading) * along_x + sin(heading) * along_y
+        to_the_left = cos(heading) * along_y - sin(heading) * along_x
+        return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)
+
     def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
         memory = self.sample(context).memory
         if memory is None or memory.published is None:
             output.set_value(None)
             return
-        odometry: WheelOdometry = memory.published
+        odometry = self._seen_odometry(context, memory.published)
         seen = odometry if self._with_pose else odometry.reset()
         pose_covariance, twist_covariance = self._covariances
         odom_frame, base_frame = self._frames
@@ -224,7 +242,7 @@ class DriveController(PeriodicController):
         if memory is None or memory.published is None:
             output.set_value(None)
             return
-        odometry: WheelOdometry = memory.published
+        odometry = self._seen_odometry(context, memory.published)
         odom_frame, base_frame = self._frames
         transform = messages.TransformStamped(
             header=messages.header(odometry.time, odom_frame),

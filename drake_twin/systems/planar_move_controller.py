@@ -1,12 +1,11 @@
 """A base without driven wheels, moved over the plane by a commanded twist, as Gazebo's planar_move plugin does."""
 
 from dataclasses import dataclass, field, replace
-from math import atan2, cos, nan, sin
+from math import nan
 from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
 
-from drake_twin.control.wheel_odometry import WheelOdometry
 from drake_twin.description.gazebo_drives import PLANAR_INTERFACES
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.controller import ControllerSetup, Interface, Update
@@ -89,21 +88,9 @@ class PlanarMoveController(DriveController):
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
         """Passes the command on and looks where the base is."""
-        memory = replace(memory, odometry=self._true_odometry(context, time))
+        memory = replace(memory, odometry=self.true_odometry(context, time))
         memory = publication(memory, time, self.setup.parameters.publish_rate)
         command = self.get_command_input_port().Eval(context)
         if command is None:
             return Update(memory, (nan, nan, nan))
         return Update(memory, (command.linear_x, command.linear_y, command.angular_z))
-
-    def _true_odometry(self, context: Context, time: float) -> WheelOdometry:
-        layout = self.setup.layout
-        if layout.base_position is None or layout.base_velocity is None:
-            return WheelOdometry(time=time)
-        state = self.get_state_input_port().Eval(context).tolist()
-        qw, qx, qy, qz, x, y, _ = state[layout.base_position :][:7]
-        *_, angular, along_x, along_y, _ = state[layout.base_velocity :][:6]
-        heading = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
-        forwards = cos(heading) * along_x + sin(heading) * along_y
-        to_the_left = cos(heading) * along_y - sin(heading) * along_x
-        return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)

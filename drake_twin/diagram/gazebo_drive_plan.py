@@ -1,0 +1,67 @@
+"""Robots that a Gazebo plugin drives, planned as if ros2_control drove them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from drake_twin.description.gazebo_drives import PLANAR_MOVE, GazeboDrive
+from drake_twin.description.robot_description import (
+    CommandInterface,
+    ControlledJoint,
+    HardwareSystem,
+    Joint,
+    RobotDescription,
+    StateInterface,
+)
+
+
+def usable_drives(drives: Iterable[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[str], list[str]]:
+    """The plugins that become controllers; why others do not; what of them changes nothing."""
+    usable, not_started, warnings = [], [], []
+    for drive in drives:
+        if drive.controller is None:
+            not_started.append(f"Gazebo plugin {drive.not_started}")
+        elif drive.controller.type == PLANAR_MOVE:
+            where = "to the world" if fixed_base else "without wheels"
+            not_started.append(
+                f"Gazebo plugin {drive.controller.name} ({drive.plugin.filename}): it moves a base {where}, which the"
+                " twin cannot: give the wheels a drive"
+            )
+        else:
+            usable.append(drive)
+            warnings += [f"Gazebo plugin {drive.controller.name}: {warning}" for warning in drive.warnings]
+    return usable, not_started, warnings
+
+
+def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive]) -> RobotDescription:
+    """The robot with a command interface wherever a plugin commands a joint, and with the plugin's effort limits."""
+    interfaces: dict[str, list[str]] = {}
+    efforts: dict[str, float] = {}
+    for drive in drives:
+        for joint, interface in drive.interfaces:
+            interfaces.setdefault(joint, []).append(interface)
+        efforts.update(drive.efforts)
+    if not interfaces:
+        return description
+    commanded = [
+        ControlledJoint(joint, tuple(CommandInterface(name) for name in names), _states(description, joint))
+        for joint, names in interfaces.items()
+    ]
+    others = [
+        ControlledJoint(joint.name, (), (StateInterface("position"), StateInterface("velocity")))
+        for joint in description.movable_joints
+        if joint.name not in interfaces and joint.name not in description.controlled_joints
+    ]
+    system = HardwareSystem("gazebo", "system", "", tuple(commanded + others))
+    joints = tuple(_limited(joint, efforts) for joint in description.joints)
+    return replace(description, systems=(*description.systems, system), joints=joints)
+
+
+def _states(description: RobotDescription, joint: str) -> tuple[StateInterface, ...]:
+    known = description.controlled_joints.get(joint)
+    return known.state_interfaces if known else (StateInterface("position"), StateInterface("velocity"))
+
+
+def _limited(joint: Joint, efforts: Mapping[str, float]) -> Joint:
+    if joint.name not in efforts:
+        return joint
+    return replace(joint, limits=replace(joint.limits, effort=min(joint.limits.effort, efforts[joint.name])))

@@ -1,0 +1,113 @@
+"""Robots that only a Gazebo plugin drives, in the twin."""
+
+import pytest
+
+from drake_twin import TwinBuilder
+
+CART = """<robot name="cart">
+  <link name="base_footprint"/>
+  <joint name="base_joint" type="fixed"><parent link="base_footprint"/><child link="base_link"/></joint>
+  <link name="base_link"><inertial><mass value="5"/><inertia ixx="0.05" iyy="0.08" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+    </inertial></link>
+  {wheels}
+  <link name="caster"><inertial><mass value="0.1"/>
+    <inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+  <joint name="caster_joint" type="fixed"><parent link="base_link"/><child link="caster"/>
+    <origin xyz="-0.2 0 0.05"/></joint>
+  <gazebo reference="caster"><mu1>0.0</mu1><mu2>0.0</mu2></gazebo>
+  {more}
+</robot>"""
+WHEEL = """<link name="{name}_wheel"><inertial><mass value="0.5"/>
+    <inertia ixx="1e-3" iyy="2e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <joint name="{name}" type="continuous"><parent link="base_link"/><child link="{name}_wheel"/>
+    <origin xyz="0 {y} 0.1"/><axis xyz="0 1 0"/></joint>"""
+DIFF_DRIVE = """<gazebo><plugin name="drive" filename="libgazebo_ros_diff_drive.so">
+    {ros}<left_joint>left</left_joint><right_joint>right</right_joint>
+    <wheel_separation>0.4</wheel_separation><wheel_diameter>0.2</wheel_diameter>
+    <max_wheel_torque>20</max_wheel_torque><publish_odom>true</publish_odom>
+    <publish_odom_tf>true</publish_odom_tf><robot_base_frame>base_footprint</robot_base_frame>
+  </plugin></gazebo>"""
+
+
+@pytest.fixture
+def make(tmp_path):
+    def make(more):
+        wheels = WHEEL.format(name="left", y=0.2) + WHEEL.format(name="right", y=-0.2)
+        (tmp_path / "cart.urdf").write_text(CART.format(wheels=wheels, more=more))
+        return TwinBuilder().robot("cart", tmp_path / "cart.urdf").build()
+
+    return make
+
+
+def test_a_twist_drives_a_cart_that_has_only_the_plugin(make):
+    twin = make(DIFF_DRIVE.format(ros=""))
+    assert twin.not_started == ()
+    assert twin.topics()["/cart/cmd_vel"] == "geometry_msgs/msg/Twist"
+    twin.publish("/cart/cmd_vel", {"linear": {"x": 0.5}, "angular": {"z": 0.3}})
+    twin.advance_to(2.0)  # the plugin has no timeout
+    twist = twin.latest("/cart/ground_truth/odom").twist.twist
+    assert (twist.linear.x, twist.angular.z) == pytest.approx((0.5, 0.3), rel=0.02)
+
+
+def test_its_odometry_is_the_true_pose_and_is_on_tf(make):
+    twin = make(DIFF_DRIVE.format(ros=""))
+    twin.publish("/cart/cmd_vel", {"linear": {"x": 0.5}, "angular": {"z": 0.3}})
+    twin.advance_to(2.0)
+    true = twin.latest("/cart/ground_truth/odom").pose.pose.position
+    odometry = twin.latest("/cart/odom")
+    assert (odometry.pose.pose.position.x, odometry.pose.pose.position.y) == pytest.approx((true.x, true.y), abs=1e-12)
+    (transform,) = [item for item in twin.latest("/tf").transforms if item.child_frame_id == "cart/base_footprint"]
+    assert transform.header.frame_id == "cart/odom"
+    assert transform.transform.translation.x == pytest.approx(true.x, abs=1e-12)
+
+
+def test_the_plugins_own_remapping_names_the_topics(make):
+    twin = make(DIFF_DRIVE.format(ros="<ros><remapping>cmd_vel:=drive/twist</remapping></ros>"))
+    assert "/cart/drive/twist" in twin.topics()
+    assert "/cart/cmd_vel" not in twin.topics()
+
+
+def test_a_plugin_that_cannot_work_is_said_and_the_robot_is_there(make):
+    twin = make(DIFF_DRIVE.format(ros="").replace(">left<", ">lft<"))
+    assert twin.not_started == (
+        "cart: Gazebo plugin drive (libgazebo_ros_diff_drive.so): the robot has no movable joint 'lft'",
+    )
+    planar = '<gazebo><plugin name="move" filename="libgazebo_ros_planar_move.so"/></gazebo>'
+    assert "the twin cannot" in make(planar).not_started[0]
+
+
+def test_gz_names_its_topics_by_the_model_and_ros_by_the_bridge(make):
+    twin = make(
+        """<gazebo><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">
+        <left_joint>left</left_joint><right_joint>right</right_joint><wheel_separation>0.4</wheel_separation>
+        <wheel_radius>0.1</wheel_radius><topic>cmd_vel</topic></plugin></gazebo>"""
+    )
+    twin.publish("/cart/cmd_vel", {"linear": {"x": 0.4}})
+    twin.advance_to(1.5)
+    assert twin.latest("/cart/ground_truth/odom").twist.twist.linear.x == pytest.approx(0.4, rel=0.02)
+
+
+def test_a_joint_position_controller_of_gz_takes_a_float(make):
+    twin = make(
+        """<gazebo><plugin filename="gz-sim-joint-position-controller-system" name="p"><joint_name>left</joint_name>
+        <topic>left/position</topic></plugin></gazebo>"""
+    )
+    assert twin.topics()["/cart/left/position"] == "std_msgs/msg/Float64"
+    twin.publish("/cart/left/position", {"data": 0.2})
+    twin.advance_to(3.0)
+    assert twin.robot_state("cart").positions[0] == pytest.approx(0.2, abs=0.01)
+
+
+def test_the_cadre_rovers_drive_with_their_plugin(corpus):
+    file = corpus / "cadre_demos/cadre_demo/robot_description/robot/robot.xacro"
+    twin = TwinBuilder().robot("rover", file, xyz=(0, 0, 0.3)).build()
+    twin.advance_to(0.5)
+    twist = next(topic for topic, kind in twin.topics().items() if kind == "geometry_msgs/msg/Twist")
+    twin.publish(twist, {"linear": {"x": 0.2}})
+    before = twin.robot_state("rover").base_pose
+    twin.advance_to(2.5)
+    after = twin.robot_state("rover").base_pose
+    distance = ((after[0] - before[0]) ** 2 + (after[1] - before[1]) ** 2) ** 0.5
+    assert distance == pytest.approx(0.4, rel=0.1)
