@@ -100,13 +100,13 @@ def test_a_message_while_inactive_is_ignored_and_nothing_is_written_after_reacti
     dut.advance(0.1)
     dut.controller.deactivate(dut.context)
     dut.send(x=0.7)
-    dut.advance(0.2)
+    dut.advance(1.0)
     assert np.isnan(dut.commands).all()
     dut.activate()
-    dut.advance(0.205)
+    dut.advance(1.005)
     assert np.isnan(dut.commands).all()
     dut.send(x=0.1)
-    dut.advance(0.215)
+    dut.advance(1.015)
     assert dut.commands == pytest.approx([1.0, 1.0])
 
 
@@ -136,6 +136,12 @@ def test_diff_drive_limits_make_the_ramp_they_describe():
     limited = dut.message("cmd_vel_out")
     assert (limited.twist.linear.x, limited.twist.angular.z) == (0.3, 0.0)
     assert limited.header.stamp.nanosec == 490_000_000
+
+
+def test_jerk_is_limited_over_the_last_two_updates():
+    dut = drive({"linear.x.max_jerk": 100.0})
+    wheels = dut.commands_while(0.04, x=9.0)
+    np.testing.assert_allclose(wheels[:, 0] * 0.1, [0.01, 0.03, 0.06, 0.10])  # 100 · 0.01² more each time
 
 
 def test_has_limits_false_switches_limits_off_as_in_humble():
