@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Literal
 
 # A parameter's value after evaluation: ROS knows these types and uniform lists of the first four.
-ParameterValue = bool | int | float | str | bytes | tuple[bool, ...] | tuple[int, ...] | tuple[float, ...] | tuple[str, ...]
+ParameterValue = (
+    bool | int | float | str | bytes | tuple[bool, ...] | tuple[int, ...] | tuple[float, ...] | tuple[str, ...]
+)
 
 NODE = "node"
 PROCESS = "process"
