@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -279,7 +280,7 @@ class LaunchContext:
                 handler.fired = True
                 if handler.handle_once:
                     self.handlers.remove(handler)
-                self.run_captured(handler.captured, handler.place, lambda handler=handler: handler.run(event, self))
+                self.run_captured(handler.captured, handler.place, partial(handler.run, event, self))
 
     def run_captured(self, captured: Mapping[str, Any], place: Place | None, call: Callable[[], None]) -> None:
         """Executes what was put off, in the file and with the configurations where it was written.

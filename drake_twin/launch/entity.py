@@ -159,6 +159,12 @@ def visit_all(entity: Any, context: LaunchContext) -> None:
             visit_all(item, context)
 
 
+def visit_all_entities_and_collect_futures(entity: Any, context: LaunchContext) -> list[Any]:
+    """ROS's name for `visit_all`; there is nothing to wait for."""
+    visit_all(entity, context)
+    return []
+
+
 def visit_list(entities: Iterable[Any], context: LaunchContext) -> None:
     """Visits entities in turn."""
     for entity in entities:

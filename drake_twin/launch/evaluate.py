@@ -16,7 +16,7 @@ from drake_twin.launch.evaluation import active
 from drake_twin.launch.events import Shutdown
 from drake_twin.launch.include import enter_file, load_launch_file
 from drake_twin.launch.launched import LaunchArgument, Launched, UnfiredHandler
-from drake_twin.launch.packages import LaunchPackages
+from drake_twin.launch.packages import AbsentError, LaunchPackages
 from drake_twin.launch.ros_modules import ros_in_place
 from drake_twin.launch.show_arguments import collect_arguments
 from drake_twin.launch.stand_ins import BUILT_IN_PACKAGES
@@ -40,8 +40,11 @@ def evaluate(
     with ros_in_place(path, arguments):
         context = _context(arguments, packages)
         with active(context):
-            enter_file(path, load_launch_file(path, context), context, None)
-            context.run_events()
+            try:
+                enter_file(path, load_launch_file(path, context), context, None)
+                context.run_events()
+            except AbsentError as error:
+                raise _with_all_absent(error, context) from None
     return Launched(
         processes=tuple(context.processes),
         failed_includes=tuple(context.failed_includes),
@@ -77,6 +80,22 @@ def declared_arguments(
         context = _context(arguments, packages)
         with active(context):
             return tuple(collect_arguments(path, load_launch_file(path, context), context))
+
+
+def _with_all_absent(error: AbsentError, context: LaunchContext) -> AbsentError:
+    """The error with all that is missing, so that one look at it is enough."""
+    names = list(context.packages.absent)
+    reasons = [include.reason for include in context.failed_includes]
+    text = error.message.rstrip(".")
+    if names:
+        text += (
+            f". Absent packages: {', '.join(names)}. Name the folders that hold them with --package-path, or in"
+            " AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+        )
+    modules = [reason for reason in reasons if "Python module" in reason and reason not in text]
+    if modules:
+        text += f". Includes that were left out: {'; '.join(dict.fromkeys(modules))}"
+    return AbsentError(text, file=error.file, line=error.line, valid=error.valid, value=error.value)
 
 
 def _context(arguments: Mapping[str, str], packages: PackageIndex | None) -> LaunchContext:

@@ -14,8 +14,14 @@ from drake_twin.launch.substitution import Substitution, TextSubstitution
 from drake_twin.launch.substitution_text import parse_substitution
 
 _TYPES: Mapping[str, Any] = {
-    "str": str, "int": int, "float": float, "bool": bool, "list_of_str": list[str], "list_of_int": list[int],
-    "list_of_float": list[float], "list_of_bool": list[bool],
+    "str": str,
+    "int": int,
+    "float": float,
+    "bool": bool,
+    "list_of_str": list[str],
+    "list_of_int": list[int],
+    "list_of_float": list[float],
+    "list_of_bool": list[bool],
 }
 
 
@@ -66,6 +72,8 @@ class FrontEnd:
     def action(self, element: Element) -> Action:
         """The action of an element."""
         tag = element.tag.replace("-", "_")
+        if tag in _OF_ROS_1 or (tag == "node" and "type" in element.attributes):
+            raise element.error("this is a ROS 1 launch file, and the twin reads those of ROS 2")
         if tag not in _ACTIONS:
             raise element.error("there is no such element", value=element.tag, valid=sorted(_ACTIONS))
         make, known = _ACTIONS[tag]
@@ -399,6 +407,8 @@ def _gz(make: Callable[..., Action]) -> Callable[[FrontEnd, Element], Action]:
         **{name: _subs(element, name) for name in element.attributes if name not in ("if", "unless")}
     )
 
+
+_OF_ROS_1 = ("machine", "param", "remap", "rosparam", "test")
 
 _PROCESS_ATTRIBUTES = (
     *("cwd", "name", "launch-prefix", "output", "respawn", "respawn_delay", "respawn_max_retries", "shell"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sysconfig
 import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,11 @@ from drake_twin.launch.packages import AbsentError, absent_package_in
 if TYPE_CHECKING:
     from drake_twin.launch.context import LaunchContext
 
-_OWN_FOLDER = str(Path(__file__).parent)
+_HIDDEN_FOLDERS = (
+    str(Path(__file__).parent),
+    "<frozen ",
+    *{sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")},
+)
 
 
 def launch_error(error: BaseException, context: LaunchContext, file: str | None = None) -> TwinError:
@@ -26,6 +31,8 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
     if isinstance(error, TwinError):
         return error
     file = file or context.current_launch_file
+    if isinstance(error, SystemExit) and isinstance(error.__context__, Exception):
+        error = error.__context__  # xacro.process() ends the program where it fails
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _is_ours(frame)]
     own = [frame for frame in frames if frame.filename == file]
     line = own[-1].lineno if own else context.place_line
@@ -64,6 +71,9 @@ def _chain(context: LaunchContext, file: str | None) -> str:
 
 def _absence(error: BaseException) -> str | None:
     """Why an exception means that something is not on this machine."""
+    cause = getattr(error, "exc", None)  # of a XacroException
+    if cause is not None and isinstance(cause, Exception):
+        return _absence(cause)
     package = absent_package_in(str(error)) or absent_package_in(str(getattr(error, "filename", "") or ""))
     if package is not None:
         return f"package {package!r} is absent, and the launch file reads from it"
@@ -78,4 +88,4 @@ def _in_environment(error: KeyError) -> bool:
 
 
 def _is_ours(frame: traceback.FrameSummary) -> bool:
-    return frame.filename.startswith((_OWN_FOLDER, "<frozen importlib"))
+    return frame.filename.startswith(_HIDDEN_FOLDERS)

@@ -5,10 +5,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-# A parameter's value after evaluation: ROS knows these types and uniform lists of the first four.
-ParameterValue = (
-    bool | int | float | str | bytes | tuple[bool, ...] | tuple[int, ...] | tuple[float, ...] | tuple[str, ...]
-)
+# A parameter's value after evaluation: ROS knows these types and lists of the first four, each of one type.
+Scalar = bool | int | float | str
+ParameterValue = Scalar | bytes | tuple[Scalar, ...]
 
 NODE = "node"
 PROCESS = "process"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from drake_twin.errors import InputError
-from drake_twin.launch.launched import ParameterText
+from drake_twin.launch.launched import ParameterText, Scalar
 from drake_twin.launch.launched import ParameterValue as Value
 from drake_twin.launch.packages import AbsentError, absent_package_in, scratch_folder
 from drake_twin.launch.substitution import (
@@ -53,8 +53,7 @@ class ParameterValue:
         if isinstance(self.value, list | tuple) and typing.get_origin(self.value_type) is None:
             return _as_type(perform(context, self.value), self.value_type)  # parts of one text
         if isinstance(self.value, list | tuple) and not any(isinstance(item, Substitution) for item in self.value):
-            (item_type,) = typing.get_args(self.value_type) or (str,)
-            return tuple(_as_type(item, item_type) for item in self.value)
+            return _items_as(self.value, self.value_type)
         if isinstance(self.value, bool | int | float):
             return _as_type(self.value, self.value_type)
         return _as_type(perform(context, self.value), self.value_type)
@@ -190,12 +189,12 @@ def typed_value(context: LaunchContext, value: Any, what: str) -> Value:
     Raises:
         InputError: a value of a type that a parameter cannot have.
     """
-    if isinstance(value, _SCALARS):
+    if isinstance(value, bool | int | float | str | bytes):
         return value
     if isinstance(value, Substitution):
         return _yaml_value(context, perform(context, value), what)
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return str(value)
     if isinstance(value, Sequence):
         return _sequence_value(context, value, what)
     if hasattr(value, "item"):  # a NumPy number
@@ -210,7 +209,7 @@ def _sequence_value(context: LaunchContext, values: Sequence[Any], what: str) ->
         return _yaml_value(context, perform(context, values), what)  # the parts of one text
     kinds = {type(value) for value in values}
     if kinds <= {bool, int, float}:
-        return _uniform([value for value in values])
+        return _uniform(list(values))
     items = [
         _yaml_scalar(perform(context, value)) if isinstance(value, Sequence) and not isinstance(value, str) else value
         for value in values
@@ -268,12 +267,20 @@ def _yaml_scalar(text: str) -> Any:
 
 def _as_type(value: Any, kind: Any) -> Value:
     """Text (or a number) as a type that a ParameterValue asks for."""
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if origin is not None and isinstance(value, str):
+    if typing.get_origin(kind) is not None and isinstance(value, str):
         items = yaml.safe_load(value)
         if not isinstance(items, list):
             raise InputError(f"{value!r} is not a list, which the parameter's type asks for")
-        return tuple(_as_type(item, arguments[0] if arguments else str) for item in items)
+        return _items_as(items, kind)
+    return _scalar_as(value, kind)
+
+
+def _items_as(items: Iterable[Any], kind: Any) -> tuple[Scalar, ...]:
+    arguments = typing.get_args(kind)
+    return tuple(_scalar_as(item, arguments[0] if arguments else str) for item in items)
+
+
+def _scalar_as(value: Any, kind: Any) -> Scalar:
     if kind is str:
         return str(value)
     plain = yaml.safe_load(value) if isinstance(value, str) else value

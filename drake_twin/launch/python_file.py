@@ -1,4 +1,4 @@
-"""Python launch files: executed, never parsed, for they use loops, ``open()``, ``os.environ`` and classes of their own."""
+"""Python launch files: executed, never parsed, for they use loops, ``open()``, ``os.environ`` and classes freely."""
 
 from __future__ import annotations
 

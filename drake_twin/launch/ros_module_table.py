@@ -12,6 +12,7 @@ from drake_twin.launch import (
     actions,
     ament_index,
     conditions,
+    controller_launch_utils,
     entity,
     event_handlers,
     events,
@@ -50,8 +51,11 @@ def _of(module: Any, *names: str) -> dict[str, Any]:
 _ROS_SUBSTITUTIONS = _of(
     substitutions, "ExecutableInPackage", "FindPackage", "FindPackagePrefix", "FindPackageShare", "Parameter"
 )
-_ROS_ACTIONS = {name: getattr(ros_actions, name) for name in ros_actions.__all__ if "Composable" not in name}
-_ROS_ACTIONS |= _of(ros_actions, "ComposableNodeContainer")
+_ROS_ACTIONS = {
+    name: getattr(ros_actions, name)
+    for name in ros_actions.__all__
+    if name not in ("ComposableNode", "ComposableLifecycleNode")
+}
 _ROS_ACTIONS |= {"PushROSNamespace": ros_actions.PushRosNamespace, "ROSTimer": ros_actions.RosTimer}
 _ROS_ACTIONS.pop("Parameter", None)
 _SUBSTITUTIONS = {
@@ -76,8 +80,11 @@ _CONDITIONS = _public(conditions, conditions.Condition) | _of(
     conditions, "InvalidConditionExpressionError", "evaluate_condition_expression"
 )
 _CONDITIONS.pop("Condition")
-_HANDLERS = {name: value for name, value in _public(event_handlers, event_handlers.EventHandler).items()}
-_HANDLERS = {name: value for name, value in _HANDLERS.items() if name not in ("EventHandler", "OnStateTransition")}
+_HANDLERS: dict[str, Any] = {
+    name: value
+    for name, value in _public(event_handlers, event_handlers.EventHandler).items()
+    if name not in ("EventHandler", "OnStateTransition")
+}
 _HANDLERS["event_named"] = event_handlers.event_named
 _PROCESS_EVENTS = _of(
     events,
@@ -95,7 +102,7 @@ _UTILITIES = {
     "normalize_to_list_of_entities": entity.as_entities,
     "normalize_to_list_of_substitutions": substitution.normalize_to_list_of_substitutions,
     "perform_substitutions": substitution.perform_substitutions,
-    "visit_all_entities_and_collect_futures": lambda item, context: entity.visit_all(item, context) or [],
+    "visit_all_entities_and_collect_futures": entity.visit_all_entities_and_collect_futures,
 }
 _TYPE_UTILITIES = {
     "normalize_typed_substitution": lambda value, data_type=None: value,
@@ -188,6 +195,13 @@ _MODULES: Mapping[str, Mapping[str, Any]] = {
     "launch_ros.remap_rule_type": {"SomeRemapRules": Any, "SomeRemapRule": Any},
     "launch_ros.substitutions": _ROS_SUBSTITUTIONS,
     "launch_ros.utilities": _ROS_UTILITIES,
+    "controller_manager": {},
+    "controller_manager.launch_utils": _of(
+        controller_launch_utils,
+        "generate_controllers_spawner_launch_description",
+        "generate_controllers_spawner_launch_description_from_dict",
+        "generate_load_controller_launch_description",
+    ),
     "launch_testing": {},
     "launch_testing.actions": {"ReadyToTest": ReadyToTest},
     "launch_xml": {},

@@ -127,6 +127,14 @@ class _StandInLoader(importlib.abc.Loader):
         module.__dict__.update(self._symbols)
         module.__all__ = sorted(self._symbols)  # type: ignore[attr-defined]
 
+        def submodule(name: str) -> Any:
+            """``import launch`` makes ``launch.substitutions`` known, as in ROS."""
+            if table.symbols(f"{module.__name__}.{name}") is None:
+                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+            return importlib.import_module(f"{module.__name__}.{name}")
+
+        module.__getattr__ = submodule  # type: ignore[method-assign]
+
 
 class _WorkspaceFinder(importlib.abc.MetaPathFinder):
     """Finds the Python modules of ROS packages, and those beside the launch file, after everything else."""

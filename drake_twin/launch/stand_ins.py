@@ -117,8 +117,18 @@ def _start_bridge(arguments: Mapping[str, str], context: LaunchContext, process:
 
 
 _SPAWN_OPTIONS = {
-    "world": "-world", "file": "-file", "model_string": "-string", "topic": "-topic", "entity_name": "-name",
-    "allow_renaming": "-allow_renaming", "x": "-x", "y": "-y", "z": "-z", "roll": "-R", "pitch": "-P", "yaw": "-Y",
+    "world": "-world",
+    "file": "-file",
+    "model_string": "-string",
+    "topic": "-topic",
+    "entity_name": "-name",
+    "allow_renaming": "-allow_renaming",
+    "x": "-x",
+    "y": "-y",
+    "z": "-z",
+    "roll": "-R",
+    "pitch": "-P",
+    "yaw": "-Y",
 }
 
 
@@ -165,38 +175,70 @@ def _start_node(context: LaunchContext, process: LaunchedProcess, **values: obje
 
 _GZ_SIM = StandIn(
     {
-        "gz_args": "", "gz_version": "8", "ign_args": "", "ign_version": "", "debugger": "false",
-        "debug_env": "false", "on_exit_shutdown": "false",
+        "gz_args": "",
+        "gz_version": "8",
+        "ign_args": "",
+        "ign_version": "",
+        "debugger": "false",
+        "debug_env": "false",
+        "on_exit_shutdown": "false",
     },
     _gz_sim,
 )
 _SPAWN = dict.fromkeys(_SPAWN_OPTIONS, "") | {"allow_renaming": "False"}
 _BRIDGE = {
-    "bridge_name": "", "config_file": "", "namespace": "", "container_name": "ros_gz_container",
-    "create_own_container": "False", "use_composition": "False", "use_respawn": "False", "log_level": "info",
+    "bridge_name": "",
+    "config_file": "",
+    "namespace": "",
+    "container_name": "ros_gz_container",
+    "create_own_container": "False",
+    "use_composition": "False",
+    "use_respawn": "False",
+    "log_level": "info",
     "bridge_params": "",
 }
 _SERVER = {
-    "world_sdf_file": "", "world_sdf_string": "", "container_name": "ros_gz_container",
-    "create_own_container": "False", "use_composition": "False",
+    "world_sdf_file": "",
+    "world_sdf_string": "",
+    "container_name": "ros_gz_container",
+    "create_own_container": "False",
+    "use_composition": "False",
 }
 _GZSERVER = {
-    "world": "", "version": "false", "verbose": "false", "lockstep": "false", "help": "false", "pause": "false",
-    "physics": "", "play": "", "record": "false", "record_encoding": "", "record_path": "", "record_period": "",
-    "record_filter": "", "seed": "", "iters": "", "minimal_comms": "false", "profile": "", "extra_gazebo_args": "",
-
-        "params_file": "",
-        "gdb": "false",
-        "valgrind": "false",
-        "init": "true",
-        "factory": "true",
-        "force_system": "true"
-    ,
+    "world": "",
+    "version": "false",
+    "verbose": "false",
+    "lockstep": "false",
+    "help": "false",
+    "pause": "false",
+    "physics": "",
+    "play": "",
+    "record": "false",
+    "record_encoding": "",
+    "record_path": "",
+    "record_period": "",
+    "record_filter": "",
+    "seed": "",
+    "iters": "",
+    "minimal_comms": "false",
+    "profile": "",
+    "extra_gazebo_args": "",
+    "params_file": "",
+    "gdb": "false",
+    "valgrind": "false",
+    "init": "true",
+    "factory": "true",
+    "force_system": "true",
     "server_required": "false",
 }
 _GZCLIENT = {
-    "version": "false", "verbose": "false", "help": "false", "extra_gazebo_args": "", "gdb": "false",
-    "valgrind": "false", "gui_required": "false",
+    "version": "false",
+    "verbose": "false",
+    "help": "false",
+    "extra_gazebo_args": "",
+    "gdb": "false",
+    "valgrind": "false",
+    "gui_required": "false",
 }
 _GAZEBO = _GZSERVER | _GZCLIENT | {"gui": "true", "server": "true", "gui_required": "false"}
 
@@ -264,8 +306,11 @@ def _find(path: str, place: Place | None) -> tuple[str, StandIn]:
     files = _STAND_INS[package]
     name = PurePosixPath(path).name
     if name not in files:
-        where = {} if place is None else {"file": place.file, "line": place.line}
         raise InputError(
-            f"package {package!r} is built in, and has no launch file {name!r}", value=name, valid=files, **where
+            f"package {package!r} is built in, and has no launch file {name!r}",
+            file=None if place is None else place.file,
+            line=None if place is None else place.line,
+            value=name,
+            valid=files,
         )
     return package, files[name]

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 SomeSubstitutionsType = Any
 
 
-class SubstitutionFailure(RuntimeError):
-    """A substitution that cannot be performed; ROS's own name for it."""
+class SubstitutionFailure(RuntimeError):  # noqa: N818  # ROS's own name
+    """A substitution that cannot be performed."""
 
 
 class Substitution:

@@ -8,7 +8,7 @@ import os
 import shlex
 import shutil
 import subprocess
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -222,7 +222,7 @@ class Command(Substitution):
             raise InputError(f"the command {command!r} cannot be split into words ({error})") from None
         if not words:
             raise InputError("the command is empty")
-        expanded = run_xacro(words, context)
+        expanded = run_xacro(words, context) or _parameter_of_node(words, context)
         output, warnings = _run(command, words) if expanded is None else expanded
         if warnings.strip() and on_stderr != "ignore":
             context.log.append(f"{words[0]}: {warnings.strip()}")
@@ -231,6 +231,19 @@ class Command(Substitution):
     def describe(self) -> str:
         """As in ROS."""
         return f"Command({_described(self.command)})"
+
+
+def _parameter_of_node(words: Sequence[str], context: LaunchContext) -> tuple[str, str] | None:
+    """``ros2 param get NODE NAME``: the parameter that the launch gave the node; None for another command."""
+    names = [word for word in words[3:] if not word.startswith("-")]
+    if list(words[:3]) != ["ros2", "param", "get"] or len(names) != 2:
+        return None
+    node, parameter = f"/{names[0].lstrip('/')}", names[1]
+    for process in context.processes:
+        values = [entry[parameter] for entry in process.parameters if isinstance(entry, Mapping) and parameter in entry]
+        if process.full_name == node and values:
+            return str(values[-1]), ""
+    raise AbsentError(f"{' '.join(words)!r} asks for a parameter of {node}, which this launch file does not start")
 
 
 def _run(command: str, words: Sequence[str]) -> tuple[str, str]:
