@@ -6,12 +6,14 @@ A launch file is code and runs as its user's, as with ``ros2 launch``: Python fi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, absolute_path
 from drake_twin.errors import InputError
 from drake_twin.launch.context import LaunchContext
+from drake_twin.launch.entity import LaunchDescription
 from drake_twin.launch.evaluation import active
 from drake_twin.launch.events import Shutdown
 from drake_twin.launch.include import enter_file, load_launch_file
@@ -36,12 +38,40 @@ def evaluate(
         InputError: the file cannot be used: not found, wrong, arguments without a value, a Python error in it, ….
     """
     path = _existing(file)
+    return _evaluated(path, lambda context: load_launch_file(path, context), arguments, packages)
+
+
+def evaluate_description(
+    description: LaunchDescription,
+    arguments: Mapping[str, str] | None = None,
+    packages: PackageIndex | None = None,
+) -> Launched:
+    """What a launch description starts that a Python program built of `drake_twin.launch`'s entities.
+
+    Args:
+        description: the description.
+        arguments: values for its arguments.
+        packages: where packages are; the twin's own index by default.
+
+    Raises:
+        InputError: as `evaluate`.
+    """
+    file = sys.argv[0] if description.place is None else description.place.file
+    return _evaluated(absolute_path(file), lambda context: description, arguments, packages)
+
+
+def _evaluated(
+    path: str,
+    load: Callable[[LaunchContext], LaunchDescription],
+    arguments: Mapping[str, str] | None,
+    packages: PackageIndex | None,
+) -> Launched:
     arguments = dict(arguments or {})
     with ros_in_place(path, arguments):
         context = _context(arguments, packages)
         with active(context):
             try:
-                enter_file(path, load_launch_file(path, context), context, None)
+                enter_file(path, load(context), context, None)
                 context.run_events()
             except AbsentError as error:
                 raise _with_all_absent(error, context) from None

@@ -3,12 +3,14 @@
 import atexit
 import contextlib
 import functools
+import hashlib
 import os
 import re
 import shutil
 import tempfile
 from pathlib import Path
 
+from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.description.package_index import PackageIndex, containing_package
 from drake_twin.errors import InputError
 
@@ -129,17 +131,25 @@ def _repository(package: Path) -> Path | None:
 
 @functools.lru_cache(maxsize=1024)
 def _prefix_of(share: Path) -> Path:
-    prefix = scratch_folder() / "prefix" / share.name
+    prefix = lasting_folder(str(share)) / "prefix"
     link = prefix / "share" / share.name
+    link.parent.mkdir(parents=True, exist_ok=True)
     if not os.path.lexists(link):
-        link.parent.mkdir(parents=True, exist_ok=True)
-        link.symlink_to(share)
+        with contextlib.suppress(FileExistsError):  # another process was faster
+            link.symlink_to(share)
     return prefix
+
+
+def lasting_folder(content: str) -> Path:
+    """A folder for files made on the way, in the user's cache: the same path in every run for the same content."""
+    folder = cache_folder("launch") / hashlib.sha256(content.encode()).hexdigest()[:16]
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @functools.lru_cache(maxsize=1)
 def scratch_folder() -> Path:
-    """A folder of this process for the files that launch files make on the way; removed when it ends."""
+    """A folder of this process, removed when it ends."""
     folder = Path(tempfile.mkdtemp(prefix="drake_twin_launch_"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     return folder

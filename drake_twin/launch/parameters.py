@@ -13,7 +13,7 @@ import yaml
 from drake_twin.errors import InputError
 from drake_twin.launch.launched import ParameterText, Scalar
 from drake_twin.launch.launched import ParameterValue as Value
-from drake_twin.launch.packages import AbsentError, absent_package_in, scratch_folder
+from drake_twin.launch.packages import AbsentError, absent_package_in, lasting_folder
 from drake_twin.launch.substitution import (
     SomeSubstitutionsType,
     Substitution,
@@ -133,8 +133,10 @@ def read_file(path: Path) -> str:
 
 def write_rewritten(context: LaunchContext, content: ParameterText) -> Path:
     """Writes a rewritten file and remembers what it is."""
-    path = scratch_folder() / f"{len(context.rewritten)}_{content.file.name}"
-    path.write_text(content.text, encoding="utf-8")
+    path = lasting_folder(content.text) / content.file.name
+    part = path.with_name(f"{path.name}.{os.getpid()}")
+    part.write_text(content.text, encoding="utf-8")
+    part.replace(path)  # whole or not at all, for other processes
     context.rewritten[str(path)] = content
     return path
 

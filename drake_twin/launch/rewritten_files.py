@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from drake_twin.launch.context import LaunchContext
 
 
+# Aliases let a few lines stand for gigabytes.
+_MOST_VALUES = 200_000
+
+
 class _RewrittenFile(Substitution):
     def __init__(self, source_file: SomeSubstitutionsType):
         self.source_file = normalize_to_list_of_substitutions(source_file)
@@ -67,9 +71,7 @@ class RewrittenYaml(_RewrittenFile):
         self.value_rewrites = dict(value_rewrites or {})
 
     def _rewrite(self, source: ParameterText, context: LaunchContext) -> str:
-        from drake_twin.description.yaml_document import YamlDocument
-
-        data = YamlDocument(source.text, source.file).data
+        data = _read_yaml(source)
         values = {name: self._converted(perform(context, value)) for name, value in self.param_rewrites.items()}
         keys = {name: perform(context, value) for name, value in self.key_rewrites.items()}
         others = {name: self._converted(perform(context, value)) for name, value in self.value_rewrites.items()}
@@ -84,6 +86,32 @@ class RewrittenYaml(_RewrittenFile):
             return {"true": True, "false": False}.get(text.lower(), text)
         value = yaml.safe_load(text) if text else text
         return value if isinstance(value, bool | int | float) else text
+
+
+def _read_yaml(source: ParameterText) -> Any:
+    """The file's data; of a key that stands twice the last counts, as for Nav2."""
+    try:
+        data = yaml.load(source.text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        raise InputError(
+            f"this is not valid YAML: {getattr(error, 'problem', error)}",
+            file=source.file,
+            line=None if mark is None else mark.line + 1,
+        ) from None
+    if _count(data) > _MOST_VALUES:
+        raise InputError(f"the file holds more than {_MOST_VALUES} values", file=source.file)
+    return data
+
+
+def _count(data: Any, counted: int = 0) -> int:
+    """How many values the data has once its aliases are written out; stops counting above the bound."""
+    children = data.values() if isinstance(data, dict) else data if isinstance(data, list) else ()
+    for child in children:
+        counted = _count(child, counted + 1)
+        if counted > _MOST_VALUES:
+            break
+    return counted
 
 
 def _rewritten(
