@@ -62,7 +62,7 @@ def no_trace() -> Iterator[None]:
         sys.path[:] = path
         sys.meta_path[:] = finders
         for name, module in list(sys.modules.items()):
-            if name not in modules and not _lasts(module):
+            if name not in modules and not _lasts(name, module):
                 del sys.modules[name]
         for name, module in modules.items():
             if sys.modules.get(name) is not module:
@@ -180,10 +180,10 @@ def _is_foreign_xacro(name: str) -> bool:
     return origin is None or not origin.startswith(tuple(_site_folders()))
 
 
-def _lasts(module: types.ModuleType | None) -> bool:
+def _lasts(name: str, module: types.ModuleType | None) -> bool:
     """Whether a module that was imported on the way stays: any later import would give the same."""
     spec = getattr(module, "__spec__", None)
-    if spec is None or isinstance(spec.loader, _StandInLoader):
+    if spec is None or spec.name != name or isinstance(spec.loader, _StandInLoader):
         return False
     if spec.origin in ("built-in", "frozen"):
         return True
