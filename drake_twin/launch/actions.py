@@ -71,17 +71,13 @@ class DeclareLaunchArgument(Action):
             if self.default_value is None:
                 raise InputError(
                     f"the required argument {self.name!r} has no value"
-                    + (f" ({self.description})" if self.description else ""),
-                    file=context.place_file,
-                    line=context.place_line,
+                    + (f" ({self.description})" if self.description else "")
                 )
             context.launch_configurations[self.name] = perform_substitutions(context, self.default_value)
         value = context.launch_configurations[self.name]
         if self.choices is not None and value not in self.choices:
             raise InputError(
                 f"the argument {self.name!r} is {value!r}, which is not one of its choices",
-                file=context.place_file,
-                line=context.place_line,
                 valid=self.choices,
                 value=str(value),
             )
@@ -547,8 +543,4 @@ def _seconds(context: LaunchContext, period: Any) -> float:
     try:
         return float(value)
     except ValueError:
-        raise InputError(
-            f"the timer's period is {value!r}, which is no number of seconds",
-            file=context.place_file,
-            line=context.place_line,
-        ) from None
+        raise InputError(f"the timer's period is {value!r}, which is no number of seconds") from None

@@ -50,8 +50,6 @@ def evaluate_condition_expression(context: LaunchContext, expression: SomeSubsti
         return word in _TRUE
     raise InvalidConditionExpressionError(
         f"the condition is {text!r}, which is neither true nor false",
-        file=context.place_file,
-        line=context.place_line,
         valid=[*_TRUE, *_FALSE],
     )
 

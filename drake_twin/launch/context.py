@@ -132,9 +132,7 @@ class LaunchContext:
     def pop_configurations(self) -> None:
         """Leaves it again."""
         if not self._configuration_stack:
-            raise InputError(
-                "PopLaunchConfigurations without PushLaunchConfigurations", file=self.place_file, line=self.place_line
-            )
+            raise InputError("PopLaunchConfigurations without PushLaunchConfigurations")
         self._replace_configurations(self._configuration_stack.pop())
 
     def push_environment(self) -> None:
@@ -144,7 +142,7 @@ class LaunchContext:
     def pop_environment(self) -> None:
         """Leaves it again."""
         if not self._environment_stack:
-            raise InputError("PopEnvironment without PushEnvironment", file=self.place_file, line=self.place_line)
+            raise InputError("PopEnvironment without PushEnvironment")
         set_environment(self._environment_stack.pop())
 
     def reset_environment(self) -> None:
@@ -247,7 +245,7 @@ class LaunchContext:
     def unregister_event_handler(self, event_handler: Any) -> None:
         """Waits no more."""
         if event_handler not in self.handlers:
-            raise InputError("the event handler is not registered", file=self.place_file, line=self.place_line)
+            raise InputError("the event handler is not registered")
         self.handlers.remove(event_handler)
 
     def emit_event_sync(self, event: Any) -> None:

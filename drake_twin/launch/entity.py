@@ -144,14 +144,10 @@ def visit_all(entity: Any, context: LaunchContext) -> None:
     Raises:
         InputError: something in the list is not an entity, or an action cannot be executed.
     """
-    if not callable(getattr(entity, "visit", None)):
-        raise InputError(
-            f"a launch description holds actions, and {_shown(entity)} is not one",
-            file=context.place_file,
-            line=context.place_line,
-        )
     with context.at(getattr(entity, "place", None)):
         try:
+            if not callable(getattr(entity, "visit", None)):
+                raise InputError(f"a launch description holds actions, and {_shown(entity)} is not one")
             following = list(_entities(entity.visit(context)))
         except (Exception, SystemExit) as error:  # a launch file's code raises whatever it likes
             raise launch_error(error, context) from None

@@ -28,14 +28,16 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
         context: tells which includes led there.
         file: the launch file, where it is not the one at hand.
     """
-    if isinstance(error, TwinError):
-        return error
     file = file or context.current_launch_file
     if isinstance(error, SystemExit) and isinstance(error.__context__, Exception):
         error = error.__context__  # xacro.process() ends the program where it fails
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _is_ours(frame)]
     own = [frame for frame in frames if frame.filename == file]
     line = own[-1].lineno if own else context.place_line
+    if isinstance(error, TwinError):
+        if isinstance(error, InputError) and error.file is None:
+            error.file, error.line = (file, line) if own else (context.place_file, context.place_line)
+        return error
     absent = _absence(error)
     if absent is not None:
         return AbsentError(absent, file=file, line=line)

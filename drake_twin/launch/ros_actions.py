@@ -342,11 +342,7 @@ def _pairs(context: LaunchContext, remappings: Iterable[Any]) -> list[tuple[str,
     pairs = []
     for pair in remappings:
         if isinstance(pair, str) or not isinstance(pair, Iterable) or len(list(pair)) != 2:
-            raise InputError(
-                f"a remapping is a pair (from, to), and this is {pair!r}",
-                file=context.place_file,
-                line=context.place_line,
-            )
+            raise InputError(f"a remapping is a pair (from, to), and this is {pair!r}")
         source, target = pair
         pairs.append((perform(context, source), perform(context, target)))
     return pairs

@@ -6,9 +6,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from drake_twin.errors import InputError
-from drake_twin.launch.packages import AbsentError
-
 if TYPE_CHECKING:
     from drake_twin.launch.context import LaunchContext
 
@@ -80,28 +77,12 @@ def normalize_to_list_of_substitutions(subst: SomeSubstitutionsType) -> list[Sub
 
 def perform_substitutions(context: LaunchContext, subs: Sequence[Any]) -> str:
     """The joined text of normalized substitutions."""
-    return "".join(perform_one(context, sub) for sub in subs)
+    return "".join(str(sub.perform(context)) for sub in subs)
 
 
 def perform(context: LaunchContext, subst: SomeSubstitutionsType) -> str:
     """The text of anything that `normalize_to_list_of_substitutions` takes."""
     return perform_substitutions(context, normalize_to_list_of_substitutions(subst))
-
-
-def perform_one(context: LaunchContext, sub: Any) -> str:
-    """One substitution's text; a failure that has no place of its own yet gets the action's at hand."""
-    try:
-        return str(sub.perform(context))
-    except AbsentError as error:
-        if error.file is not None:
-            raise
-        raise AbsentError(error.message, file=context.place_file, line=context.place_line) from None
-    except InputError as error:
-        if error.file is not None:
-            raise
-        raise InputError(
-            error.message, file=context.place_file, line=context.place_line, valid=error.valid, value=error.value
-        ) from None
 
 
 def describe_all(subst: SomeSubstitutionsType) -> str:

@@ -96,7 +96,12 @@ def test_an_opaque_function_may_return_nothing_one_entity_or_several(tmp_path):
     before = "def f(context, what):\n    return what\n"
     entities = ", ".join(
         f"OpaqueFunction(function=f, args=[{what}])"
-        for what in ("None", "LogInfo(msg='one')", "[LogInfo(msg='a'), LogInfo(msg='b')]", "LaunchDescription([LogInfo(msg='d')])")
+        for what in (
+            "None",
+            "LogInfo(msg='one')",
+            "[LogInfo(msg='a'), LogInfo(msg='b')]",
+            "LaunchDescription([LogInfo(msg='d')])",
+        )
     )
     assert logged(tmp_path, entities, before) == ["one", "a", "b", "d"]
 

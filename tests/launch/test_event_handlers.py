@@ -31,7 +31,9 @@ def test_a_chain_of_exits_ends_with_every_controller_at_time_zero(tmp_path):
 
 def test_a_handler_of_something_that_keeps_running_never_fires_and_is_named(tmp_path):
     launched = launch_python(
-        tmp_path, "RegisterEventHandler(OnProcessExit(target_action=publisher, on_exit=[jsb, velocity])), publisher", CHAIN
+        tmp_path,
+        "RegisterEventHandler(OnProcessExit(target_action=publisher, on_exit=[jsb, velocity])), publisher",
+        CHAIN,
     )
     assert len(launched.processes) == 1
     (handler,) = launched.unfired_handlers

@@ -61,7 +61,9 @@ def test_a_nested_include_that_fails_leaves_no_trace(tmp_path):
 
 def test_modules_of_pythons_own_library_may_stay_but_nothing_of_ros(tmp_path):
     launch_python(tmp_path, "", before="import launch_ros.actions, colorsys, xacro")
-    assert not [name for name in sys.modules if name.partition(".")[0] in ("launch", "launch_ros", "ament_index_python")]
+    assert not [
+        name for name in sys.modules if name.partition(".")[0] in ("launch", "launch_ros", "ament_index_python")
+    ]
 
 
 def test_a_sourced_ros_changes_nothing(tmp_path):
@@ -74,9 +76,7 @@ def test_a_sourced_ros_changes_nothing(tmp_path):
     def run(**more):
         environment = os.environ | more
         command = [sys.executable, "-c", code, str(ROVER)]
-        return subprocess.run(
-            command, capture_output=True, text=True, check=True, cwd=root, env=environment
-        ).stdout
+        return subprocess.run(command, capture_output=True, text=True, check=True, cwd=root, env=environment).stdout
 
     sourced = run(PYTHONPATH=str(decoy), AMENT_PREFIX_PATH=str(tmp_path / "none"), ROS_DISTRO="humble")
     assert sourced == run()

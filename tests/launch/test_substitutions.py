@@ -112,7 +112,9 @@ def test_xacro_is_expanded_by_the_twin_itself(tmp_path, command):
     package = write_package(tmp_path, "robots")
     write(package / "r.xacro", XACRO)
     text = value_of(
-        tmp_path, f"Command([{command}, FindPackageShare('robots'), '/r.xacro', ' n:=', LaunchConfiguration('n')])", n="b"
+        tmp_path,
+        f"Command([{command}, FindPackageShare('robots'), '/r.xacro', ' n:=', LaunchConfiguration('n')])",
+        n="b",
     )
     assert '<link name="b"/>' in text
 
