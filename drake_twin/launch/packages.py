@@ -35,7 +35,7 @@ class LaunchPackages(PackageIndex):
     def __init__(self, packages: PackageIndex, built_in: frozenset[str] = frozenset()):
         self._packages = packages
         self._built_in = built_in
-        self._known: dict[tuple[str, Path | None], Path | None] = {}
+        self._known: dict[tuple[str, Path | None], tuple[Path | None, str]] = {}
         self._workspaces: list[Path] = []
         self.absent: dict[str, str] = {}  # name → where it was looked for
 
@@ -47,27 +47,19 @@ class LaunchPackages(PackageIndex):
         return Path(ABSENT, package) if found is None else found
 
     def present(self, package: str, near: str | Path | None = None) -> Path | None:
-        """The share folder of a package that is really there."""
-        workspace = None if near is None else containing_package(Path(near).resolve())
-        key = (package, workspace)
-        if key not in self._known:
-            self._known[key] = self._look_for(package, workspace)
-        if workspace is not None and workspace not in self._workspaces:
-            self._workspaces.append(workspace)
-        return self._known[key]
+        """The share folder of a package that is really there; one that is not is noted as absent."""
+        folder, looked_in = self._looked_up(package, near)
+        if folder is None:
+            self.absent.setdefault(package, looked_in)
+        return folder
 
     def is_present(self, package: str, near: str | Path | None = None) -> bool:
-        """Whether a package is there or built in; unlike `present`, asking does not make it an absent one."""
-        if package in self._built_in:
-            return True
-        before = dict(self.absent)
-        present = self.present(package, near) is not None
-        self.absent = before
-        return present
+        """Whether a package is there or built in; asking does not make it an absent one."""
+        return package in self._built_in or self._looked_up(package, near)[0] is not None
 
     def known_names(self) -> list[str]:
         """The packages that were asked for and found."""
-        return list(dict.fromkeys(name for (name, _), folder in self._known.items() if folder is not None))
+        return list(dict.fromkeys(name for (name, _), (folder, _) in self._known.items() if folder is not None))
 
     def resolve(self, address: str, base: str | Path | None = None) -> Path:
         """As `PackageIndex.resolve`."""
@@ -102,20 +94,29 @@ class LaunchPackages(PackageIndex):
                 return folder.joinpath(*parts[index + 1 :])
         return path
 
-    def _look_for(self, package: str, workspace: Path | None) -> Path | None:
+    def _looked_up(self, package: str, near: str | Path | None) -> tuple[Path | None, str]:
+        """The folder, or why there is none."""
+        workspace = None if near is None else containing_package(Path(near).resolve())
+        key = (package, workspace)
+        if key not in self._known:
+            self._known[key] = self._look_for(package, workspace)
+        if workspace is not None and workspace not in self._workspaces:
+            self._workspaces.append(workspace)
+        return self._known[key]
+
+    def _look_for(self, package: str, workspace: Path | None) -> tuple[Path | None, str]:
         reason = ""
         for place in dict.fromkeys([workspace, *self._workspaces]):
             near = None if place is None else place / "package.xml"
             try:
-                return self._packages.find(package, near)
+                return self._packages.find(package, near), ""
             except InputError as error:
                 reason = reason or str(error)
         for repository in dict.fromkeys(_repository(place) for place in [workspace, *self._workspaces] if place):
             if repository is not None:
                 with contextlib.suppress(InputError):
-                    return PackageIndex([repository], environment={}).find(package)
-        self.absent.setdefault(package, reason)
-        return None
+                    return PackageIndex([repository], environment={}).find(package), ""
+        return None, reason
 
 
 def absent_package_in(text: str) -> str | None:

@@ -35,9 +35,9 @@ def load_yaml_file(path: str, context: LaunchContext) -> LaunchDescription:
     return FrontEnd().description(_element(document, "launch", document.data["launch"], ("launch",)))
 
 
-def _element(document: YamlDocument, tag: str, body: Any, path: ValuePath) -> Element:
+def _element(document: YamlDocument, tag: str, body: Any, path: ValuePath, line: int | None = None) -> Element:
     """``tag: body`` as an element: lists of mappings in the body are its children."""
-    place = Place(str(document.file), document.line(path))
+    place = Place(str(document.file), line or document.line(path))
     if body is None:
         return Element(tag, place)
     if isinstance(body, list):
@@ -68,5 +68,5 @@ def _actions(document: YamlDocument, items: list[Any], path: ValuePath) -> tuple
         if not isinstance(item, dict) or len(item) != 1:
             raise document.error(below, "an action is a mapping with one entry, such as node: {pkg: …, exec: …}")
         ((tag, body),) = item.items()
-        elements.append(_element(document, str(tag), body, (*below, tag)))
+        elements.append(_element(document, str(tag), body, (*below, tag), document.line(below)))
     return tuple(elements)

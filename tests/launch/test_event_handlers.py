@@ -118,7 +118,8 @@ def robots(context):
 def test_a_handler_sees_arguments_that_are_declared_after_it(tmp_path):
     launched = launch_python(
         tmp_path,
-        """RegisterEventHandler(OnProcessExit(target_action=create, on_exit=[LogInfo(msg=LaunchConfiguration("late"))])),
+        """RegisterEventHandler(OnProcessExit(target_action=create,
+                                           on_exit=[LogInfo(msg=LaunchConfiguration("late"))])),
         create, DeclareLaunchArgument("late", default_value="seen"),""",
         CHAIN,
     )

@@ -35,8 +35,8 @@ def test_a_group_keeps_an_includes_arguments_to_itself(tmp_path):
         "AnyLaunchDescriptionSource([ThisLaunchFileDir(), '/x.launch.py'])",
         "PathJoinSubstitution([ThisLaunchFileDir(), 'x.launch.py'])",
         "[ThisLaunchFileDir(), '/x.launch.py']",
-        "LaunchDescription([DeclareLaunchArgument('a', default_value='none'),"
-        " Node(package='p', executable='e', name=LaunchConfiguration('a'))])",
+        """LaunchDescription([DeclareLaunchArgument('a', default_value='none'),
+             Node(package='p', executable='e', name=LaunchConfiguration('a'))])""",
     ],
 )
 @pytest.mark.parametrize("arguments", ["{'a': 'b'}.items()", "[('a', 'b')]", "{'a': 'b'}", "[('a', ['', 'b'])]"])
@@ -106,7 +106,7 @@ def test_an_include_that_is_not_there_says_where_it_was_looked_for(tmp_path):
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(InputError, match="the folder .*/nowhere does not exist"):
+    with pytest.raises(InputError, match=r"the folder .*/nowhere does not exist"):
         launch_xml(tmp_path, '<include file="$(dirname)/nowhere/x.launch.py"/>')
 
 
@@ -121,7 +121,9 @@ def test_a_file_may_include_itself_as_long_as_it_comes_to_an_end(tmp_path):
     launched = launch_xml(
         tmp_path,
         """<arg name="n" default="3"/><node pkg="p" exec="e" name="r$(var n)"/>
-        <group if="$(eval '$(var n) > 1')"><include file="$(filename)"><arg name="n" value="$(eval '$(var n) - 1')"/></include></group>""",
+        <group if="$(eval '$(var n) > 1')">
+          <include file="$(filename)"><arg name="n" value="$(eval '$(var n) - 1')"/></include>
+        </group>""",
     )
     assert [process.name for process in launched.processes] == ["r3", "r2", "r1"]
 

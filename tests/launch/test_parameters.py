@@ -66,7 +66,8 @@ def test_a_robot_description_that_yaml_misreads_stays_text_with_a_word_about_ros
         assert launched.processes[0].parameters == ({"robot_description": URDF},)
     launched = launch_python(
         tmp_path,
-        f"Node(package='p', executable='e', parameters=[{{'rd': LaunchConfiguration('d', default=\"\"\"{URDF}\"\"\")}}])",
+        "Node(package='p', executable='e', parameters=[{'rd': LaunchConfiguration('d', default=URDF)}])",
+        f'URDF = """{URDF}"""',
     )
     assert "parameter 'rd' is XML that YAML misreads, which ROS refuses" in launched.log[0]
 
@@ -81,7 +82,7 @@ def test_a_robot_description_that_yaml_misreads_stays_text_with_a_word_about_ros
     ],
 )
 def test_a_value_of_the_wrong_type_is_refused(tmp_path, value, reason):
-    with pytest.raises(InputError, match="test.launch.py:17") as error:
+    with pytest.raises(InputError, match=r"test\.launch\.py:17") as error:
         parameters(tmp_path, f"[{{'x': {value}}}]")
     assert reason in str(error.value)
 

@@ -11,8 +11,8 @@ def process(folder, arguments, **more):
 def test_a_command_and_what_it_says(tmp_path):
     started = process(
         tmp_path,
-        "cmd=['gz', 'sim', '-r', ['-v', LaunchConfiguration('v')], LaunchConfiguration('world')], name='gz', output='screen',"
-        " additional_env={'A': LaunchConfiguration('v')}, cwd='/tmp', shell=False",
+        "cmd=['gz', 'sim', '-r', ['-v', LaunchConfiguration('v')], LaunchConfiguration('world')], name='gz',"
+        " output='screen', additional_env={'A': LaunchConfiguration('v')}, cwd='/tmp', shell=False",
         v="4",
         world="empty.sdf",
     )

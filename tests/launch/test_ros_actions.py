@@ -14,7 +14,8 @@ def test_a_node_with_all_it_may_say(tmp_path):
     node = first(
         tmp_path,
         """PushRosNamespace("fleet"),
-        Node(package="p", executable="e", name=["n", LaunchConfiguration("i")], namespace=["r", LaunchConfiguration("i")],
+        Node(package="p", executable="e",
+             name=["n", LaunchConfiguration("i")], namespace=["r", LaunchConfiguration("i")],
              parameters=["/a.yaml", {"x": 1}], remappings=[("a", "b"), (["c", LaunchConfiguration("i")], "d")],
              arguments=["-x", LaunchConfiguration("i"), ["--n=", LaunchConfiguration("i")]], output="screen",
              additional_env={"A": "1"}, respawn=True, emulate_tty=True, prefix=["xterm -e"], exec_name="z")""",
@@ -48,7 +49,8 @@ def test_parameters_and_remappings_for_all_nodes_come_before_a_nodes_own(tmp_pat
     (tmp_path / "all.yaml").write_text("")
     node = first(
         tmp_path,
-        """SetUseSimTime(True), SetParameter("rate", value="50"), SetParametersFromFile([ThisLaunchFileDir(), "/all.yaml"]),
+        """SetUseSimTime(True), SetParameter("rate", value="50"),
+        SetParametersFromFile([ThisLaunchFileDir(), "/all.yaml"]),
         SetRemap("tf", "/tf"), Node(package="p", executable="e", parameters=[{"rate": 10}], remappings=[("a", "b")])""",
     )
     assert node.parameters == ({"use_sim_time": True}, {"rate": "50"}, tmp_path / "all.yaml", {"rate": 10})
@@ -59,8 +61,8 @@ def test_what_ros_args_say_is_taken_apart(tmp_path):
     node = first(
         tmp_path,
         """Node(package="p", executable="e", name="old", ros_arguments=["--log-level", "debug", "-r", "x:=y"],
-                arguments=["own", "--ros-args", "-r", "__ns:=/r", "-r", "__node:=new", "--remap", "a:=b", "-p", "k:=2.5",
-                           "--params-file", "/f.yaml", "--", "more"])""",
+                arguments=["own", "--ros-args", "-r", "__ns:=/r", "-r", "__node:=new", "--remap", "a:=b", "-p",
+                           "k:=2.5", "--params-file", "/f.yaml", "--", "more"])""",
     )
     assert node.arguments == ("own", "more")
     assert node.full_name == "/r/new"

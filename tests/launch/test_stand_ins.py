@@ -58,7 +58,8 @@ def test_a_window_alone_starts_nothing(tmp_path):
 def test_a_launch_argument_of_the_same_name_reaches_the_world_as_in_ros(tmp_path):
     launched = launch_xml(
         tmp_path,
-        '<arg name="world" default="/mine.world"/><include file="$(find-pkg-share gazebo_ros)/launch/gazebo.launch.py"/>',
+        """<arg name="world" default="/mine.world"/>
+        <include file="$(find-pkg-share gazebo_ros)/launch/gazebo.launch.py"/>""",
     )
     assert launched.processes[0].world.world == "/mine.world"
 
