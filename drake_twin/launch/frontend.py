@@ -72,7 +72,7 @@ class FrontEnd:
     def action(self, element: Element) -> Action:
         """The action of an element."""
         tag = element.tag.replace("-", "_")
-        if tag in _OF_ROS_1 or (tag == "node" and "type" in element.attributes):
+        if tag in _OF_ROS_1 or "ns" in element.attributes or (tag == "node" and "type" in element.attributes):
             raise element.error("this is a ROS 1 launch file, and the twin reads those of ROS 2")
         if tag not in _ACTIONS:
             raise element.error("there is no such element", value=element.tag, valid=sorted(_ACTIONS))
@@ -408,7 +408,7 @@ def _gz(make: Callable[..., Action]) -> Callable[[FrontEnd, Element], Action]:
     )
 
 
-_OF_ROS_1 = ("machine", "param", "remap", "rosparam", "test")
+_OF_ROS_1 = ("env", "machine", "param", "remap", "rosparam", "test")
 
 _PROCESS_ATTRIBUTES = (
     *("cwd", "name", "launch-prefix", "output", "respawn", "respawn_delay", "respawn_max_retries", "shell"),

@@ -57,7 +57,7 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
             f"the launch file reads the environment variable {error.args[0]!r}, which is not set", file=file, line=line
         )
     if isinstance(error, SystemExit):
-        return InputError(f"the launch file ends the program (exit code {error.code})", file=file, line=line)
+        return InputError(f"the launch file ends the program ({_exit(error)})", file=file, line=line)
     lines = ["Traceback (most recent call last):\n", *traceback.format_list(frames)]
     lines += traceback.format_exception_only(type(error), error)
     return InputError(f"the launch file's code fails{_chain(context, file)}\n{''.join(lines).rstrip()}", file=file)
@@ -87,6 +87,10 @@ def _absence(error: BaseException) -> str | None:
 def _in_environment(error: KeyError) -> bool:
     last = traceback.extract_tb(error.__traceback__)[-1]
     return last.filename.endswith("os.py") or (last.filename == "<frozen os>")
+
+
+def _exit(error: SystemExit) -> str:
+    return error.code if isinstance(error.code, str) else f"exit code {error.code or 0}"
 
 
 def _is_ours(frame: traceback.FrameSummary) -> bool:

@@ -148,6 +148,8 @@ def test_gazebos_own_elements(tmp_path):
         ('<include file="x"><node/></include>', "<node>: an include holds arg and let elements"),
         ('<node pkg="p" type="e" name="n"/>', "this is a ROS 1 launch file"),
         ('<rosparam command="load"/>', "this is a ROS 1 launch file"),
+        ('<group ns="r"/>', "this is a ROS 1 launch file"),
+        ('<env name="A" value="1"/>', "this is a ROS 1 launch file"),
     ],
 )
 def test_what_is_wrong_is_refused_with_its_line(tmp_path, elements, reason):
