@@ -66,8 +66,8 @@ def _evaluated(
     arguments: Mapping[str, str] | None,
     packages: PackageIndex | None,
 ) -> Launched:
-    arguments = dict(arguments or {})
-    with ros_in_place(path, arguments):
+    arguments, packages = dict(arguments or {}), packages or PackageIndex()
+    with ros_in_place(path, arguments, packages.folders):
         context = _context(arguments, packages)
         with active(context):
             try:
@@ -105,8 +105,8 @@ def declared_arguments(
         InputError: the file cannot be read.
     """
     path = _existing(file)
-    arguments = dict(arguments or {})
-    with ros_in_place(path, arguments):
+    arguments, packages = dict(arguments or {}), packages or PackageIndex()
+    with ros_in_place(path, arguments, packages.folders):
         context = _context(arguments, packages)
         with active(context):
             return tuple(collect_arguments(path, load_launch_file(path, context), context))
@@ -128,8 +128,8 @@ def _with_all_absent(error: AbsentError, context: LaunchContext) -> AbsentError:
     return AbsentError(text, file=error.file, line=error.line, valid=error.valid, value=error.value)
 
 
-def _context(arguments: Mapping[str, str], packages: PackageIndex | None) -> LaunchContext:
-    index = LaunchPackages(PackageIndex() if packages is None else packages, BUILT_IN_PACKAGES)
+def _context(arguments: Mapping[str, str], packages: PackageIndex) -> LaunchContext:
+    index = LaunchPackages(packages, BUILT_IN_PACKAGES)
     return LaunchContext(
         argv=[f"{name}:={value}" for name, value in arguments.items()], packages=index, arguments=arguments
     )

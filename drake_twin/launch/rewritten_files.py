@@ -129,10 +129,9 @@ def _rewritten(
             result[new_key] = values.get(full, values.get(key))
         else:
             result[new_key] = _rewritten(value, full, values, keys, others)
-    prefix = f"{path}." if path else ""
     for name, value in values.items():  # a path that names an entry of this mapping which is not there yet
         before, _, last = name.rpartition(".")
-        if path and before == path and last not in result and prefix:
+        if path and before == path and last not in result:
             result[last] = value
     return result
 

@@ -33,6 +33,7 @@ from drake_twin.launch.python_module import (
     get_launch_description_from_python_launch_file,
     load_python_launch_file_as_module,
 )
+from drake_twin.launch.substitution_text import parse_substitution
 
 
 def _public(module: Any, kind: type) -> dict[str, Any]:
@@ -168,6 +169,7 @@ _MODULES: Mapping[str, Mapping[str, Any]] = {
     "launch.events.process": _PROCESS_EVENTS,
     "launch.events.matchers": _of(events, "matches_action"),
     "launch.frontend": _FRONTEND,
+    "launch.frontend.parse_substitution": {"parse_substitution": parse_substitution},
     "launch.launch_context": {"LaunchContext": LaunchContext},
     "launch.launch_description": _of(entity, "LaunchDescription"),
     "launch.launch_description_entity": _of(entity, "LaunchDescriptionEntity"),

@@ -17,7 +17,7 @@ import shlex
 import sys
 import sysconfig
 import types
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.launch import ros_module_table as table
 from drake_twin.launch.context import set_environment
 from drake_twin.launch.packages import scratch_folder
+from drake_twin.launch.xacro_program import PACKAGE_FOLDERS
 
 if TYPE_CHECKING:
     pass
@@ -70,12 +71,13 @@ def no_trace() -> Iterator[None]:
 
 
 @contextmanager
-def ros_in_place(file: str, arguments: Mapping[str, str]) -> Iterator[None]:
+def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Iterable[Path] = ()) -> Iterator[None]:
     """ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
 
     Args:
         file: the launch file, for ``sys.argv``.
         arguments: its arguments, for ``sys.argv``.
+        package_folders: where the ``xacro`` command looks for packages first.
     """
     with no_trace():
         for name in [name for name in sys.modules if _root(name) in table.ROOTS or _is_foreign_xacro(name)]:
@@ -87,6 +89,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str]) -> Iterator[None]:
         for name in _DEFAULTS:
             os.environ.setdefault(name, "")
         os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", "")])
+        os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
         sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
         sys.stdout = sys.stderr  # what launch files print is no result of the program
         yield

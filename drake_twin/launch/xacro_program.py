@@ -1,5 +1,6 @@
 """The ``xacro`` command that launch files find on PATH: the installed xacro with the twin's package index."""
 
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,6 +8,9 @@ from pathlib import Path
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.errors import InputError
+
+# Tells the command which folders of packages are looked in first; set while launch files run.
+PACKAGE_FOLDERS = "DRAKE_TWIN_PACKAGE_FOLDERS"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -22,8 +26,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if len(files) != 1:
         print("usage: xacro FILE [name:=value …] [-o OUTPUT]", file=sys.stderr)
         return 2
+    folders = [folder for folder in os.environ.get(PACKAGE_FOLDERS, "").split(os.pathsep) if folder]
     try:
-        text, warnings = expand_xacro(Path(files[0]).absolute(), values, PackageIndex())
+        text, warnings = expand_xacro(Path(files[0]).absolute(), values, PackageIndex(folders))
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -138,14 +138,16 @@ def test_a_launch_file_may_start_the_xacro_command(tmp_path):
     write(
         tmp_path / "r.xacro",
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="n" default=""/>'
-        '<link name="$(arg n)"/></robot>',
+        '<xacro:include filename="$(find parts)/part.xacro"/><link name="$(arg n)"/></robot>',
     )
+    write(write_package(tmp_path, "parts") / "part.xacro", '<robot><link name="part"/></robot>')
     launched = launch_python(
         tmp_path,
         "LogInfo(msg=subprocess.run(['xacro', os.path.join(os.path.dirname(__file__), 'r.xacro'), 'n:=base'],"
         " capture_output=True, text=True, check=True).stdout)",
         before="import subprocess",
     )
+    assert '<link name="part"/>' in launched.log[0]
     assert '<link name="base"/>' in launched.log[0]
 
 
