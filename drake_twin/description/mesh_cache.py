@@ -19,7 +19,12 @@ _TRIMMED_TO = 3 * _MOST_BYTES // 4
 
 
 def mesh_cache_folder() -> Path:
-    """``$XDG_CACHE_HOME/drake_twin/meshes``, or ``~/.cache/drake_twin/meshes``.
+    """The folder of converted meshes, see `cache_folder`."""
+    return cache_folder("meshes")
+
+
+def cache_folder(name: str) -> Path:
+    """``$XDG_CACHE_HOME/drake_twin/NAME``, or ``~/.cache/drake_twin/NAME``.
 
     Where neither can be written, a folder in the system's temporary folder that belongs to this user.
     """
@@ -27,16 +32,16 @@ def mesh_cache_folder() -> Path:
     with contextlib.suppress(OSError, RuntimeError):  # RuntimeError: a user without a home
         if not base.is_absolute():  # which the specification says to ignore
             base = Path("~/.cache").expanduser()
-        folder = base / "drake_twin" / "meshes"
+        folder = base / "drake_twin" / name
         folder.mkdir(parents=True, exist_ok=True)
         if os.access(folder, os.W_OK):
             return folder
-    return _temporary_folder()
+    return _temporary_folder(name)
 
 
-@lru_cache(maxsize=1)
-def _temporary_folder() -> Path:
-    return Path(tempfile.mkdtemp(prefix="drake_twin_meshes_"))
+@lru_cache(maxsize=8)
+def _temporary_folder(name: str) -> Path:
+    return Path(tempfile.mkdtemp(prefix=f"drake_twin_{name}_"))
 
 
 def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:

@@ -50,6 +50,11 @@ class PackageIndex:
             if folder
         ]
 
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The folders that are looked in first."""
+        return tuple(self._folders)
+
     def find(self, package: str, near: str | Path | None = None) -> Path:
         """The share folder of a package; that of a source package looks as if it were installed.
 

@@ -1,11 +1,16 @@
 """xacro files, expanded with the twin's own package index, so that ``$(find pkg)`` needs no ROS."""
 
 import contextlib
+import importlib.machinery
+import importlib.util
 import io
 import re
+import sys
+import sysconfig
 import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 from xml.parsers.expat import ExpatError
 
 from lxml import etree
@@ -33,8 +38,7 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     Raises:
         InputError: xacro refuses the file; the text holds xacro's reason and its chain of files.
     """
-    import xacro
-
+    xacro = installed_xacro()
     with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
             document = xacro.process_file(str(file), mappings=dict(arguments))
@@ -48,6 +52,24 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     # xacro's warnings are followed by lines with the chain of files.
     warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
     return document.toxml(), [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
+
+
+def installed_xacro() -> Any:
+    """The xacro that was installed with the twin, whatever else of that name is on the path (of a sourced ROS, say)."""
+    paths = sysconfig.get_paths()
+    folders = list(dict.fromkeys((paths["purelib"], paths["platlib"])))
+    known = sys.modules.get("xacro")
+    if known is not None and str(known.__file__).startswith(tuple(folders)):
+        return known
+    spec = importlib.machinery.PathFinder.find_spec("xacro", folders)
+    if spec is None or spec.loader is None:  # installed elsewhere, in a user's own folder say
+        return importlib.import_module("xacro")
+    for name in [name for name in sys.modules if name.partition(".")[0] == "xacro"]:
+        del sys.modules[name]
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["xacro"] = module
+    spec.loader.exec_module(module)
+    return module
 
 
 def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:
@@ -89,6 +111,7 @@ def _included(name: str, includer: Path, packages: PackageIndex) -> Iterator[Pat
 
 @contextlib.contextmanager
 def _packages_for_xacro(packages: PackageIndex, file: Path) -> Iterator[None]:
+    installed_xacro()
     from xacro import substitution_args
 
     original = substitution_args._eval_find
@@ -110,13 +133,11 @@ def _reason(error: Exception) -> str:
 
 
 def _file_at_fault(file: Path) -> Path:
-    import xacro
-
+    xacro = installed_xacro()
     return Path(xacro.filestack[-1]) if xacro.filestack else file
 
 
 def _chain() -> str:
-    import xacro
-
+    xacro = installed_xacro()
     includers = dict.fromkeys(str(name) for name in reversed((xacro.filestack or [])[:-1]))
     return f" (included from {', '.join(includers)})" if includers else ""

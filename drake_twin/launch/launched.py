@@ -1,0 +1,218 @@
+"""What a launch file starts, as plain frozen data: the result of evaluating it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+# A parameter's value after evaluation: ROS knows these types and lists of the first four, each of one type.
+Scalar = bool | int | float | str
+ParameterValue = Scalar | bytes | tuple[Scalar, ...]
+
+NODE = "node"
+PROCESS = "process"
+WORLD = "world"
+COMPONENT = "component"
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something was written: a launch file and a line (from 1) where it is known."""
+
+    file: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return self.file if self.line is None else f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True)
+class ParameterText:
+    """A parameters file whose content was rewritten on the way: ``$(var …)`` filled in, keys replaced.
+
+    Attributes:
+        file: the original file.
+        text: the YAML that the node reads.
+    """
+
+    file: Path
+    text: str
+
+
+@dataclass(frozen=True)
+class WorldStart:
+    """A simulator that the launch file starts.
+
+    Attributes:
+        simulator: ``gz`` or ``classic``.
+        world: the world's file or name, as given; None for the simulator's own empty world.
+        paused: whether simulation time stands still at the start (gz without ``-r``, classic with ``pause``).
+        verbosity: 0 (errors only) to 4.
+        server_only: whether there is no window.
+        arguments: the stand-in launch file's arguments, or none for a command line.
+    """
+
+    simulator: Literal["gz", "classic"]
+    world: str | None = None
+    paused: bool = False
+    verbosity: int = 1
+    server_only: bool = False
+    arguments: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class LaunchedProcess:
+    """One thing that the launch file starts.
+
+    Attributes:
+        kind: ``node`` (a ROS executable), ``process`` (any command), ``world`` (a simulator's launch file) or
+            ``component`` (a composable node; ``executable`` is its plugin).
+        package: a node's or component's package.
+        executable: a node's executable, or the command's first word.
+        name: the node's name where the launch file gives one; ROS otherwise uses the executable's own.
+        namespace: fully resolved, ``/`` or ``/robot_1``.
+        parameters: in the order in which they apply, the later over the earlier: files, rewritten files, and
+            mappings of name to value (nested names joined with ``.``).
+        remappings: (from, to) as written; the first that matches wins, see `resolve`.
+        arguments: the command line after the executable, without what ``--ros-args`` says.
+        environment: variables that differ from those the launch was started with; None for one that was unset.
+        output: ``screen``, ``log``, ``both``, ….
+        place: where the action was written.
+        start_time: simulation time (s) at which it starts.
+        ends: whether the executable does its work and ends (``create``, ``spawner``, …), so that OnProcessExit fires.
+        world: the simulator, where the kind is ``world``.
+        container: a component's container, fully resolved.
+    """
+
+    kind: str
+    executable: str
+    place: Place
+    package: str | None = None
+    name: str | None = None
+    namespace: str = "/"
+    parameters: tuple[Path | ParameterText | Mapping[str, ParameterValue], ...] = ()
+    remappings: tuple[tuple[str, str], ...] = ()
+    arguments: tuple[str, ...] = ()
+    environment: Mapping[str, str | None] = field(default_factory=dict)
+    output: str = "log"
+    start_time: float = 0.0
+    ends: bool = False
+    world: WorldStart | None = None
+    container: str | None = None
+
+    @property
+    def full_name(self) -> str:
+        """Namespace and name: ``/robot_1/robot_state_publisher``."""
+        return absolute_name(self.name or self.executable, self.namespace)
+
+    @property
+    def what(self) -> str:
+        """``package/executable``, or the command's first word."""
+        return self.executable if self.package is None else f"{self.package}/{self.executable}"
+
+    def resolve(self, name: str) -> str:
+        """The topic or service that the node really uses for a name in its source, as rcl resolves it.
+
+        A rule matches the fully qualified name, so ``/robot_description`` does not match inside a namespace.
+
+        Args:
+            name: absolute, relative or private (``~/commands``).
+        """
+        own = absolute_name(name, self.namespace, self.full_name)
+        for source, target in self.remappings:
+            node, colon, rest = source.partition(":")
+            if colon and not rest.startswith("//"):
+                if node != (self.name or self.executable):
+                    continue
+                source = rest
+            if not source.startswith("__") and absolute_name(source, self.namespace, self.full_name) == own:
+                return absolute_name(target, self.namespace, self.full_name)
+        return own
+
+
+@dataclass(frozen=True)
+class FailedInclude:
+    """An include that was left out: what it asked for, why, and where it was written."""
+
+    what: str
+    reason: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class UnfiredHandler:
+    """An event handler whose event never came: what it waits for, how many actions it holds, and where it is."""
+
+    what: str
+    actions: int
+    place: Place
+
+
+@dataclass(frozen=True)
+class LaunchArgument:
+    """An argument that a launch file declares.
+
+    Attributes:
+        name: its name.
+        default: its default as ``ros2 launch --show-args`` prints it; None when it is required.
+        description: what the file says about it.
+        choices: the accepted values; empty for any.
+        place: where it is declared.
+    """
+
+    name: str
+    default: str | None = None
+    description: str = ""
+    choices: tuple[str, ...] = ()
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Launched:
+    """All that a launch file starts, and what came to light on the way.
+
+    Attributes:
+        processes: in the order in which they start.
+        failed_includes: includes that were left out because something of theirs is absent.
+        absent_packages: packages that were asked for and are nowhere, in the order in which they were.
+        unfired_handlers: event handlers whose event never came.
+        undeclared_arguments: arguments given that no file declares.
+        log: what LogInfo and the like say, and what was repaired or ignored.
+        configurations: the launch configurations at the end.
+        shutdown: the reason of a Shutdown that was reached; None if there was none.
+    """
+
+    processes: tuple[LaunchedProcess, ...] = ()
+    failed_includes: tuple[FailedInclude, ...] = ()
+    absent_packages: tuple[str, ...] = ()
+    unfired_handlers: tuple[UnfiredHandler, ...] = ()
+    undeclared_arguments: tuple[str, ...] = ()
+    log: tuple[str, ...] = ()
+    configurations: Mapping[str, str] = field(default_factory=dict)
+    shutdown: str | None = None
+
+
+def absolute_name(name: str, namespace: str, node: str = "") -> str:
+    """A ROS name in full: ``x`` in ``/robot_1`` is ``/robot_1/x``, ``~/x`` in ``/robot_1/n`` is ``/robot_1/n/x``.
+
+    Args:
+        name: absolute, relative or private.
+        namespace: fully resolved.
+        node: the node's full name, for private names.
+    """
+    if name.startswith("/"):
+        return name
+    if name == "~" or name.startswith("~/"):
+        return node + name[1:]
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def joined_namespace(base: str | None, namespace: str | None) -> str:
+    """A namespace within another, absolute: one that starts with ``/`` replaces the base."""
+    if not namespace:
+        full = base or ""
+    elif namespace.startswith("/") or not base:
+        full = namespace
+    else:
+        full = f"{base.rstrip('/')}/{namespace}"
+    return "/" + full.strip("/")
