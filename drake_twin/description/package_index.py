@@ -18,6 +18,10 @@ _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 _FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
 
 
+class MissingPackageError(InputError):
+    """A package that is in none of the folders that were looked in."""
+
+
 class PackageIndex:
     """Finds packages by name, the closest source first.
 
@@ -50,6 +54,11 @@ class PackageIndex:
             if folder
         ]
 
+    @property
+    def resource_folders(self) -> tuple[Path, ...]:
+        """The folders of Gazebo's and ROS 1's path variables, in order."""
+        return tuple(self._resource_folders)
+
     def find(self, package: str, near: str | Path | None = None) -> Path:
         """The share folder of a package; that of a source package looks as if it were installed.
 
@@ -58,14 +67,14 @@ class PackageIndex:
             near: a file of the workspace to look in first.
 
         Raises:
-            InputError: no such package; the text lists where it was looked for.
+            MissingPackageError: no such package; the text lists where it was looked for.
         """
         for folder in self._candidates(package, near):
             if folder.is_dir():
                 return installed_layout(folder)
         looked_in = [str(folder) for folder in self._source_folders(near)]
         looked_in += [f"{prefix}/share" for prefix in self._prefixes]
-        raise InputError(
+        raise MissingPackageError(
             f"package {package!r} is in none of: {', '.join(looked_in)}. Name the folder that holds it with"
             " --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
         )

@@ -11,6 +11,7 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPor
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
+from drake_twin.description.world_file import read_world
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_diagram import COMMANDS_TYPE, PUBLISHED, build_robot_diagram
 from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
@@ -90,7 +91,8 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
     packages = PackageIndex(scenario.package_paths)
     plans = tuple(plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots))
     builder = DiagramBuilder()
-    parts = add_plant(builder, scenario, plans)
+    world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
+    parts = add_plant(builder, scenario, plans, world_file)
     published: dict[str, tuple[str, float | None]] = {}
     controllers: dict[str, tuple[RobotPlan, VelocityController]] = {}
     broadcaster = _add_transform_broadcaster(builder, scenario, plans)
