@@ -90,7 +90,10 @@ class SdfIncludes:
             raise reader.error(include, f"the includes form a loop: {circle}")
         if len(above) > _DEEPEST:
             raise reader.error(include, f"the includes go deeper than {_DEEPEST} files")
-        inner = XmlReader(text, file)
+        try:
+            inner = read_sdf(text, file)
+        except InputError as error:
+            raise NotIncludedError(str(error).rstrip(".")) from None
         if inner.root.tag != "sdf":
             raise NotIncludedError(f"{file} is no SDF file (its outermost element is <{inner.root.tag}>)")
         model = inner.root.find("model")
@@ -200,6 +203,26 @@ class IncludedModel:
     element: etree._Element
     version: tuple[int, ...]
     reader: XmlReader
+
+
+_PREFIX = re.compile(r"(?:</?|\s)([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*(?=[\s=/>])")
+
+
+def read_sdf(text: str, file: Path | None) -> XmlReader:
+    """An SDF document, with what Gazebo's reader lets pass: blank lines before the XML declaration, unknown prefixes.
+
+    Raises:
+        InputError: it is not well-formed all the same.
+    """
+    head = re.match(r"\s*<\?xml.*?\?>", text, re.DOTALL)
+    if head is not None:
+        text = "\n" * head[0].count("\n") + text[head.end() :]
+    declared = set(re.findall(r"\bxmlns:([\w.-]+)\s*=", text)) | {"xml", "xmlns"}
+    unknown = sorted(set(_PREFIX.findall(text)) - declared)
+    if unknown:
+        declarations = "".join(f' xmlns:{prefix}="{prefix}"' for prefix in unknown)
+        text = re.sub(r"<sdf\b", lambda tag: tag[0] + declarations, text, count=1)
+    return XmlReader(text, file)
 
 
 def sdf_version(root: etree._Element) -> tuple[int, ...]:

@@ -68,6 +68,10 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         found.update(rule(model))
     _flatten_planes(model)
     found.update(_meshes(model, reader, find))
+    for nested in [*model.iter("model")][:0:-1]:  # the innermost first
+        parent = nested.getparent()
+        if parent is not None and nested.find("link") is None and nested.find("model") is None:
+            parent.remove(nested)
     return [what + (f" ({count} times)" if count > 1 else "") for what, count in found.items()]
 
 
@@ -278,15 +282,21 @@ def _flatten_planes(model: etree._Element) -> None:
         assert geometry is not None
         visual = geometry.getparent()
         assert visual is not None
-        size = [_value(part) for part in (plane.findtext("size") or "1 1").split()]
-        sides = [side if side is not None and 0 < side < 1e4 else 100.0 for side in size][:2]
+        sides = plane_size(plane)
         geometry.remove(plane)
         box = etree.SubElement(etree.SubElement(geometry, "box"), "size")
-        box.text = f"{sides[0]:g} {sides[-1]:g} {_THIN:g}"
+        box.text = f"{sides[0]:g} {sides[1]:g} {_THIN:g}"
         move_shape(visual, turned_to(plane_normal(plane)), np.array([0.0, 0.0, -_THIN / 2]))
 
 
 _THIN = 1e-3  # m
+
+
+def plane_size(plane: etree._Element) -> tuple[float, float]:
+    """The sides of a ``<plane>`` (m); what has none, or absurd ones, is 100 m wide."""
+    parts = [_value(part) for part in (plane.findtext("size") or "1 1").split()]
+    sides = [side if side is not None and 0 < side < 1e4 else 100.0 for side in parts]
+    return sides[0], sides[-1]
 
 
 def plane_normal(plane: etree._Element) -> np.ndarray:

@@ -5,6 +5,7 @@ the others every flat face becomes a slab, its upper side where the face is.
 """
 
 import json
+from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,10 +19,11 @@ from drake_twin.errors import InputError
 # A part stands for its hull when none of its faces lies deeper inside the hull than this part of its diagonal.
 _CONVEX = 0.01
 
-_THICKNESS = 0.05  # m: what a slab has behind its face
+THICKNESS = 0.05  # m: what a slab has behind its face
 
-# Of one mesh; building a plant takes time with their square (1,000: 0.3 s).
-MOST_SOLIDS = 1000
+# Beyond so many triangles a mesh is looked at in cells of this part of its size, however fine it is asked for.
+_MANY_TRIANGLES = 50_000
+_FINEST = 1 / 256
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,14 @@ class SolidMesh:
     Attributes:
         hulls: the corners of each convex part, n × 3.
         faces: the corners of each convex face of the other parts, n × 3, counterclockwise seen from outside.
-        is_coarser: whether corners were moved to keep the number of solids bearable.
     """
 
     hulls: tuple[np.ndarray, ...]
     faces: tuple[np.ndarray, ...]
-    is_coarser: bool = False
+
+    def __len__(self) -> int:
+        """The number of solids."""
+        return len(self.hulls) + len(self.faces)
 
     def solids(self, scale: tuple[float, float, float]) -> list[np.ndarray]:
         """The corners of every convex solid, 3 × n (m).
@@ -51,46 +55,48 @@ class SolidMesh:
             normal = mirrored * np.cross(corners[1] - corners[0], corners[2] - corners[1])
             length = np.linalg.norm(normal)
             if length > 0:
-                found.append(np.vstack([corners, corners - _THICKNESS * normal / length]).T)
+                found.append(np.vstack([corners, corners - THICKNESS * normal / length]).T)
         return found
 
 
-def solid_mesh(file: Path) -> SolidMesh:
+def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
     """A mesh file divided into convex solids; kept in the cache of meshes.
+
+    Args:
+        file: the mesh file.
+        detail: what is smaller need not be told apart (in the mesh's units); zero keeps every corner.
 
     Raises:
         InputError: the file cannot be read, or holds no triangles.
     """
-    data = json.loads(cached(file, ".solids.json", _solids_json).read_text())
+    digits = float(f"{detail:.3g}")
+    data = json.loads(cached(file, f".solids{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
     hulls, faces = ([np.array(points, dtype=float) for points in data[name]] for name in ("hulls", "faces"))
-    return SolidMesh(tuple(hulls), tuple(faces), data["is_coarser"])
+    return SolidMesh(tuple(hulls), tuple(faces))
 
 
-def _solids_json(file: Path) -> bytes:
+def _solids_json(file: Path, detail: float) -> bytes:
     mesh = read_triangles(file)
     vertices, faces = _merged(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces))
-    hulls, slabs = _divided(vertices, faces)
-    cells, is_coarser = 128, False
-    while len(hulls) + len(slabs) > MOST_SOLIDS and cells >= 4:
-        is_coarser = True
-        hulls, slabs = _divided(*_coarser(vertices, faces, cells))
-        cells = int(cells / 1.5)
-    if not hulls and not slabs:
-        raise InputError("the mesh has no face that something can touch", file=file)
-    return json.dumps({"hulls": hulls, "faces": slabs, "is_coarser": is_coarser}).encode()
-
-
-def _divided(vertices: np.ndarray, faces: np.ndarray) -> tuple[list[Any], list[Any]]:
-    """Hulls of the convex parts, and the faces of the others."""
+    if len(faces) > _MANY_TRIANGLES:
+        detail = max(detail, _FINEST * float(np.ptp(vertices, axis=0).max()))
     hulls: list[Any] = []
     slabs: list[Any] = []
+    small: dict[tuple[int, ...], list[np.ndarray]] = defaultdict(list)
     for part in _parts(len(vertices), faces):
         corners = _convex_part(vertices, faces[part])
-        if corners is not None:
+        points = vertices[np.unique(faces[part])] if corners is None else corners
+        if detail > 0 and float(np.ptp(points, axis=0).max()) < detail:
+            small[tuple(np.floor(points.mean(axis=0) / detail).astype(int).tolist())].append(points)
+        elif corners is not None:
             hulls.append(corners.tolist())
         else:
-            slabs += [polygon.tolist() for polygon in _polygons(vertices, faces[part])]
-    return hulls, slabs
+            own = (vertices, faces[part]) if detail == 0 else _coarser(vertices, faces[part], detail)
+            slabs += [polygon.tolist() for polygon in _polygons(*own)]
+    hulls += [np.vstack(group).tolist() for group in small.values()]  # what lies within one cell is one solid
+    if not hulls and not slabs:
+        raise InputError("the mesh has no face that something can touch", file=file)
+    return json.dumps({"hulls": hulls, "faces": slabs}).encode()
 
 
 def _merged(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -109,15 +115,15 @@ def _clean(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
     return vertices, faces[np.sort(kept)]
 
 
-def _coarser(vertices: np.ndarray, faces: np.ndarray, cells: int) -> tuple[np.ndarray, np.ndarray]:
-    """Corners moved to the middle of those within a cube; so many cubes along the longest side."""
-    lower = vertices.min(axis=0)
-    cube = float(np.ptp(vertices, axis=0).max()) / cells
-    _, index = np.unique(np.floor((vertices - lower) / cube), axis=0, return_inverse=True)
+def _coarser(vertices: np.ndarray, faces: np.ndarray, detail: float) -> tuple[np.ndarray, np.ndarray]:
+    """Corners moved to the middle of those within a cube."""
+    used, faces = np.unique(faces, return_inverse=True)
+    vertices = vertices[used]
+    _, index = np.unique(np.floor(vertices / detail), axis=0, return_inverse=True)
     index = index.reshape(-1)
     count = np.bincount(index)
     middle = np.stack([np.bincount(index, weights=vertices[:, axis]) / count for axis in range(3)], axis=1)
-    return _clean(middle, index[faces])
+    return _clean(middle, index[faces.reshape(-1, 3)])
 
 
 def _parts(count: int, faces: np.ndarray) -> list[np.ndarray]:

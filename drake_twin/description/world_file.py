@@ -14,7 +14,7 @@ from lxml import etree
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import Pose, Vector3
-from drake_twin.description.sdf_includes import SdfIncludes, sdf_version
+from drake_twin.description.sdf_includes import SdfIncludes, read_sdf, sdf_version
 from drake_twin.description.sdf_model import falls, is_static, mend_model, pose_transform
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
@@ -95,7 +95,7 @@ def read_world(address: str, packages: PackageIndex) -> WorldFile:
     text, file = _world_text(address, packages)
     if "xacro" in text and "ros.org/wiki/xacro" in text and file is not None:
         text, _ = expand_xacro(file, {}, packages)
-    reader = XmlReader(text, file)
+    reader = read_sdf(text, file)
     world = reader.root.find("world")
     if reader.root.tag != "sdf" or world is None:
         what = "holds no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"

@@ -1,0 +1,198 @@
+"""What does not move in an SDF world, as shapes of the world itself: planes, meshes as solids, and all the rest.
+
+Such shapes cost nothing in a step, where a link that is welded to the world costs 0.8 µs.
+"""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+from pydrake.geometry import Box, Convex, HalfSpace, Rgba, SceneGraphInspector, Shape
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import SpatialInertia
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_twin.description.robot_description import Vector3
+from drake_twin.description.sdf_model import plane_normal, plane_size, turned_to
+from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
+from drake_twin.description.world_file import WorldModel
+from drake_twin.errors import InputError
+
+# Drake 1.51 crashes where a half space and other shapes (53 were enough), or more than 14 half spaces, stand on the
+# world body: a tree of bounding boxes degenerates over an infinite one. So beside a plane all else stands on a body
+# that is welded to the world, where a shape costs 0.1 µs a step.
+_STATIC_BODY = "static_world"
+_MOST_PLANES = 8
+
+# A plane that faces less upwards than this (the z of its normal) is a wall: a slab of its size, not endless ground.
+_GROUND_FACES = 0.1
+
+# Building a plant takes time and memory with the square of the number of shapes (2,000: 1.6 s).
+_MOST_SOLIDS = 2000
+_DETAILS = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6)  # m
+
+
+@dataclass(frozen=True)
+class StaticShape:
+    """A shape in the world frame: it collides where it has friction, and is seen where it has a colour."""
+
+    name: str
+    shape: Shape
+    pose: RigidTransform
+    friction: CoulombFriction | None = None
+    color: np.ndarray | None = None
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether it is a half space that something can stand on."""
+        return isinstance(self.shape, HalfSpace)
+
+
+def ground_shape(friction: float) -> StaticShape:
+    """The half space z < 0."""
+    return StaticShape("ground", HalfSpace(), RigidTransform(), friction=CoulombFriction(friction, friction))
+
+
+def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list[StaticShape]:
+    """The shapes of a model that does not move.
+
+    Drake's parser says where they are; planes and meshes, which it would take for something else, are stand-ins then.
+
+    Args:
+        model: the model.
+        detail: what of a mesh is smaller need not be told apart (m); see `bearable_detail`.
+        warnings: is extended by what was left out.
+
+    Raises:
+        RuntimeError: Drake refuses the model.
+    """
+    root = etree.fromstring(model.text)
+    stand_ins = _put_stand_ins(root, detail, model.name, warnings)
+    plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), time_step=0.001)
+    Parser(plant).AddModelsFromString(etree.tostring(root, encoding="unicode"), "sdf")
+    plant.Finalize()
+    return list(_shapes(model.name, plant, scene_graph.model_inspector(), stand_ins))
+
+
+def bearable_detail(models: Sequence[WorldModel]) -> float:
+    """How fine the meshes of what does not move can be (m), so that the plant does not get too many solids."""
+    meshes: Counter[tuple[str, Vector3]] = Counter()
+    for model in models:
+        if model.is_static:
+            meshes.update(_mesh_and_scale(mesh) for mesh in etree.fromstring(model.text).iterfind(".//collision//mesh"))
+    for detail in _DETAILS:
+        total = 0
+        for (file, scale), count in meshes.items():
+            with suppress(InputError):  # told where the mesh is needed
+                total += count * len(solid_mesh(Path(file), detail / max(map(abs, scale))))
+        if total <= _MOST_SOLIDS:
+            return detail
+    return _DETAILS[-1]
+
+
+def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape]) -> None:
+    """Adds shapes to a plant that is not finalized."""
+    colliding = [item for item in shapes if item.friction is not None]
+    body = plant.world_body()
+    if any(item.is_plane for item in colliding) and not all(item.is_plane for item in colliding):
+        instance = plant.AddModelInstance(_STATIC_BODY)
+        body = plant.AddRigidBody(_STATIC_BODY, instance, SpatialInertia.SolidSphereWithMass(1.0, 1.0))
+        plant.WeldFrames(plant.world_frame(), body.body_frame())
+    planes: list[RigidTransform] = []
+    for number, item in enumerate(shapes):
+        name = f"{item.name}/{number}"  # Drake wants names that differ
+        if item.is_plane:
+            known = any(_same_plane(item.pose, other) for other in planes)
+            if not known and len(planes) < _MOST_PLANES:
+                planes.append(item.pose)
+                plant.RegisterCollisionGeometry(plant.world_body(), item.pose, item.shape, name, item.friction)
+        elif item.friction is not None:
+            plant.RegisterCollisionGeometry(body, item.pose, item.shape, name, item.friction)
+        else:
+            plant.RegisterVisualGeometry(plant.world_body(), item.pose, item.shape, name, item.color)
+
+
+def _same_plane(one: RigidTransform, other: RigidTransform) -> bool:
+    normal = one.rotation().matrix()[:, 2]
+    distance = float(normal @ (one.translation() - other.translation()))
+    return float(normal @ other.rotation().matrix()[:, 2]) > 1 - 1e-9 and abs(distance) < 1e-6
+
+
+@dataclass(frozen=True)
+class _StandIn:
+    """What a stand-in stands for: the solids of a mesh, or a plane's size and turn."""
+
+    solids: tuple[np.ndarray, ...] = ()
+    size: tuple[float, float] | None = None
+    turn: RotationMatrix | None = None
+
+    def shapes(self, pose: RigidTransform) -> Iterator[tuple[Shape, RigidTransform]]:
+        """The shapes and their poses in the world, for a stand-in that is there."""
+        for points in self.solids:
+            yield Convex(points, "part of a mesh"), pose
+        if self.size is not None:
+            X = pose @ RigidTransform(self.turn, np.zeros(3))
+            if X.rotation().matrix()[2, 2] > _GROUND_FACES:
+                yield HalfSpace(), X
+            else:
+                yield Box(*self.size, THICKNESS), X @ RigidTransform(np.array([0.0, 0.0, -THICKNESS / 2]))
+
+
+def _shapes(
+    model: str, plant: MultibodyPlant, inspector: SceneGraphInspector, stand_ins: dict[str, _StandIn]
+) -> Iterator[StaticShape]:
+    context = plant.CreateDefaultContext()
+    for geometry in inspector.GetAllGeometryIds():
+        body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        pose = plant.EvalBodyPoseInWorld(context, body) @ inspector.GetPoseInFrame(geometry)
+        own = inspector.GetName(geometry).rpartition("::")[2]
+        name = f"{model}/{body.name()}/{own}"
+        proximity = inspector.GetProximityProperties(geometry)
+        illustration = inspector.GetIllustrationProperties(geometry)
+        if proximity is not None:
+            friction = proximity.GetProperty("material", "coulomb_friction")
+            stand_in = stand_ins.get(own)
+            found = [(inspector.GetShape(geometry), pose)] if stand_in is None else stand_in.shapes(pose)
+            for shape, X in found:
+                yield StaticShape(name, shape, X, friction=friction)
+        elif illustration is not None:
+            color = illustration.GetPropertyOrDefault("phong", "diffuse", Rgba(0.7, 0.7, 0.7, 1.0))
+            yield StaticShape(name, inspector.GetShape(geometry), pose, color=color.rgba)
+
+
+def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:
+    """Puts small spheres in the place of planes and meshes; returns what each stands for, by its new name."""
+    found: dict[str, _StandIn] = {}
+    for collision in [*root.iter("collision")]:
+        plane, mesh = collision.find("geometry/plane"), collision.find("geometry/mesh")
+        if plane is not None:
+            stand_in = _StandIn(size=plane_size(plane), turn=RotationMatrix(turned_to(plane_normal(plane))))
+        elif mesh is not None:
+            file, scale = _mesh_and_scale(mesh)
+            try:
+                solids = solid_mesh(Path(file), detail / max(map(abs, scale))).solids(scale)
+            except InputError as error:
+                warnings.append(f"{model}: a collision goes without its mesh: {str(error).rstrip('.')}")
+                solids = []
+            stand_in = _StandIn(solids=tuple(solids))
+        else:
+            continue
+        name = f"stand_in_{len(found)}"
+        collision.set("name", name)
+        for geometry in collision.findall("geometry"):
+            collision.remove(geometry)
+        sphere = etree.SubElement(etree.SubElement(collision, "geometry"), "sphere")
+        etree.SubElement(sphere, "radius").text = "0.001"
+        found[name] = stand_in
+    return found
+
+
+def _mesh_and_scale(mesh: etree._Element) -> tuple[str, Vector3]:
+    x, y, z = (float(part) for part in (mesh.findtext("scale") or "1 1 1").split())
+    return mesh.findtext("uri") or "", (x, y, z)
