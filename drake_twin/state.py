@@ -64,7 +64,7 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
         time: the last time at which all was well (s).
 
     Raises:
-        RunError: names the first robot and joint that is nowhere.
+        RunError: names the first robot and joint, or model of the world, that is nowhere.
     """
     if np.isfinite(built.plant.GetPositionsAndVelocities(plant_context)).all():
         return
@@ -85,10 +85,15 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
             " Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so does a step"
             " that is too long"
         )
+    for name, instances in built.world_models.items():
+        if not all(np.isfinite(built.plant.GetPositionsAndVelocities(plant_context, item)).all() for item in instances):
+            raise RunError(
+                f"the simulation failed after {time:g} s: model {name!r} of the world is no longer at a finite position"
+            )
 
 
 def hash_state(built: TwinDiagram, plant_context: Context, time: str, commands: Mapping[str, np.ndarray]) -> str:
-    """SHA-256 of all that makes two runs go on alike: time, states by robot name, commands, active controllers.
+    """SHA-256 of all that makes two runs go on alike: time, states by name, commands, active controllers.
 
     Args:
         built: the diagram.
@@ -100,6 +105,9 @@ def hash_state(built: TwinDiagram, plant_context: Context, time: str, commands: 
     for plan in sorted(built.plans, key=lambda plan: plan.name):
         state = built.plant.GetPositionsAndVelocities(plant_context, built.robots[plan.name].instance)
         digest.update(f"robot {plan.name}\n".encode() + np.asarray(state, dtype="<f8").tobytes())
+    for name, instances in sorted(built.world_models.items()):
+        states = [built.plant.GetPositionsAndVelocities(plant_context, instance) for instance in instances]
+        digest.update(f"model {name}\n".encode() + np.concatenate(states).astype("<f8").tobytes())
     for topic, item in sorted(built.commanded.items()):
         digest.update(f"active {topic} {','.join(item.controller.joints)}\n".encode())
         command = commands.get(topic)

@@ -209,11 +209,14 @@ _PREFIX = re.compile(r"(?:</?|\s)([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*(?=[\s=/>])"
 
 
 def read_sdf(text: str, file: Path | None) -> XmlReader:
-    """An SDF document, with what Gazebo's reader lets pass: blank lines before the XML declaration, unknown prefixes.
+    """An SDF document, with what Gazebo's reader lets pass.
+
+    That is blank lines before the XML declaration, prefixes that nothing declares, and ``--`` inside a comment.
 
     Raises:
         InputError: it is not well-formed all the same.
     """
+    text = re.sub(r"<!--.*?-->", lambda comment: "\n" * comment[0].count("\n"), text, flags=re.DOTALL)
     head = re.match(r"\s*<\?xml.*?\?>", text, re.DOTALL)
     if head is not None:
         text = "\n" * head[0].count("\n") + text[head.end() :]

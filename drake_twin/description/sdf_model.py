@@ -145,9 +145,11 @@ def _names(model: etree._Element) -> Iterator[str]:
 
 
 def _joints(model: etree._Element) -> Iterator[str]:
-    for joint in model.iter("joint"):
+    for joint in [*model.iter("joint")]:
         kind = joint.get("type", "")
-        if kind not in _JOINTS:
+        if _within_static(joint):
+            _fix_for_good(joint)
+        elif kind not in _JOINTS:
             joint.set("type", "fixed")
             yield f"joint {joint.get('name', '')} is fixed: Drake has no {kind or 'nameless'} joints"
         for limit in joint.iterfind("axis/limit"):
@@ -156,6 +158,17 @@ def _joints(model: etree._Element) -> Iterator[str]:
             if lower is not None and upper is not None and low is not None and high is not None and low > high:
                 lower.text, upper.text = upper.text, lower.text
                 yield f"joint {joint.get('name', '')}: lower {low:g} is above upper {high:g}: they change places"
+
+
+def _fix_for_good(joint: etree._Element) -> None:
+    """A joint of a static model says nothing, unless a pose is relative to it."""
+    parent = joint.getparent()
+    assert parent is not None
+    name = joint.get("name")
+    if any(pose.get("relative_to") == name for pose in parent.iter("pose")):
+        joint.set("type", "fixed")
+    else:
+        parent.remove(joint)
 
 
 def _inertias(model: etree._Element) -> Iterator[str]:

@@ -4,6 +4,7 @@ A room, a terrain or a shelf is not its hull. So each connected part of a mesh t
 the others every flat face becomes a slab, its upper side where the face is.
 """
 
+import io
 import json
 from collections import defaultdict
 from dataclasses import dataclass
@@ -70,21 +71,23 @@ def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
         InputError: the file cannot be read, or holds no triangles.
     """
     digits = float(f"{detail:.3g}")
-    data = json.loads(cached(file, f".solids{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
+    data = json.loads(cached(file, f".parts{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
     hulls, faces = ([np.array(points, dtype=float) for points in data[name]] for name in ("hulls", "faces"))
     return SolidMesh(tuple(hulls), tuple(faces))
 
 
 def _solids_json(file: Path, detail: float) -> bytes:
-    mesh = read_triangles(file)
-    vertices, faces = _merged(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces))
+    with np.load(io.BytesIO(cached(file, ".triangles.npz", _triangles).read_bytes())) as triangles:
+        vertices, faces = triangles["vertices"], triangles["faces"]
     if len(faces) > _MANY_TRIANGLES:
         detail = max(detail, _FINEST * float(np.ptp(vertices, axis=0).max()))
     hulls: list[Any] = []
     slabs: list[Any] = []
     small: dict[tuple[int, ...], list[np.ndarray]] = defaultdict(list)
-    for part in _parts(len(vertices), faces):
-        corners = _convex_part(vertices, faces[part])
+    parts = _parts(len(vertices), faces)
+    hollow = _hollow(vertices, [faces[part] for part in parts])
+    for number, part in enumerate(parts):
+        corners = None if number in hollow else _convex_part(vertices, faces[part])
         points = vertices[np.unique(faces[part])] if corners is None else corners
         if detail > 0 and float(np.ptp(points, axis=0).max()) < detail:
             small[tuple(np.floor(points.mean(axis=0) / detail).astype(int).tolist())].append(points)
@@ -97,6 +100,27 @@ def _solids_json(file: Path, detail: float) -> bytes:
     if not hulls and not slabs:
         raise InputError("the mesh has no face that something can touch", file=file)
     return json.dumps({"hulls": hulls, "faces": slabs}).encode()
+
+
+def _triangles(file: Path) -> bytes:
+    mesh = read_triangles(file)
+    vertices, faces = _merged(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces))
+    data = io.BytesIO()
+    np.savez(data, vertices=vertices, faces=faces)
+    return data.getvalue()
+
+
+def _hollow(vertices: np.ndarray, parts: list[np.ndarray]) -> set[int]:
+    """The parts that are a cavity in another one (they look inwards, such as a room in a house), and those others."""
+    lower = np.array([vertices[part].min(axis=(0, 1)) for part in parts]).reshape(-1, 3)
+    upper = np.array([vertices[part].max(axis=(0, 1)) for part in parts]).reshape(-1, 3)
+    found: set[int] = set()
+    for number, part in enumerate(parts):
+        a, b, c = (vertices[part[:, corner]] - lower[number] for corner in range(3))
+        if float(np.einsum("ij,ij->", a, np.cross(b, c))) < 0:
+            around = np.nonzero(np.all(lower < lower[number], axis=1) & np.all(upper > upper[number], axis=1))[0]
+            found |= {number, *around.tolist()} if len(around) else set()
+    return found
 
 
 def _merged(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -191,7 +191,10 @@ class _World:
             if own != name:
                 self._warnings.append(f"{name}: there are several models of this name; one is called {own}")
             taken.add(own)
-            yield self._model(model, own, version, X)
+            if model.find(".//link") is not None:
+                yield self._model(model, own, version, X)
+            elif not self._includes.missing:  # which said why
+                self._mended["the model has no link: it is left out"].append(own)
 
     def _model(self, model: etree._Element, name: str, version: tuple[int, ...], X: Any) -> WorldModel:
         from pydrake.math import RollPitchYaw

@@ -37,14 +37,14 @@ class RobotInPlant:
 class PlantOfTwin:
     """The finalized plant, what is needed to wire robots to it, and what Drake's parser warned of.
 
-    ``world_models`` are the model instances of what moves in the world and is no robot.
+    ``world_models`` are the model instances of each thing that moves in the world and is no robot.
     """
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     robots: dict[str, RobotInPlant]
     warnings: tuple[str, ...]
-    world_models: dict[str, ModelInstanceIndex]
+    world_models: dict[str, tuple[ModelInstanceIndex, ...]]
 
 
 def add_plant(

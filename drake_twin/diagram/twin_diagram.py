@@ -7,6 +7,7 @@ from math import inf
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
 from drake_twin.description.package_index import PackageIndex
@@ -59,6 +60,7 @@ class TwinDiagram:
         warnings: what was given up or changed while building.
         not_started: what the files ask for and the twin does not start, each with the reason.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
+        world_models: what moves in the world and is no robot, by name: its model instances.
     """
 
     diagram: Diagram
@@ -69,6 +71,7 @@ class TwinDiagram:
     published: dict[str, PublishedTopic]
     commanded: dict[str, CommandTopic]
     visualizer: MeshcatVisualizer | None
+    world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     warnings: tuple[str, ...]
     not_started: tuple[str, ...]
 
@@ -126,6 +129,7 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
             for topic, (plan, controller) in controllers.items()
         },
         visualizer=visualizer,
+        world_models=parts.world_models,
         warnings=(*(warning for plan in plans for warning in plan.warnings), *parts.warnings),
         not_started=tuple(reason for plan in plans for reason in plan.not_started),
     )

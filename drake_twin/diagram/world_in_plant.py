@@ -30,7 +30,7 @@ def add_world(
     scenario: Scenario,
     world_file: WorldFile | None,
     warnings: list[str],
-) -> dict[str, ModelInstanceIndex]:
+) -> dict[str, tuple[ModelInstanceIndex, ...]]:
     """Adds gravity, ground and the world file's models to a plant.
 
     A model that Drake refuses is left out with a warning. What does not move has no model instance and no body.
@@ -43,7 +43,7 @@ def add_world(
         warnings: is extended by what was left out.
 
     Returns:
-        Model name → model instance, of the models that move.
+        Model name → its model instance and those of the models in it, of the models that move.
 
     Raises:
         InputError: a robot has the name of a model of the world.
@@ -51,7 +51,7 @@ def add_world(
     world = scenario.world
     plant.mutable_gravity_field().set_gravity_vector(np.array(_gravity(world, world_file)))
     shapes: list[StaticShape] = []
-    moving: dict[str, ModelInstanceIndex] = {}
+    moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
     if world_file is not None:
         _check_names(scenario, world_file)
         warnings.extend(world_file.warnings)
@@ -88,13 +88,13 @@ def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
 
 def _add_models(
     plant: MultibodyPlant, scene_graph: SceneGraph, world_file: WorldFile, warnings: list[str]
-) -> tuple[list[StaticShape], dict[str, ModelInstanceIndex]]:
+) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]]]:
     detail = bearable_detail(world_file.models)
     if detail > 0:
         what = f"its meshes have too many faces to touch: for contact they are told apart down to {detail:g} m only"
         warnings.append(f"{world_file.file.name if world_file.file else 'the world'}: {what}")
     shapes: list[StaticShape] = []
-    moving = {}
+    moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
     for model in world_file.models:
         with captured_warnings() as messages:
             try:
@@ -117,12 +117,13 @@ def _try_out(model: WorldModel) -> None:
     plant.Finalize()
 
 
-def _add_moving(plant: MultibodyPlant, scene_graph: SceneGraph, model: WorldModel) -> ModelInstanceIndex:
-    (instance,) = Parser(plant).AddModelsFromString(model.text, "sdf")
+def _add_moving(plant: MultibodyPlant, scene_graph: SceneGraph, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
+    Parser(plant).AddModelsFromString(model.text, "sdf")
     every = [
         index
         for index in map(ModelInstanceIndex, range(plant.num_model_instances()))
-        if index == instance or plant.GetModelInstanceName(index).startswith(f"{model.name}::")
+        if plant.GetModelInstanceName(index) == model.name
+        or plant.GetModelInstanceName(index).startswith(f"{model.name}::")
     ]
     # Drake's parser actuates joints; nothing commands these. (Asked for one instance, the plant lists its actuators
     # only once it is finalized.)
@@ -135,4 +136,4 @@ def _add_moving(plant: MultibodyPlant, scene_graph: SceneGraph, model: WorldMode
     bodies = [plant.get_body(body) for index in every for body in plant.GetBodyIndices(index)]
     own = plant.CollectRegisteredGeometries(bodies)
     scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(own))
-    return instance
+    return tuple(every)
