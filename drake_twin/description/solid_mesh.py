@@ -20,6 +20,9 @@ from drake_twin.errors import InputError
 # A part stands for its hull when none of its faces lies deeper inside the hull than this part of its diagonal.
 _CONVEX = 0.01
 
+# Faces are in one plane when their corners leave it by no more than this part of the diagonal.
+_FLAT = 2e-4
+
 THICKNESS = 0.05  # m: what a slab has behind its face
 
 # Beyond so many triangles a mesh is looked at in cells of this part of its size, however fine it is asked for.
@@ -71,7 +74,7 @@ def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
         InputError: the file cannot be read, or holds no triangles.
     """
     digits = float(f"{detail:.3g}")
-    data = json.loads(cached(file, f".parts{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
+    data = json.loads(cached(file, f".solids-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
     hulls, faces = ([np.array(points, dtype=float) for points in data[name]] for name in ("hulls", "faces"))
     return SolidMesh(tuple(hulls), tuple(faces))
 
@@ -210,10 +213,12 @@ def _convex_polygon(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | Non
     from scipy.spatial import ConvexHull, QhullError
 
     a, b, c = vertices[faces[0]]
-    normal = np.cross(b - a, c - a)
+    normal = np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a))
     x = (b - a) / np.linalg.norm(b - a)
-    y = np.cross(normal / np.linalg.norm(normal), x)
+    y = np.cross(normal, x)
     corners = vertices[np.unique(faces)]
+    if np.ptp(corners @ normal) > _FLAT * float(np.linalg.norm(np.ptp(corners, axis=0))):
+        return None  # neighbours bend little by little
     try:
         hull = ConvexHull(corners @ np.stack([x, y], axis=1))
     except (QhullError, ValueError):
