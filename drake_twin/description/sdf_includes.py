@@ -217,6 +217,7 @@ def read_sdf(text: str, file: Path | None) -> XmlReader:
         InputError: it is not well-formed all the same.
     """
     text = re.sub(r"<!--.*?-->", lambda comment: "\n" * comment[0].count("\n"), text, flags=re.DOTALL)
+    text = re.sub(r"(</?[A-Za-z_]\w*)::(?=\w)", r"\1:", text)
     head = re.match(r"\s*<\?xml.*?\?>", text, re.DOTALL)
     if head is not None:
         text = "\n" * head[0].count("\n") + text[head.end() :]

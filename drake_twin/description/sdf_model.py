@@ -352,7 +352,9 @@ def pose_transform(pose: etree._Element):  # type: ignore[no-untyped-def]  # pyd
     from pydrake.common.eigen_geometry import Quaternion
     from pydrake.math import RigidTransform, RollPitchYaw
 
-    values = np.array([float(part) for part in (pose.text or "0 0 0 0 0 0").split()])
+    values = np.array([float(part) for part in (pose.text or "").split()])
+    if not len(values):
+        return RigidTransform()
     if not np.all(np.isfinite(values)):
         raise ValueError("not finite")
     if pose.get("rotation_format") == "quat_xyzw":
