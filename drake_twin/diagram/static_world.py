@@ -1,12 +1,13 @@
 """What does not move in an SDF world, as shapes of the world itself: planes, meshes as solids, and all the rest.
 
-Such shapes cost nothing in a step, where a link that is welded to the world costs 0.8 µs.
+Such shapes cost nothing in a step, where each link that is welded to the world costs 0.8 µs.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -25,17 +26,21 @@ from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 
 # Drake 1.51 crashes where a half space and other shapes (53 were enough), or more than 14 half spaces, stand on the
-# world body: a tree of bounding boxes degenerates over an infinite one. So beside a plane all else stands on a body
-# that is welded to the world, where a shape costs 0.1 µs a step.
+# world body: FCL never ends dividing a tree of bounding boxes with an infinite one. So beside a plane all else stands
+# on a body that is welded to the world, where a shape costs 0.1 µs a step, and more where shapes overlap (a terrain of
+# 1,150 triangles: 1.3 ms). Beyond a number of shapes the plane is the upper side of a huge box instead.
 _STATIC_BODY = "static_world"
+_MOST_BESIDE_A_PLANE = 100
 _MOST_PLANES = 8
+_ENDLESS = 10_000.0  # m
+_DEEP = 10.0  # m
 
 # A plane that faces less upwards than this (the z of its normal) is a wall: a slab of its size, not endless ground.
 _GROUND_FACES = 0.1
 
-# Building a plant takes time and memory with the square of the number of shapes (2,000: 1.6 s).
-_MOST_SOLIDS = 2000
-_DETAILS = (0.0, 0.05, 0.2, 0.8)  # m; each takes a while when a mesh is first met
+# Building a plant takes time and memory with the square of the number of shapes (1,000: 0.5 s, 240 MB).
+_MOST_SOLIDS = 1200
+_DETAILS = (0.0, 0.05, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 51.2, 204.8)  # m; each takes a while when a mesh is new
 
 
 @dataclass(frozen=True)
@@ -88,9 +93,9 @@ def bearable_detail(models: Sequence[WorldModel]) -> float:
             meshes.update(_mesh_and_scale(mesh) for mesh in etree.fromstring(model.text).iterfind(".//collision//mesh"))
     for detail in _DETAILS:
         total = 0
-        for (file, scale), count in meshes.items():
+        for (file, scale), times in meshes.items():
             with suppress(InputError):  # told where the mesh is needed
-                total += count * len(solid_mesh(Path(file), detail / max(map(abs, scale))))
+                total += times * len(solid_mesh(Path(file), detail / max(map(abs, scale))))
         if total <= _MOST_SOLIDS:
             return detail
     return _DETAILS[-1]
@@ -98,24 +103,36 @@ def bearable_detail(models: Sequence[WorldModel]) -> float:
 
 def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape]) -> None:
     """Adds shapes to a plant that is not finalized."""
-    colliding = [item for item in shapes if item.friction is not None]
+    planes = _different_planes(item for item in shapes if item.is_plane)
+    solids = [item for item in shapes if item.friction is not None and not item.is_plane]
+    visuals = [item for item in shapes if item.friction is None]
     body = plant.world_body()
-    if any(item.is_plane for item in colliding) and not all(item.is_plane for item in colliding):
+    if planes and len(solids) > _MOST_BESIDE_A_PLANE:
+        planes = [
+            replace(item, shape=Box(_ENDLESS, _ENDLESS, _DEEP), pose=item.pose @ RigidTransform([0.0, 0.0, -_DEEP / 2]))
+            for item in planes
+        ]
+    elif planes and solids:
         instance = plant.AddModelInstance(_STATIC_BODY)
         body = plant.AddRigidBody(_STATIC_BODY, instance, SpatialInertia.SolidSphereWithMass(1.0, 1.0))
         plant.WeldFrames(plant.world_frame(), body.body_frame())
-    planes: list[RigidTransform] = []
-    for number, item in enumerate(shapes):
-        name = f"{item.name}/{number}"  # Drake wants names that differ
-        if item.is_plane:
-            known = any(_same_plane(item.pose, other) for other in planes)
-            if not known and len(planes) < _MOST_PLANES:
-                planes.append(item.pose)
-                plant.RegisterCollisionGeometry(plant.world_body(), item.pose, item.shape, name, item.friction)
-        elif item.friction is not None:
-            plant.RegisterCollisionGeometry(body, item.pose, item.shape, name, item.friction)
-        else:
-            plant.RegisterVisualGeometry(plant.world_body(), item.pose, item.shape, name, item.color)
+    numbers = count()  # Drake wants names that differ
+    for item in planes:
+        name = f"{item.name}/{next(numbers)}"
+        plant.RegisterCollisionGeometry(plant.world_body(), item.pose, item.shape, name, item.friction)
+    for item in solids:
+        plant.RegisterCollisionGeometry(body, item.pose, item.shape, f"{item.name}/{next(numbers)}", item.friction)
+    for item in visuals:
+        name = f"{item.name}/{next(numbers)}"
+        plant.RegisterVisualGeometry(plant.world_body(), item.pose, item.shape, name, item.color)
+
+
+def _different_planes(planes: Iterable[StaticShape]) -> list[StaticShape]:
+    found: list[StaticShape] = []
+    for plane in planes:
+        if len(found) < _MOST_PLANES and not any(_same_plane(plane.pose, other.pose) for other in found):
+            found.append(plane)
+    return found
 
 
 def _same_plane(one: RigidTransform, other: RigidTransform) -> bool:

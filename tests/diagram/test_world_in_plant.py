@@ -133,6 +133,22 @@ def test_hundreds_of_shapes_stand_beside_a_plane(tmp_path):
     assert twin.robot_state("robot_1").base_pose[2] == pytest.approx(0.13, abs=1e-3)
 
 
+def test_a_terrain_too_fine_for_the_plant_is_made_coarser_and_said_to_be(tmp_path):
+    x, y = np.meshgrid(np.linspace(-10, 10, 60), np.linspace(-10, 10, 60))
+    index = np.arange(3600).reshape(60, 60)
+    a, b, c, d = index[:-1, :-1].ravel(), index[:-1, 1:].ravel(), index[1:, :-1].ravel(), index[1:, 1:].ravel()
+    vertices = np.column_stack([x.ravel(), y.ravel(), (0.3 * np.sin(x) * np.cos(y)).ravel()])
+    faces = np.vstack([np.column_stack([a, b, d]), np.column_stack([a, d, c])])
+    trimesh.Trimesh(vertices, faces).export(tmp_path / "hills.stl")
+    twin = twin_in(tmp_path, static("<mesh><uri>hills.stl</uri></mesh>"), xyz=(0, 0, 0.4))
+    assert twin.plant.NumBodiesWithName("static_world") == 0
+    world = twin.plant.world_body()
+    assert 100 < len(twin.plant.GetCollisionGeometriesForBody(world)) <= 1200
+    assert any("have too many faces to touch" in warning for warning in twin.warnings)
+    twin.advance_to(1.0)
+    assert 0 < twin.robot_state("robot_1").base_pose[2] < 0.4
+
+
 def test_many_planes_that_are_walls_are_no_endless_ground(tmp_path):
     plane = "<plane><normal>-1 0 0</normal><size>1 1</size></plane>"
     walls = "".join(static(plane, f"{n} 5 0.5 0 0 0", f"wall{n}") for n in range(20))
