@@ -12,7 +12,16 @@ from pathlib import Path
 
 import numpy as np
 from lxml import etree
-from pydrake.geometry import Box, Convex, HalfSpace, Rgba, SceneGraphInspector, Shape
+from pydrake.geometry import (
+    Box,
+    Convex,
+    GeometryInstance,
+    HalfSpace,
+    IllustrationProperties,
+    PerceptionProperties,
+    SceneGraphInspector,
+    Shape,
+)
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
@@ -45,13 +54,14 @@ _DETAILS = (0.0, 0.05, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 51.2, 204.8)  # m; ea
 
 @dataclass(frozen=True)
 class StaticShape:
-    """A shape in the world frame: it collides where it has friction, and is seen where it has a colour."""
+    """A shape in the world frame: it collides where it has friction, and is seen where it has a look."""
 
     name: str
     shape: Shape
     pose: RigidTransform
     friction: CoulombFriction | None = None
-    color: np.ndarray | None = None
+    look: IllustrationProperties | None = None
+    camera_look: PerceptionProperties | None = None
 
     @property
     def is_plane(self) -> bool:
@@ -113,8 +123,9 @@ def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape])
             for item in planes
         ]
     elif planes and solids:
-        instance = plant.AddModelInstance(_STATIC_BODY)
-        body = plant.AddRigidBody(_STATIC_BODY, instance, SpatialInertia.SolidSphereWithMass(1.0, 1.0))
+        body = plant.AddRigidBody(
+            _STATIC_BODY, plant.AddModelInstance(_STATIC_BODY), SpatialInertia.SolidSphereWithMass(1.0, 1.0)
+        )
         plant.WeldFrames(plant.world_frame(), body.body_frame())
     numbers = count()  # Drake wants names that differ
     for item in planes:
@@ -124,7 +135,12 @@ def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape])
         plant.RegisterCollisionGeometry(body, item.pose, item.shape, f"{item.name}/{next(numbers)}", item.friction)
     for item in visuals:
         name = f"{item.name}/{next(numbers)}"
-        plant.RegisterVisualGeometry(plant.world_body(), item.pose, item.shape, name, item.color)
+        instance = GeometryInstance(item.pose, item.shape, name)
+        if item.look is not None:
+            instance.set_illustration_properties(item.look)
+        if item.camera_look is not None:
+            instance.set_perception_properties(item.camera_look)
+        plant.RegisterVisualGeometry(plant.world_body(), instance)
 
 
 def _different_planes(planes: Iterable[StaticShape]) -> list[StaticShape]:
@@ -171,16 +187,18 @@ def _shapes(
         own = inspector.GetName(geometry).rpartition("::")[2]
         name = f"{model}/{body.name()}/{own}"
         proximity = inspector.GetProximityProperties(geometry)
-        illustration = inspector.GetIllustrationProperties(geometry)
         if proximity is not None:
             friction = proximity.GetProperty("material", "coulomb_friction")
             stand_in = stand_ins.get(own)
             found = [(inspector.GetShape(geometry), pose)] if stand_in is None else stand_in.shapes(pose)
             for shape, X in found:
                 yield StaticShape(name, shape, X, friction=friction)
-        elif illustration is not None:
-            color = illustration.GetPropertyOrDefault("phong", "diffuse", Rgba(0.7, 0.7, 0.7, 1.0))
-            yield StaticShape(name, inspector.GetShape(geometry), pose, color=color.rgba)
+        else:  # seen, with the material that Drake's parser gave it
+            look, camera_look = (
+                inspector.GetIllustrationProperties(geometry),
+                inspector.GetPerceptionProperties(geometry),
+            )
+            yield StaticShape(name, inspector.GetShape(geometry), pose, look=look, camera_look=camera_look)
 
 
 def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:

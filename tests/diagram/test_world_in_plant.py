@@ -123,6 +123,19 @@ def test_what_does_not_move_has_no_body_of_its_own(tmp_path):
     assert twin_in(tmp_path, GROUND + blocks).plant.num_bodies() == bare.plant.num_bodies() + 1
 
 
+def test_what_does_not_move_is_drawn_in_its_colour_where_it_stands(tmp_path):
+    visual = """<visual name="v"><pose>0 0 1 0 0 0</pose><geometry><sphere><radius>0.3</radius></sphere></geometry>
+    <material><diffuse>0.1 0.2 0.3 0.5</diffuse></material></visual>"""
+    link = f"<link name='l'><pose>0 2 0 0 0 0</pose>{visual}</link>"
+    twin = twin_in(tmp_path, f"<model name='ball'><static>1</static><pose>5 0 0 0 0 0</pose>{link}</model>")
+    (geometry,) = twin.plant.GetVisualGeometriesForBody(twin.plant.world_body())
+    scene_graph = twin.diagram.GetSubsystemByName("scene_graph")
+    inspector = scene_graph.model_inspector()
+    assert inspector.GetPoseInFrame(geometry).translation() == pytest.approx([5, 2, 1])
+    color = inspector.GetIllustrationProperties(geometry).GetProperty("phong", "diffuse")
+    assert color.rgba == pytest.approx([0.1, 0.2, 0.3, 0.5])
+
+
 def test_hundreds_of_shapes_stand_beside_a_plane(tmp_path):
     blocks = "".join(
         static("<box><size>1 1 1</size></box>", f"{9 + 2 * (n % 25)} {9 + 2 * (n // 25)} 1 0 0 0", f"b{n}")
