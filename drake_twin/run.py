@@ -13,7 +13,16 @@ from typing import Any
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.program import ArgumentParser, announce_page, run_program, say, stop_signals
-from drake_twin.scenario import LONGEST_TIME, Command, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
+from drake_twin.scenario import (
+    LONGEST_STEP,
+    LONGEST_TIME,
+    SHORTEST_STEP,
+    Command,
+    Scenario,
+    ScenarioError,
+    ScenarioFile,
+    scenario_to_yaml,
+)
 
 _DESCRIPTION = """\
 Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
@@ -27,7 +36,8 @@ examples:
   python -m drake_twin.run --robots 8 --headless --duration 10 --summary out.json
   python -m drake_twin.run --robots 2 --pub /robot_1/forward_velocity_controller/commands "[2, 2, 2, 2]"
   python -m drake_twin.run diagrams/two_rovers.yaml
-  python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3"""
+  python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3
+  python -m drake_twin.run --robots 2 --world path/to/some.world"""
 
 _STATUS_PERIOD = 0.2  # s
 
@@ -68,6 +78,11 @@ def _parser() -> ArgumentParser:
         default=[],
         metavar=("TOPIC", "DATA"),
         help='publish a command at the start, for example "[2, 2, 2, 2]" (may be repeated; replaces the demo drive)',
+    )
+    robots.add_argument(
+        "--world",
+        metavar="FILE",
+        help="the world they stand in: an SDF file (.world, .sdf), or a built-in one such as empty.sdf",
     )
     timing = parser.add_argument_group("time")
     timing.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
@@ -150,6 +165,8 @@ def _scenario(options: argparse.Namespace) -> tuple[Scenario, ScenarioFile | Non
         scenario = file.scenario
     else:
         scenario = _robot_file(targets[0], options, xacro_args)
+    if options.world is not None:
+        scenario = _in_world(scenario, options.world, own_step=file is None and options.time_step is None)
     if options.time_step is not None:
         scenario = replace(scenario, time_step=options.time_step)
     if commands:
@@ -200,6 +217,18 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
         xacro_args=xacro_args,
         package_paths=[absolute_path(folder) for folder in options.package_path],
     )
+
+
+def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
+    """The scenario in the world of a file, at the file's own step where nothing else says one."""
+    from drake_twin.description.package_index import PackageIndex
+    from drake_twin.description.world_file import read_world
+
+    file = address if "://" in address else absolute_path(address)
+    step = read_world(file, PackageIndex(scenario.package_paths)).max_step_size if own_step else None
+    if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP:
+        scenario = replace(scenario, time_step=step)
+    return replace(scenario, world=replace(scenario.world, file=file))
 
 
 def _command(topic: str, text: str) -> Command:

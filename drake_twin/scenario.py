@@ -38,17 +38,25 @@ COLLISION_KINDS = ("hull", "decomposition")
 
 @dataclass(frozen=True)
 class World:
-    """Where the robots stand.
+    """Where the robots stand. What is given here goes before what the world file says.
 
     Attributes:
-        gravity: the acceleration of free fall in the world frame (m/s²).
-        ground: whether the half space z < 0 is solid.
-        ground_friction: its coefficient of friction.
+        gravity: the acceleration of free fall in the world frame (m/s²); by default the file's, or 9.81 downwards.
+        ground: whether there is solid ground. By default what the file has of it, or the half space z < 0 without a
+            file; true adds that half space where the file has no plane, false leaves the file's planes out.
+        ground_friction: the ground's coefficient of friction; by default the file's, or 1.
+        file: an SDF world: a path, ``package://`` or ``model://``, or the name of a built-in one such as ``empty.sdf``.
     """
 
-    gravity: Vector3 = (0.0, 0.0, -9.81)
-    ground: bool = True
-    ground_friction: float = 1.0
+    gravity: Vector3 | None = None
+    ground: bool | None = None
+    ground_friction: float | None = None
+    file: str | None = None
+
+    @property
+    def has_own_ground(self) -> bool:
+        """Whether the half space z < 0 is solid, whatever the world file says."""
+        return self.file is None if self.ground is None else self.ground
 
 
 @dataclass(frozen=True)
@@ -177,7 +185,7 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     if scenario.contact_approximation not in CONTACT_APPROXIMATIONS:
         valid = ", ".join(CONTACT_APPROXIMATIONS)
         yield ("contact_approximation",), f"{scenario.contact_approximation!r} is none of {valid}"
-    if not scenario.world.ground_friction >= 0:
+    if scenario.world.ground_friction is not None and not scenario.world.ground_friction >= 0:
         yield ("world", "ground_friction"), f"{scenario.world.ground_friction:g} is below zero"
     names: set[str] = set()
     for index, robot in enumerate(scenario.robots):
@@ -393,5 +401,8 @@ def _with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:
         for robot in scenario.robots
     )
     return dataclasses.replace(
-        scenario, robots=robots, package_paths=tuple(absolute(name) for name in scenario.package_paths)
+        scenario,
+        robots=robots,
+        package_paths=tuple(absolute(name) for name in scenario.package_paths),
+        world=dataclasses.replace(scenario.world, file=scenario.world.file and absolute(scenario.world.file)),
     )

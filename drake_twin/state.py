@@ -66,7 +66,7 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
         time: the last time at which all was well (s).
 
     Raises:
-        RunError: names the first robot and joint that is nowhere.
+        RunError: names the first robot and joint, or model of the world, that is nowhere.
     """
     if np.isfinite(built.plant.GetPositionsAndVelocities(plant_context)).all():
         return
@@ -87,6 +87,11 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
             " Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so does a step"
             " that is too long"
         )
+    for name, instances in built.world_models.items():
+        if not all(np.isfinite(built.plant.GetPositionsAndVelocities(plant_context, item)).all() for item in instances):
+            raise RunError(
+                f"the simulation failed after {time:g} s: model {name!r} of the world is no longer at a finite position"
+            )
 
 
 def hash_state(
@@ -96,7 +101,7 @@ def hash_state(
     controllers: Mapping[str, Mapping[str, str]],
     commands: Mapping[str, Any],
 ) -> str:
-    """SHA-256 of all that makes two runs go on alike: time, states by robot name, controllers, commands.
+    """SHA-256 of all that makes two runs go on alike: time, states by name, controllers, commands.
 
     Args:
         built: the diagram.
@@ -119,6 +124,9 @@ def hash_state(
                 values.append((name, controller.sample(controller.GetMyContextFromRoot(context))))
         for part in _bytes_of(values):
             digest.update(part)
+    for name, instances in sorted(built.world_models.items()):
+        states = [built.plant.GetPositionsAndVelocities(plant_context, instance) for instance in instances]
+        digest.update(f"model {name}\n".encode() + np.concatenate(states).astype("<f8").tobytes())
     for part in _bytes_of(sorted(commands.items())):
         digest.update(part)
     return digest.hexdigest()

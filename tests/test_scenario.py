@@ -64,6 +64,13 @@ def test_file_names_in_a_scenario_are_relative_to_it(tmp_path):
     assert scenario.package_paths == (str(tmp_path / "ws"),)
 
 
+def test_a_world_file_is_relative_to_the_scenario_and_survives_the_way_through_yaml(tmp_path):
+    text = "robots: [{name: a, model: /a.urdf}]\nworld: {file: worlds/w.sdf, ground_friction: 0.5}"
+    scenario = ScenarioFile(text, tmp_path / "twin.yaml").scenario
+    assert scenario.world == World(file=str(tmp_path / "worlds" / "w.sdf"), ground_friction=0.5)
+    assert ScenarioFile(scenario_to_yaml(scenario), tmp_path / "other.yaml").scenario == scenario
+
+
 def test_numbers_that_yaml_takes_for_text_are_numbers():
     scenario = ScenarioFile("time_step: 1e-3\nrobots: [{name: a, model: a.urdf}]", "twin.yaml").scenario
     assert scenario.time_step == 0.001

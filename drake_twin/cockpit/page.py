@@ -46,7 +46,7 @@ def set_scene(meshcat: Meshcat, twin: Twin) -> None:
     positions = np.array([twin.robot_state(robot).base_pose[:3] for robot in twin.robots])
     center = positions.mean(axis=0)
     reach = float(np.max(np.linalg.norm(positions - center, axis=1))) + 1.0
-    if twin.scenario.world.ground:
+    if twin.scenario.world.has_own_ground:
         side = max(20.0, 4.0 * reach)
         thickness = 0.01
         meshcat.SetObject("/ground", Box(side, side, thickness), _GROUND)

@@ -109,6 +109,16 @@ def collision_pieces(file: Path) -> tuple[Path, ...]:
     )
 
 
+def read_triangles(file: Path) -> Any:
+    """All triangles of a mesh file as one trimesh, in metres where the file says its unit.
+
+    Raises:
+        InputError: the format is not known, or the file holds no triangles.
+    """
+    _check_suffix(file)
+    return _single_mesh(file)
+
+
 def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
     """The box, cylinder or sphere that a mesh is when it is scaled; None when it is no primitive.
 

@@ -5,9 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
-from lxml import etree
-
-from drake_twin.description.share_layout import installed_layout
+from drake_twin.description.share_layout import installed_layout, package_name
 from drake_twin.errors import InputError
 
 # Folders that hold no source packages, or copies of them.
@@ -16,6 +14,10 @@ _SEARCH_DEPTH = 6
 
 _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 _FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
+
+
+class MissingPackageError(InputError):
+    """A package that is in none of the folders that were looked in."""
 
 
 class PackageIndex:
@@ -55,6 +57,11 @@ class PackageIndex:
         """The folders that are looked in first."""
         return tuple(self._folders)
 
+    @property
+    def resource_folders(self) -> tuple[Path, ...]:
+        """The folders of Gazebo's and ROS 1's path variables, in order."""
+        return tuple(self._resource_folders)
+
     def find(self, package: str, near: str | Path | None = None) -> Path:
         """The share folder of a package; that of a source package looks as if it were installed.
 
@@ -63,14 +70,14 @@ class PackageIndex:
             near: a file of the workspace to look in first.
 
         Raises:
-            InputError: no such package; the text lists where it was looked for.
+            MissingPackageError: no such package; the text lists where it was looked for.
         """
         for folder in self._candidates(package, near):
             if folder.is_dir():
                 return installed_layout(folder)
         looked_in = [str(folder) for folder in self._source_folders(near)]
         looked_in += [f"{prefix}/share" for prefix in self._prefixes]
-        raise InputError(
+        raise MissingPackageError(
             f"package {package!r} is in none of: {', '.join(looked_in)}. Name the folder that holds it with"
             " --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
         )
@@ -115,9 +122,12 @@ class PackageIndex:
             if own_package is not None:
                 if package_name(own_package) == package:
                     yield own_package
+                if own_package.parent.name == "share":
+                    yield from _in_prefix(own_package.parents[1], package)
+                    yield from _in_prefix(own_package.parents[2], package)
                 yield from _in_folder(_workspace(own_package), package)
         for prefix in self._prefixes:
-            yield prefix / "share" / package
+            yield from _in_prefix(prefix, package)
         for folder in self._resource_folders:
             yield from _in_folder(folder, package)
         yield from _in_folder(share_folder("models"), package)
@@ -151,13 +161,41 @@ def containing_package(file: str | Path) -> Path | None:
     return None
 
 
-@lru_cache(maxsize=4096)
-def package_name(folder: Path) -> str:
-    """The ``<name>`` in a folder's ``package.xml``, or the folder's own name."""
-    try:
-        return (etree.parse(folder / "package.xml").findtext("name") or folder.name).strip()
-    except (etree.XMLSyntaxError, OSError):
-        return folder.name
+def workspace_folders(workspace: str | Path) -> tuple[Path, ...]:
+    """The folders of packages of a colcon workspace, to be given to `PackageIndex`: its sources, then what is built.
+
+    Args:
+        workspace: the workspace, its ``src`` or ``install`` folder, or a folder of packages.
+
+    Raises:
+        InputError: there is no such folder, or no package in it.
+    """
+    root = Path(absolute_path(workspace))
+    if not root.is_dir():
+        raise InputError("the workspace does not exist", file=root)
+    installed = [*_share_folders(root / "install"), *_share_folders(root)]
+    source = root / "src" if (root / "src").is_dir() else root
+    has_sources = (source / "package.xml").is_file() or (not installed and _packages_below(source))
+    has_sources = has_sources or (source != root and _packages_below(source))
+    folders = ([source] if has_sources else []) + installed
+    if not folders:
+        raise InputError(
+            "the workspace holds no ROS package: none with a package.xml, and no install folder", file=root
+        )
+    return tuple(folders)
+
+
+def _share_folders(install: Path) -> list[Path]:
+    """The share folders of an install tree: one where it is merged, one a package where it is isolated."""
+    merged = install / "share"
+    found = [merged] if merged.is_dir() and any(merged.glob("*/package.xml")) else []
+    return found + sorted(path.parents[1] for path in install.glob("*/share/*/package.xml"))
+
+
+def _in_prefix(prefix: Path, package: str) -> Iterator[Path]:
+    """Places for an installed package: in a merged install tree, then in an isolated one."""
+    yield prefix / "share" / package
+    yield prefix / package / "share" / package
 
 
 def _in_folder(folder: Path, package: str) -> Iterator[Path]:

@@ -264,18 +264,24 @@ def _inertia(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
         if any(value is None or not isfinite(value) for value in values.values()):
             continue  # what is no number is refused where it is read
         numbers = {name: float(value or 0.0) for name, value in values.items()}
-        tensor = _tensor(numbers)
-        if not np.any(tensor):
-            moment = _DENSITY_LEVER * mass * _LEAST_RADIUS**2
-            _set_tensor(inertia, moment * np.eye(3))
-            yield link, f"{described(link)} has mass but no inertia: that of a sphere of {_LEAST_RADIUS:g} m is used"
-            continue
-        moments, axes = np.linalg.eigh(tensor)
-        repaired = _physical(moments)
-        if np.abs(repaired - moments).max() > _PHYSICAL_MARGIN * float(np.abs(moments).max()):
-            _set_tensor(inertia, axes @ np.diag(repaired) @ axes.T)
-            text = ", ".join(f"{moment:.3g}" for moment in moments)
-            yield link, f"{described(link)}: no body has the principal moments {text}: the nearest possible are used"
+        possible, why = possible_inertia(mass, _tensor(numbers))
+        if why is not None:
+            _set_tensor(inertia, possible)
+            yield link, f"{described(link)}: {why}"
+
+
+def possible_inertia(mass: float, tensor: np.ndarray) -> tuple[np.ndarray, str | None]:
+    """The inertia nearest to a given one (kg·m², 3×3) that a body of a mass (kg) can have, and why it differs if so."""
+    if not np.any(tensor):
+        sphere = _DENSITY_LEVER * mass * _LEAST_RADIUS**2 * np.eye(3)
+        return sphere, f"it has mass but no inertia: that of a sphere of {_LEAST_RADIUS:g} m is used"
+    moments, axes = np.linalg.eigh(tensor)
+    repaired = _physical(moments)
+    if np.abs(repaired - moments).max() <= _PHYSICAL_MARGIN * float(np.abs(moments).max()):
+        return tensor, None
+    text = ", ".join(f"{moment:.3g}" for moment in moments)
+    nearest = np.asarray(axes @ np.diag(repaired) @ axes.T)
+    return nearest, f"no body has the principal moments {text}: the nearest possible are used"
 
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")

@@ -1,24 +1,21 @@
 """A source package as it looks once installed: what ``$(find pkg)/urdf`` is when the folder is ``description/urdf``.
 
-CMakeLists.txt is read, not run. The installed look is a folder of links in the system's temporary folder, which is made
-only for packages whose two layouts differ.
+CMakeLists.txt, setup.py and setup.cfg are read, not run. The installed look is a folder of links in the system's
+temporary folder, which is made only for packages whose two layouts differ.
 """
 
 import atexit
 import os
-import re
 import shutil
 import tempfile
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
-_INSTALL = re.compile(
-    r"install\s*\(\s*DIRECTORY\s+(?P<folders>[^)]*?)\s+DESTINATION\s+[\"']?\$?\{?(?:CMAKE_INSTALL_PREFIX\}/)?share/"
-    r"(?:\$\{PROJECT_NAME\}|[\w-]+)(?P<below>/[\w./-]*)?[\"']?",
-    re.IGNORECASE,
-)
-_INSTALL_TO_SHARE = re.compile(r"ament_auto_package\s*\([^)]*INSTALL_TO_SHARE\s+(?P<folders>[^)]*)\)", re.IGNORECASE)
+from lxml import etree
+
+from drake_twin.description.cmake_install import cmake_installs
+from drake_twin.description.setup_py import setup_installs
 
 # Folders that packages install to the top of their share folder, wherever they keep them.
 _USUAL_FOLDERS = {"config", "gazebo", "launch", "maps", "meshes", "models", "params", "ros2_control", "rviz"}
@@ -29,24 +26,32 @@ _USUAL_FOLDERS |= {"sdf", "srdf", "urdf", "worlds", "xacro"}
 def installed_layout(package: Path) -> Path:
     """The folder of a package as its share folder would look; the package itself where that is the same.
 
+    What stands in the source already is never hidden by what is installed.
+
     Args:
-        package: the folder with the package.xml.
+        package: the folder with the package.xml, of a source or an installed package.
     """
-    moved = {place: source for place, source in _moved_folders(package) if not (package / place).exists()}
+    if package.parent.name == "share":
+        return package
+    moved = [(place, source) for place, source in _installs(package) if _adds(package / place, source)]
     if not moved:
         return package
     view = _views() / str(len(os.listdir(_views()))) / package.name
     view.mkdir(parents=True)
     for entry in package.iterdir():
         (view / entry.name).symlink_to(entry)
-    for place, source in moved.items():
-        link = view / place
-        if not os.path.lexists(link) and not any(
-            parent.is_symlink() for parent in link.parents if view in parent.parents
-        ):
-            link.parent.mkdir(parents=True, exist_ok=True)
-            link.symlink_to(source)
+    for place, source in moved:
+        _lay(view, view / place, source)
     return view
+
+
+@lru_cache(maxsize=4096)
+def package_name(folder: Path) -> str:
+    """The ``<name>`` in a folder's ``package.xml``, or the folder's own name."""
+    try:
+        return (etree.parse(folder / "package.xml").findtext("name") or folder.name).strip()
+    except (etree.XMLSyntaxError, OSError):
+        return folder.name
 
 
 @lru_cache(maxsize=1)
@@ -56,29 +61,48 @@ def _views() -> Path:
     return folder
 
 
-def _moved_folders(package: Path) -> Iterator[tuple[str, Path]]:
-    """Place in the share folder, and the source folder that is installed there."""
-    cmake = package / "CMakeLists.txt"
-    if cmake.is_file():
-        text = re.sub(r"#.*", "", cmake.read_text(encoding="utf-8", errors="replace"))
-        for match in [*_INSTALL.finditer(text), *_INSTALL_TO_SHARE.finditer(text)]:
-            below = (match.groupdict().get("below") or "").strip("/")
-            for folder in match["folders"].split():
-                yield from _installed(package, folder.strip("\"'"), below)
-    elif not (package / "setup.py").is_file():
+def _installs(package: Path) -> Iterator[tuple[str, Path]]:
+    """Place in the share folder, and the source that is installed there."""
+    name = package_name(package)
+    if (package / "CMakeLists.txt").is_file():
+        yield from cmake_installs(package, name)
+    if (package / "setup.py").is_file() or (package / "setup.cfg").is_file():
+        yield from setup_installs(package, name)
+    elif not (package / "CMakeLists.txt").is_file():
         # Neither build file is here (a collection of data files, say): the usual folders go to the top.
         for outer in sorted(path for path in package.iterdir() if path.is_dir() and path.name not in _USUAL_FOLDERS):
             for inner in sorted(path for path in outer.iterdir() if path.is_dir() and path.name in _USUAL_FOLDERS):
                 yield inner.name, inner
 
 
-def _installed(package: Path, folder: str, below: str) -> Iterator[tuple[str, Path]]:
-    """``install(DIRECTORY a/b)`` installs b, ``install(DIRECTORY a/b/)`` what is in it."""
-    source = package / folder
-    if not source.is_dir():
-        return
-    if folder.endswith("/"):
+def _adds(place: Path, source: Path) -> bool:
+    """Whether a source brings anything to a place that is not there in the source package already."""
+    if place.is_dir() and source.is_dir() and not place.samefile(source):
+        return any(_adds(place / entry.name, entry) for entry in source.iterdir())
+    return not place.exists()
+
+
+def _lay(view: Path, place: Path, source: Path) -> None:
+    """Links a source to a place, beside what is there."""
+    for folder in reversed([parent for parent in place.parents if parent.is_relative_to(view) and parent != view]):
+        _unfold(folder)
+        if not folder.is_dir():
+            if os.path.lexists(folder):
+                return  # a file stands where a folder would be
+            folder.mkdir()
+    if not os.path.lexists(place):
+        place.symlink_to(source)
+    elif place.is_dir() and source.is_dir():
+        _unfold(place)
         for entry in sorted(source.iterdir()):
-            yield f"{below}/{entry.name}".strip("/"), entry
-    else:
-        yield f"{below}/{source.name}".strip("/"), source
+            _lay(view, place / entry.name, entry)
+
+
+def _unfold(folder: Path) -> None:
+    """Turns a link to a folder into a folder of links, so that more can stand in it."""
+    if folder.is_symlink() and folder.is_dir():
+        target = folder.resolve()
+        folder.unlink()
+        folder.mkdir()
+        for entry in target.iterdir():
+            (folder / entry.name).symlink_to(entry)

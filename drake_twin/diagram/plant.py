@@ -7,22 +7,19 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import (
-    CollisionFilterDeclaration,
-    GeometrySet,
-    HalfSpace,
-    SceneGraph,
-)
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, SceneGraph
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlant, MultibodyPlantConfig
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.robot_description import Pose
+from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, ServoGains, servo_gains
+from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario
 from drake_twin.systems.state_layout import StateLayout
@@ -39,33 +36,38 @@ class RobotInPlant:
 
 @dataclass(frozen=True)
 class PlantOfTwin:
-    """The finalized plant, what is needed to wire robots to it, and what Drake's parser warned of."""
+    """The finalized plant, what is needed to wire robots to it, and what Drake's parser warned of.
+
+    ``world_models`` are the model instances of each thing that moves in the world and is no robot.
+    """
 
     plant: MultibodyPlant
     scene_graph: SceneGraph
     robots: dict[str, RobotInPlant]
     warnings: tuple[str, ...]
+    world_models: dict[str, tuple[ModelInstanceIndex, ...]]
 
 
-def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan]) -> PlantOfTwin:
+def add_plant(
+    builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan], world_file: WorldFile | None = None
+) -> PlantOfTwin:
     """Adds the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
 
     Args:
         builder: the root diagram's builder.
         scenario: the world and the step.
         plans: the robots, in the scenario's order.
+        world_file: what the scenario's world file says.
 
     Raises:
-        InputError: Drake refuses a robot; the text holds Drake's reason.
+        InputError: a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
     """
     config = MultibodyPlantConfig(
         time_step=scenario.time_step, discrete_contact_approximation=scenario.contact_approximation
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
-    plant.mutable_gravity_field().set_gravity_vector(np.array(scenario.world.gravity))
-    if scenario.world.ground:
-        _add_ground(plant, scenario.world.ground_friction)
     warnings: list[str] = []
+    world_models = add_world(plant, scene_graph, scenario, world_file, warnings)
     instances = {}
     for plan in plans:
         with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
@@ -78,7 +80,7 @@ def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[Robot
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans])
     robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
-    return PlantOfTwin(plant, scene_graph, robots, tuple(warnings))
+    return PlantOfTwin(plant, scene_graph, robots, tuple(warnings), world_models)
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:
@@ -94,12 +96,6 @@ def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
     except (RuntimeError, ValueError, SystemExit) as error:
         reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
         raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
-
-
-def _add_ground(plant: MultibodyPlant, friction: float) -> None:
-    plant.RegisterCollisionGeometry(
-        plant.world_body(), RigidTransform(), HalfSpace(), "ground", CoulombFriction(friction, friction)
-    )
 
 
 def _add_robot(

@@ -7,10 +7,12 @@ from math import inf
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
+from drake_twin.description.world_file import read_world
 from drake_twin.diagram.controller_plan import ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
@@ -76,6 +78,7 @@ class TwinDiagram:
         warnings: what was given up or changed while building.
         not_started: what the files ask for and the twin does not start, each with the reason.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
+        world_models: what moves in the world and is no robot, by name: its model instances.
     """
 
     diagram: Diagram
@@ -88,6 +91,7 @@ class TwinDiagram:
     actions: dict[str, CommandTopic]
     parts: dict[str, RobotDiagram]
     visualizer: MeshcatVisualizer | None
+    world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     warnings: tuple[str, ...]
     not_started: tuple[str, ...]
 
@@ -110,7 +114,8 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
     packages = PackageIndex(scenario.package_paths)
     plans = tuple(plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots))
     builder = DiagramBuilder()
-    parts = add_plant(builder, scenario, plans)
+    world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
+    parts = add_plant(builder, scenario, plans, world_file)
     topics = _Topics(builder)
     robots = {plan.name: _add_robot(builder, parts, plan, topics) for plan in plans}
     broadcaster = _add_transform_broadcaster(builder, scenario, plans, robots)
@@ -147,6 +152,7 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
         },
         parts=robots,
         visualizer=visualizer,
+        world_models=parts.world_models,
         warnings=(
             *(warning for plan in plans for warning in (*plan.warnings, *robots[plan.name].warnings)),
             *parts.warnings,

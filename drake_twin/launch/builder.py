@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,13 +32,15 @@ class TwinBuilder:
     Args:
         time_step: the physics step (s).
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
-        world: gravity and ground.
+        world: gravity, ground, and a world file.
     """
 
     def __init__(self, time_step: float = 0.001, contact_approximation: str = "lagged", world: World | None = None):
         self._time_step = float(time_step)
         self._contact_approximation = contact_approximation
         self._world = world or World()
+        if self._world.file is not None:
+            self._world = replace(self._world, file=_address(self._world.file))
         self._package_paths: list[str] = []
         self._robots: list[Robot] = []
         self._static_transforms: list[StaticTransform] = []

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from drake_twin.description.package_index import PackageIndex, containing_package, share_folder
+from drake_twin.description.package_index import PackageIndex, containing_package, share_folder, workspace_folders
 from drake_twin.errors import InputError
 
 
@@ -177,3 +177,39 @@ def test_the_package_of_a_file_is_the_innermost_one(tmp_path):
     inner = package(tmp_path / "outer" / "inner")
     assert containing_package(inner / "urdf" / "rover.urdf") == inner
     assert containing_package(tmp_path / "rover.urdf") is None
+
+
+# --- install trees and workspaces
+
+
+@pytest.mark.parametrize("layout", ["install/share/{}", "install/{}/share/{}"])
+def test_a_package_is_found_in_a_merged_and_in_an_isolated_install_tree(tmp_path, layout):
+    rover = package(tmp_path / layout.format("rover", "rover"))
+    arm = package(tmp_path / layout.format("arm", "arm"))
+    assert index(COLCON_PREFIX_PATH=tmp_path / "install").find("rover") == rover
+    assert index().find("rover", near=arm / "urdf" / "arm.urdf") == rover  # a neighbour of the file at hand
+    assert index(*workspace_folders(tmp_path)).find("rover") == rover
+    assert index(*workspace_folders(tmp_path / "install")).find("rover") == rover
+
+
+def test_a_workspaces_sources_go_before_what_is_built(tmp_path):
+    built = package(tmp_path / "install" / "rover" / "share" / "rover")
+    source = package(tmp_path / "src" / "stack" / "rover")
+    arm = package(tmp_path / "install" / "arm" / "share" / "arm")
+    folders = workspace_folders(tmp_path)
+    assert folders == (tmp_path / "src", arm.parent, built.parent)
+    assert index(*folders).find("rover") == source
+    assert index(*folders).find("arm") == arm
+
+
+@pytest.mark.parametrize("given", ["src", "src/rover", "."])
+def test_a_workspace_may_be_a_folder_of_packages_or_one_package(tmp_path, given):
+    rover = package(tmp_path / "src" / "rover")
+    assert index(*workspace_folders(tmp_path / given)).find("rover") == rover
+
+
+def test_a_workspace_without_packages_or_that_is_not_there_is_refused(tmp_path):
+    with pytest.raises(InputError, match="the workspace holds no ROS package"):
+        workspace_folders(tmp_path)
+    with pytest.raises(InputError, match="the workspace does not exist"):
+        workspace_folders(tmp_path / "gone")

@@ -1,0 +1,226 @@
+"""A mesh that does not move as convex solids: Drake's point contact takes any other mesh for its convex hull.
+
+A room, a terrain or a shelf is not its hull. So each connected part of a mesh that is convex becomes its hull, and of
+the others every flat face becomes a slab, its upper side where the face is.
+"""
+
+import io
+import json
+from collections import defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drake_twin.description.mesh_cache import cached
+from drake_twin.description.meshes import read_triangles
+from drake_twin.errors import InputError
+
+# A part stands for its hull when none of its faces lies deeper inside the hull than this part of its diagonal.
+_CONVEX = 0.01
+
+# Faces are in one plane when their corners leave it by no more than this part of the diagonal.
+_FLAT = 2e-4
+
+THICKNESS = 0.05  # m: what a slab has behind its face
+
+# Beyond so many triangles a mesh is looked at in cells of this part of its size, however fine it is asked for.
+_MANY_TRIANGLES = 50_000
+_FINEST = 1 / 256
+
+
+@dataclass(frozen=True)
+class SolidMesh:
+    """What a static mesh collides as, in the mesh's own units.
+
+    Attributes:
+        hulls: the corners of each convex part, n × 3.
+        faces: the corners of each convex face of the other parts, n × 3, counterclockwise seen from outside.
+    """
+
+    hulls: tuple[np.ndarray, ...]
+    faces: tuple[np.ndarray, ...]
+
+    def __len__(self) -> int:
+        """The number of solids."""
+        return len(self.hulls) + len(self.faces)
+
+    def solids(self, scale: tuple[float, float, float]) -> list[np.ndarray]:
+        """The corners of every convex solid, 3 × n (m).
+
+        Args:
+            scale: the mesh's scale along its axes.
+        """
+        found = [(hull * scale).T for hull in self.hulls]
+        mirrored = np.prod(np.sign(scale))
+        for face in self.faces:
+            corners = face * scale
+            normal = mirrored * np.cross(corners[1] - corners[0], corners[2] - corners[1])
+            length = np.linalg.norm(normal)
+            if length > 0:
+                found.append(np.vstack([corners, corners - THICKNESS * normal / length]).T)
+        return found
+
+
+def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
+    """A mesh file divided into convex solids; kept in the cache of meshes.
+
+    Args:
+        file: the mesh file.
+        detail: what is smaller need not be told apart (in the mesh's units); zero keeps every corner.
+
+    Raises:
+        InputError: the file cannot be read, or holds no triangles.
+    """
+    digits = float(f"{detail:.3g}")
+    data = json.loads(cached(file, f".solids-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
+    hulls, faces = ([np.array(points, dtype=float) for points in data[name]] for name in ("hulls", "faces"))
+    return SolidMesh(tuple(hulls), tuple(faces))
+
+
+def _solids_json(file: Path, detail: float) -> bytes:
+    with np.load(io.BytesIO(cached(file, ".triangles.npz", _triangles).read_bytes())) as triangles:
+        vertices, faces = triangles["vertices"], triangles["faces"]
+    if len(faces) > _MANY_TRIANGLES:
+        detail = max(detail, _FINEST * float(np.ptp(vertices, axis=0).max()))
+    hulls: list[Any] = []
+    slabs: list[Any] = []
+    small: dict[tuple[int, ...], list[np.ndarray]] = defaultdict(list)
+    parts = _parts(len(vertices), faces)
+    hollow = _hollow(vertices, [faces[part] for part in parts])
+    for number, part in enumerate(parts):
+        corners = None if number in hollow else _convex_part(vertices, faces[part])
+        points = vertices[np.unique(faces[part])] if corners is None else corners
+        if detail > 0 and float(np.ptp(points, axis=0).max()) < detail:
+            small[tuple(np.floor(points.mean(axis=0) / detail).astype(int).tolist())].append(points)
+        elif corners is not None:
+            hulls.append(corners.tolist())
+        else:
+            own = (vertices, faces[part]) if detail == 0 else _coarser(vertices, faces[part], detail)
+            slabs += [polygon.tolist() for polygon in _polygons(*own)]
+    hulls += [np.vstack(group).tolist() for group in small.values()]  # what lies within one cell is one solid
+    if not hulls and not slabs:
+        raise InputError("the mesh has no face that something can touch", file=file)
+    return json.dumps({"hulls": hulls, "faces": slabs}).encode()
+
+
+def _triangles(file: Path) -> bytes:
+    mesh = read_triangles(file)
+    vertices, faces = _merged(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces))
+    data = io.BytesIO()
+    np.savez(data, vertices=vertices, faces=faces)
+    return data.getvalue()
+
+
+def _hollow(vertices: np.ndarray, parts: list[np.ndarray]) -> set[int]:
+    """The parts that are a cavity in another one (they look inwards, such as a room in a house), and those others."""
+    lower = np.array([vertices[part].min(axis=(0, 1)) for part in parts]).reshape(-1, 3)
+    upper = np.array([vertices[part].max(axis=(0, 1)) for part in parts]).reshape(-1, 3)
+    found: set[int] = set()
+    for number, part in enumerate(parts):
+        a, b, c = (vertices[part[:, corner]] - lower[number] for corner in range(3))
+        if float(np.einsum("ij,ij->", a, np.cross(b, c))) < 0:
+            around = np.nonzero(np.all(lower < lower[number], axis=1) & np.all(upper > upper[number], axis=1))[0]
+            found |= {number, *around.tolist()} if len(around) else set()
+    return found
+
+
+def _merged(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners at one place become one corner, and triangles without area go."""
+    size = float(np.ptp(vertices, axis=0).max()) or 1.0
+    _, first, index = np.unique(np.round(vertices / (1e-6 * size)), axis=0, return_index=True, return_inverse=True)
+    return _clean(vertices[first], index.reshape(-1)[faces])
+
+
+def _clean(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    size = float(np.ptp(vertices, axis=0).max()) or 1.0
+    faces = faces[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-9 * size**2]
+    _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    return vertices, faces[np.sort(kept)]
+
+
+def _coarser(vertices: np.ndarray, faces: np.ndarray, detail: float) -> tuple[np.ndarray, np.ndarray]:
+    """Corners moved to the middle of those within a cube."""
+    used, faces = np.unique(faces, return_inverse=True)
+    vertices = vertices[used]
+    _, index = np.unique(np.floor(vertices / detail), axis=0, return_inverse=True)
+    index = index.reshape(-1)
+    count = np.bincount(index)
+    middle = np.stack([np.bincount(index, weights=vertices[:, axis]) / count for axis in range(3)], axis=1)
+    return _clean(middle, index[faces.reshape(-1, 3)])
+
+
+def _parts(count: int, faces: np.ndarray) -> list[np.ndarray]:
+    """Indices of the faces of each connected part."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    if len(faces) == 0:
+        return []
+    rows = np.concatenate([faces[:, 0], faces[:, 1]])
+    columns = np.concatenate([faces[:, 1], faces[:, 2]])
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(count, count))
+    label = connected_components(graph, directed=False)[1][faces[:, 0]]
+    order = np.argsort(label, kind="stable")
+    return np.split(order, np.nonzero(np.diff(label[order]))[0] + 1)
+
+
+def _convex_part(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | None:
+    """The corners of a part's hull, where the part is as good as convex."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = vertices[np.unique(faces)]
+    try:
+        hull = ConvexHull(points)
+    except (QhullError, ValueError):  # flat
+        return None
+    tolerance = _CONVEX * float(np.linalg.norm(np.ptp(points, axis=0)))
+    inside = np.concatenate([points, vertices[faces].mean(axis=1)])
+    depth = -(inside @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
+    # An open sheet, such as a terrain, may be as good as flat, and is not what its hull encloses.
+    if depth.max() > tolerance or _area(vertices, faces) < 0.75 * float(hull.area):
+        return None
+    return np.asarray(points[hull.vertices])
+
+
+def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def _polygons(vertices: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
+    """Convex polygons that cover the faces: neighbouring triangles in one plane together, where that is convex."""
+    polygons: list[np.ndarray] = []
+    rest = np.ones(len(faces), dtype=bool)
+    for group in _flat_groups(vertices, faces):
+        if len(group) > 1 and (polygon := _convex_polygon(vertices, faces[group])) is not None:
+            polygons.append(polygon)
+            rest[group] = False
+    return [*polygons, *vertices[faces[rest]]]
+
+
+def _flat_groups(vertices: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
+    import trimesh
+
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    return [np.asarray(group) for group in mesh.facets]
+
+
+def _convex_polygon(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | None:
+    from scipy.spatial import ConvexHull, QhullError
+
+    a, b, c = vertices[faces[0]]
+    normal = np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a))
+    x = (b - a) / np.linalg.norm(b - a)
+    y = np.cross(normal, x)
+    corners = vertices[np.unique(faces)]
+    if np.ptp(corners @ normal) > _FLAT * float(np.linalg.norm(np.ptp(corners, axis=0))):
+        return None  # neighbours bend little by little
+    try:
+        hull = ConvexHull(corners @ np.stack([x, y], axis=1))
+    except (QhullError, ValueError):
+        return None
+    return np.asarray(corners[hull.vertices]) if hull.volume < 1.001 * _area(vertices, faces) else None

@@ -1,0 +1,333 @@
+"""An SDF world (``.world``, ``.sdf``) as plain, frozen data: gravity, times, and the models that stand in it.
+
+What Drake cannot use (plugins, lights, sensors, scene, GUI, …) is left out with one warning for each kind; so is a
+model that cannot be had. Poses are in the world frame.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.robot_description import Pose, Vector3
+from drake_twin.description.sdf_includes import SdfIncludes, read_sdf, sdf_version
+from drake_twin.description.sdf_model import falls, is_static, mend_model, pose_transform
+from drake_twin.description.xacro_file import expand_xacro
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
+
+# SDF's default.
+_GRAVITY: Vector3 = (0.0, 0.0, -9.8)
+
+_EMPTY = """<sdf version="1.9"><world name="{name}">
+<physics type="ode"><max_step_size>0.001</max_step_size><real_time_factor>1</real_time_factor></physics>
+<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include></world></sdf>"""
+
+# Worlds that are there by their name, wherever their file is not.
+BUILT_IN_WORLDS = ("empty.sdf", "empty.world", "default.sdf")
+
+# Plugins whose work the twin does itself.
+_DONE_HERE = ("physics", "usercommands", "scenebroadcaster", "gazeborosinit", "gazeborosfactory", "gazeborosclock")
+
+# Elements of a world that mean something here; and those that say nothing that could be missed.
+_USED = {"gravity", "physics", "model", "include", "frame", "state"}
+_SILENT = {"magnetic_field", "atmosphere", "spherical_coordinates", "light", "wind", "audio"}
+
+
+@dataclass(frozen=True)
+class WorldModel:
+    """A model of a world.
+
+    Attributes:
+        name: its name, unlike that of any other model of the world.
+        pose: where it stands at the start, in the world frame.
+        is_static: whether it never moves.
+        falls: whether gravity acts on it.
+        text: SDF of this model alone for Drake's parser, its pose included. A static model's planes and collision
+            meshes are as in the file, since Drake's parser would take them for something else.
+    """
+
+    name: str
+    pose: Pose
+    is_static: bool
+    falls: bool
+    text: str
+
+
+@dataclass(frozen=True)
+class WorldFile:
+    """What a world file says.
+
+    Attributes:
+        name: the world's name.
+        gravity: the acceleration of free fall (m/s²).
+        max_step_size: the physics step that the file asks for (s), if it does.
+        real_time_factor: how fast it shall run at most, if it says.
+        models: the models, in file order.
+        warnings: what was left out or changed.
+        file: where it was read from; None for a built-in world.
+    """
+
+    name: str
+    gravity: Vector3
+    max_step_size: float | None
+    real_time_factor: float | None
+    models: tuple[WorldModel, ...]
+    warnings: tuple[str, ...] = ()
+    file: Path | None = None
+
+
+def read_world(address: str, packages: PackageIndex) -> WorldFile:
+    """Reads a world.
+
+    Args:
+        address: its file: a path, ``package://``, ``model://``, ``file://``, or a name below a folder of
+            ``GZ_SIM_RESOURCE_PATH``; or one of `BUILT_IN_WORLDS`.
+        packages: resolves it and what it includes.
+
+    Raises:
+        InputError: the file is missing, is no SDF world, its includes form a loop, or a value in it is no number.
+    """
+    text, file = _world_text(address, packages)
+    if "xacro" in text and "ros.org/wiki/xacro" in text and file is not None:
+        text, _ = expand_xacro(file, {}, packages)
+    reader = read_sdf(text, file)
+    world = reader.root.find("world")
+    if reader.root.tag != "sdf" or world is None:
+        what = "holds no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
+        raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
+    return _World(reader, world, packages).read()
+
+
+def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]:
+    name = Path(address).name
+    try:
+        file = packages.resolve(address)
+    except InputError as error:
+        beside = [folder / address for folder in packages.resource_folders if (folder / address).is_file()]
+        if beside:
+            file = beside[0]
+        elif name in BUILT_IN_WORLDS:
+            return _EMPTY.format(name=name.partition(".")[0]), None
+        elif isinstance(error, MissingPackageError):
+            raise
+        else:
+            raise InputError(
+                f"there is no world file {address!r}, and of the worlds that come with Gazebo only some are built in",
+                valid=BUILT_IN_WORLDS,
+                value=name,
+            ) from None
+    try:
+        return file.read_text(encoding="utf-8"), file
+    except UnicodeDecodeError:
+        raise InputError("the world file is not UTF-8 text", file=file) from None
+    except OSError as error:
+        raise InputError(f"the world file cannot be read ({error.strerror})", file=file) from None
+
+
+_MOST_NAMED = 4  # models in one warning
+
+
+class _World:
+    """One world, while it is read."""
+
+    def __init__(self, reader: XmlReader, world: etree._Element, packages: PackageIndex):
+        self._reader = reader
+        self._world = world
+        self._version = sdf_version(reader.root)
+        self._includes = SdfIncludes(packages)
+        self._warnings: list[str] = []
+        self._mended: dict[str, list[str]] = defaultdict(list)  # what was done → the models it was done to
+
+    def read(self) -> WorldFile:
+        """The world as plain data."""
+        world = self._world
+        models = list(self._models())
+        physics = next(
+            (item for item in world.findall("physics") if item.get("default", "").lower() in ("1", "true")),
+            world.find("physics"),
+        )
+        return WorldFile(
+            name=world.get("name", ""),
+            gravity=self._gravity(physics),
+            max_step_size=self._positive(physics, "max_step_size"),
+            real_time_factor=self._positive(physics, "real_time_factor"),
+            models=tuple(models),
+            warnings=(*self._not_used(), *self._missing(), *self._includes.warnings, *self._warnings, *self._grouped()),
+            file=self._reader.file,
+        )
+
+    def _gravity(self, physics: etree._Element | None) -> Vector3:
+        element = self._world.find("gravity")
+        if element is None and physics is not None:
+            element = physics.find("gravity")  # before SDF 1.5
+        if element is None:
+            return _GRAVITY
+        values = [self._reader.parse_number(element, part, "gravity") for part in (element.text or "").split()]
+        if len(values) != 3:
+            raise self._reader.error(element, f"gravity is {element.text!r}, where three numbers are needed")
+        return values[0], values[1], values[2]
+
+    def _positive(self, physics: etree._Element | None, tag: str) -> float | None:
+        element = None if physics is None else physics.find(tag)
+        if element is None:
+            return None
+        value = self._reader.parse_number(element, (element.text or "").strip(), tag)
+        return value if value > 0 else None  # 0 and less stand for "as fast as it goes"
+
+    def _models(self) -> Iterator[WorldModel]:
+        found = list(self._elements())
+        frames = _Frames(self._reader, self._world, [(model, pose) for model, _, pose in found])
+        states = self._states()
+        taken: set[str] = set()
+        for model, version, pose in found:
+            name = model.get("name", "")
+            X = states[name] if name in states else frames.of(model, pose)
+            own = _free_name(name, taken)
+            if own != name:
+                self._warnings.append(f"{name}: there are several models of this name; one is called {own}")
+            taken.add(own)
+            if model.find(".//link") is not None:
+                yield self._model(model, own, version, X)
+            elif not self._includes.missing:  # which said why
+                self._mended["the model has no link: it is left out"].append(own)
+
+    def _model(self, model: etree._Element, name: str, version: tuple[int, ...], X: Any) -> WorldModel:
+        from pydrake.math import RollPitchYaw
+
+        model.set("name", name)
+        static = is_static(model)
+        for nested in model.iter("model"):
+            for each in nested.findall("static"):
+                nested.remove(each)
+            if static:
+                etree.SubElement(nested, "static").text = "true"
+        x, y, z = map(float, X.translation())
+        roll, pitch, yaw = map(float, RollPitchYaw(X.rotation()).vector())
+        for each in model.findall("pose"):
+            model.remove(each)
+        etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
+        falling = falls(model)
+        for what in mend_model(model, self._reader, self._includes.find):
+            self._mended[what].append(name)
+        root = etree.Element("sdf", version=".".join(map(str, version)))
+        root.append(model)
+        text = etree.tostring(root, encoding="unicode")
+        return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text)
+
+    def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None]]:
+        """Each model of the world with its SDF version and its pose, includes replaced."""
+        file = self._reader.file
+        above = () if file is None else (file,)
+        for child in list(self._world):
+            if child.tag == "include":
+                found = self._includes.model(child, self._reader, above)
+                if found is not None:
+                    yield found.element, found.version, found.element.find("pose")
+            elif child.tag == "model":
+                self._reader.text(child, "name")
+                self._includes.expand(child, self._reader, self._version, above)
+                yield child, self._version, child.find("pose")
+
+    def _states(self) -> dict[str, Any]:
+        """Poses of models where Gazebo classic saved the world's state; it goes before what the models say."""
+        return {
+            model.get("name", ""): self._transform(pose)
+            for model in self._world.iterfind("state/model")
+            if (pose := model.find("pose")) is not None
+        }
+
+    def _transform(self, pose: etree._Element) -> Any:
+        return transform_of(pose, self._reader)
+
+    def _missing(self) -> Iterator[str]:
+        missing = self._includes.missing
+        if missing:
+            names = ", ".join(sorted(missing))
+            where = next(iter(missing.values())).partition(" is in ")[2].rstrip(".")
+            yield f"{self._called()}: what these models and packages hold is left out: {names}. They are in {where}"
+
+    def _grouped(self) -> Iterator[str]:
+        for what, models in self._mended.items():
+            first = ", ".join(models[:_MOST_NAMED])
+            more = f" and {len(models) - _MOST_NAMED} more" if len(models) > _MOST_NAMED else ""
+            yield f"{first}{more}: {what}"
+
+    def _called(self) -> str:
+        return "the world" if self._reader.file is None else self._reader.file.name
+
+    def _not_used(self) -> Iterator[str]:
+        lines: dict[str, list[str]] = defaultdict(list)
+        for child in self._world:
+            if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
+                continue
+            what = f"<{etree.QName(child).localname}>"
+            if child.tag == "plugin":
+                names = f"{child.get('filename', '')} {child.get('name', '')}"
+                plain = names.lower().replace("_", "").replace("-", "")
+                if any(done in plain for done in _DONE_HERE):
+                    continue
+                what = f"the plugin {child.get('name') or child.get('filename')}"
+            line = self._reader.line(child)
+            lines[what] += [] if line is None else [str(line)]
+        for what, places in lines.items():
+            yield f"{self._called()}: {what} is not used" + (f" (line {', '.join(places)})" if places else "")
+
+
+class _Frames:
+    """Poses of a world's models, which may be relative to each other and to ``<frame>``s."""
+
+    def __init__(
+        self, reader: XmlReader, world: etree._Element, models: list[tuple[etree._Element, etree._Element | None]]
+    ):
+        self._reader = reader
+        self._poses = {model.get("name", ""): pose for model, pose in models}
+        self._attached: dict[str, str] = {}
+        for frame in world.findall("frame"):
+            self._poses[frame.get("name", "")] = frame.find("pose")
+            self._attached[frame.get("name", "")] = frame.get("attached_to", "")
+
+    def of(self, model: etree._Element, pose: etree._Element | None, seen: tuple[str, ...] = ()) -> Any:
+        """A model's pose in the world.
+
+        Raises:
+            InputError: the frame it is relative to does not exist, or hangs on itself.
+        """
+        from pydrake.math import RigidTransform
+
+        X = RigidTransform() if pose is None else transform_of(pose, self._reader)
+        name = model.get("name", "")
+        to = "" if pose is None else pose.get("relative_to", "")
+        to = to or self._attached.get(name, "")
+        to = to.partition("::")[0]  # a frame inside a model: the model stands for it
+        if to in ("", "world", "__root__"):
+            return X
+        if to in (*seen, name):
+            raise self._reader.error(model, f"its pose is relative to {to!r}, which is relative to it")
+        if to not in self._poses:
+            raise self._reader.error(model, f"its pose is relative to {to!r}, which is no model or frame of the world")
+        above = etree.Element("frame", name=to)
+        return self.of(above, self._poses[to], (*seen, name)) @ X
+
+
+def transform_of(pose: etree._Element, reader: XmlReader) -> Any:
+    """A ``<pose>`` as Drake's transform.
+
+    Raises:
+        InputError: it is no pose.
+    """
+    try:
+        return pose_transform(pose)
+    except ValueError as error:
+        raise reader.error(pose, f"{pose.text!r} is no pose ({error})") from None
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    candidate, number = name, 0
+    while candidate in taken:
+        candidate, number = f"{name}_{number}", number + 1
+    return candidate

@@ -1,0 +1,233 @@
+"""What does not move in an SDF world, as shapes of the world itself: planes, meshes as solids, and all the rest.
+
+Such shapes cost nothing in a step, where each link that is welded to the world costs 0.8 µs.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import count
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+from pydrake.geometry import (
+    Box,
+    Convex,
+    GeometryInstance,
+    HalfSpace,
+    IllustrationProperties,
+    PerceptionProperties,
+    SceneGraphInspector,
+    Shape,
+)
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import SpatialInertia
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_twin.description.robot_description import Vector3
+from drake_twin.description.sdf_model import plane_normal, plane_size, turned_to
+from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
+from drake_twin.description.world_file import WorldModel
+from drake_twin.errors import InputError
+
+# Drake 1.51 crashes where a half space and other shapes (53 were enough), or more than 14 half spaces, stand on the
+# world body: FCL never ends dividing a tree of bounding boxes with an infinite one. So beside a plane all else stands
+# on a body that is welded to the world, where a shape costs 0.1 µs a step, and more where shapes overlap (a terrain of
+# 1,150 triangles: 1.3 ms). Beyond a number of shapes the plane is the upper side of a huge box instead.
+_STATIC_BODY = "static_world"
+_MOST_BESIDE_A_PLANE = 100
+_MOST_PLANES = 8
+_ENDLESS = 10_000.0  # m
+_DEEP = 10.0  # m
+
+# A plane that faces less upwards than this (the z of its normal) is a wall: a slab of its size, not endless ground.
+_GROUND_FACES = 0.1
+
+# Building a plant takes time and memory with the square of the number of shapes (1,000: 0.5 s, 240 MB).
+_MOST_SOLIDS = 1200
+_DETAILS = (0.0, 0.05, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 51.2, 204.8)  # m; each takes a while when a mesh is new
+
+
+@dataclass(frozen=True)
+class StaticShape:
+    """A shape in the world frame: it collides where it has friction, and is seen where it has a look."""
+
+    name: str
+    shape: Shape
+    pose: RigidTransform
+    friction: CoulombFriction | None = None
+    look: IllustrationProperties | None = None
+    camera_look: PerceptionProperties | None = None
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether it is a half space that something can stand on."""
+        return isinstance(self.shape, HalfSpace)
+
+
+def ground_shape(friction: float) -> StaticShape:
+    """The half space z < 0."""
+    return StaticShape("ground", HalfSpace(), RigidTransform(), friction=CoulombFriction(friction, friction))
+
+
+def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list[StaticShape]:
+    """The shapes of a model that does not move.
+
+    Drake's parser says where they are; planes and meshes, which it would take for something else, are stand-ins then.
+
+    Args:
+        model: the model.
+        detail: what of a mesh is smaller need not be told apart (m); see `bearable_detail`.
+        warnings: is extended by what was left out.
+
+    Raises:
+        RuntimeError: Drake refuses the model.
+    """
+    root = etree.fromstring(model.text)
+    stand_ins = _put_stand_ins(root, detail, model.name, warnings)
+    plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), time_step=0.001)
+    Parser(plant).AddModelsFromString(etree.tostring(root, encoding="unicode"), "sdf")
+    plant.Finalize()
+    return list(_shapes(model.name, plant, scene_graph.model_inspector(), stand_ins))
+
+
+def bearable_detail(models: Sequence[WorldModel]) -> float:
+    """How fine the meshes of what does not move can be (m), so that the plant does not get too many solids."""
+    meshes: Counter[tuple[str, Vector3]] = Counter()
+    for model in models:
+        if model.is_static:
+            meshes.update(_mesh_and_scale(mesh) for mesh in etree.fromstring(model.text).iterfind(".//collision//mesh"))
+    for detail in _DETAILS:
+        total = 0
+        for (file, scale), times in meshes.items():
+            with suppress(InputError):  # told where the mesh is needed
+                total += times * len(solid_mesh(Path(file), detail / max(map(abs, scale))))
+        if total <= _MOST_SOLIDS:
+            return detail
+    return _DETAILS[-1]
+
+
+def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape]) -> None:
+    """Adds shapes to a plant that is not finalized."""
+    planes = _different_planes(item for item in shapes if item.is_plane)
+    solids = [item for item in shapes if item.friction is not None and not item.is_plane]
+    visuals = [item for item in shapes if item.friction is None]
+    body = plant.world_body()
+    if planes and len(solids) > _MOST_BESIDE_A_PLANE:
+        planes = [
+            replace(item, shape=Box(_ENDLESS, _ENDLESS, _DEEP), pose=item.pose @ RigidTransform([0.0, 0.0, -_DEEP / 2]))
+            for item in planes
+        ]
+    elif planes and solids:
+        body = plant.AddRigidBody(
+            _STATIC_BODY, plant.AddModelInstance(_STATIC_BODY), SpatialInertia.SolidSphereWithMass(1.0, 1.0)
+        )
+        plant.WeldFrames(plant.world_frame(), body.body_frame())
+    numbers = count()  # Drake wants names that differ
+    for item in planes:
+        name = f"{item.name}/{next(numbers)}"
+        plant.RegisterCollisionGeometry(plant.world_body(), item.pose, item.shape, name, item.friction)
+    for item in solids:
+        plant.RegisterCollisionGeometry(body, item.pose, item.shape, f"{item.name}/{next(numbers)}", item.friction)
+    for item in visuals:
+        name = f"{item.name}/{next(numbers)}"
+        instance = GeometryInstance(item.pose, item.shape, name)
+        if item.look is not None:
+            instance.set_illustration_properties(item.look)
+        if item.camera_look is not None:
+            instance.set_perception_properties(item.camera_look)
+        plant.RegisterVisualGeometry(plant.world_body(), instance)
+
+
+def _different_planes(planes: Iterable[StaticShape]) -> list[StaticShape]:
+    found: list[StaticShape] = []
+    for plane in planes:
+        if len(found) < _MOST_PLANES and not any(_same_plane(plane.pose, other.pose) for other in found):
+            found.append(plane)
+    return found
+
+
+def _same_plane(one: RigidTransform, other: RigidTransform) -> bool:
+    normal = one.rotation().matrix()[:, 2]
+    distance = float(normal @ (one.translation() - other.translation()))
+    return float(normal @ other.rotation().matrix()[:, 2]) > 1 - 1e-9 and abs(distance) < 1e-6
+
+
+@dataclass(frozen=True)
+class _StandIn:
+    """What a stand-in stands for: the solids of a mesh, or a plane's size and turn."""
+
+    solids: tuple[np.ndarray, ...] = ()
+    size: tuple[float, float] | None = None
+    turn: RotationMatrix | None = None
+
+    def shapes(self, pose: RigidTransform) -> Iterator[tuple[Shape, RigidTransform]]:
+        """The shapes and their poses in the world, for a stand-in that is there."""
+        for points in self.solids:
+            yield Convex(points, "part of a mesh"), pose
+        if self.size is not None:
+            X = pose @ RigidTransform(self.turn, np.zeros(3))
+            if X.rotation().matrix()[2, 2] > _GROUND_FACES:
+                yield HalfSpace(), X
+            else:
+                yield Box(*self.size, THICKNESS), X @ RigidTransform(np.array([0.0, 0.0, -THICKNESS / 2]))
+
+
+def _shapes(
+    model: str, plant: MultibodyPlant, inspector: SceneGraphInspector, stand_ins: dict[str, _StandIn]
+) -> Iterator[StaticShape]:
+    context = plant.CreateDefaultContext()
+    for geometry in inspector.GetAllGeometryIds():
+        body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        pose = plant.EvalBodyPoseInWorld(context, body) @ inspector.GetPoseInFrame(geometry)
+        own = inspector.GetName(geometry).rpartition("::")[2]
+        name = f"{model}/{body.name()}/{own}"
+        proximity = inspector.GetProximityProperties(geometry)
+        if proximity is not None:
+            friction = proximity.GetProperty("material", "coulomb_friction")
+            stand_in = stand_ins.get(own)
+            found = [(inspector.GetShape(geometry), pose)] if stand_in is None else stand_in.shapes(pose)
+            for shape, X in found:
+                yield StaticShape(name, shape, X, friction=friction)
+        else:  # seen, with the material that Drake's parser gave it
+            look, camera_look = (
+                inspector.GetIllustrationProperties(geometry),
+                inspector.GetPerceptionProperties(geometry),
+            )
+            yield StaticShape(name, inspector.GetShape(geometry), pose, look=look, camera_look=camera_look)
+
+
+def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:
+    """Puts small spheres in the place of planes and meshes; returns what each stands for, by its new name."""
+    found: dict[str, _StandIn] = {}
+    for collision in [*root.iter("collision")]:
+        plane, mesh = collision.find("geometry/plane"), collision.find("geometry/mesh")
+        if plane is not None:
+            stand_in = _StandIn(size=plane_size(plane), turn=RotationMatrix(turned_to(plane_normal(plane))))
+        elif mesh is not None:
+            file, scale = _mesh_and_scale(mesh)
+            try:
+                solids = solid_mesh(Path(file), detail / max(map(abs, scale))).solids(scale)
+            except InputError as error:
+                warnings.append(f"{model}: a collision goes without its mesh: {str(error).rstrip('.')}")
+                solids = []
+            stand_in = _StandIn(solids=tuple(solids))
+        else:
+            continue
+        name = f"stand_in_{len(found)}"
+        collision.set("name", name)
+        for geometry in collision.findall("geometry"):
+            collision.remove(geometry)
+        sphere = etree.SubElement(etree.SubElement(collision, "geometry"), "sphere")
+        etree.SubElement(sphere, "radius").text = "0.001"
+        found[name] = stand_in
+    return found
+
+
+def _mesh_and_scale(mesh: etree._Element) -> tuple[str, Vector3]:
+    x, y, z = (float(part) for part in (mesh.findtext("scale") or "1 1 1").split())
+    return mesh.findtext("uri") or "", (x, y, z)

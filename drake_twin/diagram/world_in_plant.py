@@ -1,0 +1,139 @@
+"""The world in the plant: gravity, ground, and the models of an SDF world, those that move and those that do not."""
+
+from dataclasses import replace
+
+import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, SceneGraph
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+
+from drake_twin.description.drake_log import captured_warnings, without_literal
+from drake_twin.description.world_file import WorldFile, WorldModel
+from drake_twin.diagram.static_world import (
+    StaticShape,
+    bearable_detail,
+    ground_shape,
+    register_static_shapes,
+    static_shapes,
+)
+from drake_twin.errors import InputError
+from drake_twin.scenario import Scenario, World
+
+_GRAVITY = (0.0, 0.0, -9.81)
+_FRICTION = 1.0
+
+
+def add_world(
+    plant: MultibodyPlant,
+    scene_graph: SceneGraph,
+    scenario: Scenario,
+    world_file: WorldFile | None,
+    warnings: list[str],
+) -> dict[str, tuple[ModelInstanceIndex, ...]]:
+    """Adds gravity, ground and the world file's models to a plant.
+
+    A model that Drake refuses is left out with a warning. What does not move has no model instance and no body.
+
+    Args:
+        plant: the plant; it is changed.
+        scene_graph: its scene graph.
+        scenario: its world goes before the file, and no robot may have the name of a model.
+        world_file: what the world file says.
+        warnings: is extended by what was left out.
+
+    Returns:
+        Model name → its model instance and those of the models in it, of the models that move.
+
+    Raises:
+        InputError: a robot has the name of a model of the world.
+    """
+    world = scenario.world
+    plant.mutable_gravity_field().set_gravity_vector(np.array(_gravity(world, world_file)))
+    shapes: list[StaticShape] = []
+    moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
+    if world_file is not None:
+        _check_names(scenario, world_file)
+        warnings.extend(world_file.warnings)
+        shapes, moving = _add_models(plant, scene_graph, world_file, warnings)
+    register_static_shapes(plant, _with_ground(shapes, world))
+    return moving
+
+
+def _gravity(world: World, world_file: WorldFile | None) -> tuple[float, float, float]:
+    if world.gravity is not None:
+        return world.gravity
+    return _GRAVITY if world_file is None else world_file.gravity
+
+
+def _check_names(scenario: Scenario, world_file: WorldFile) -> None:
+    names = {model.name for model in world_file.models}
+    for robot in scenario.robots:
+        if robot.name in names:
+            what = f"robot {robot.name!r} has the name of a model of the world: give it another one"
+            raise InputError(what, file=world_file.file)
+
+
+def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
+    """The shapes, with the ground that the scenario asks for in place of the file's."""
+    if world.ground is False:
+        return [item for item in shapes if not item.is_plane]
+    if world.ground_friction is not None:
+        friction = CoulombFriction(world.ground_friction, world.ground_friction)
+        shapes = [replace(item, friction=friction) if item.is_plane else item for item in shapes]
+    if world.has_own_ground and not any(item.is_plane for item in shapes):
+        shapes = [*shapes, ground_shape(_FRICTION if world.ground_friction is None else world.ground_friction)]
+    return shapes
+
+
+def _add_models(
+    plant: MultibodyPlant, scene_graph: SceneGraph, world_file: WorldFile, warnings: list[str]
+) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]]]:
+    detail = bearable_detail(world_file.models)
+    if detail > 0:
+        what = f"its meshes have too many faces to touch: for contact they are told apart down to {detail:g} m only"
+        warnings.append(f"{world_file.file.name if world_file.file else 'the world'}: {what}")
+    shapes: list[StaticShape] = []
+    moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
+    for model in world_file.models:
+        with captured_warnings() as messages:
+            try:
+                if model.is_static:
+                    shapes += static_shapes(model, detail, warnings)
+                else:
+                    _try_out(model)
+                    moving[model.name] = _add_moving(plant, scene_graph, model)
+            except (RuntimeError, ValueError, SystemExit) as error:
+                reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
+                warnings.append(f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})")
+        warnings.extend(dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages))
+    return shapes, moving
+
+
+def _try_out(model: WorldModel) -> None:
+    """Parses a model in a plant of its own: what Drake refuses must not break the twin's."""
+    plant = MultibodyPlant(time_step=0.001)
+    Parser(plant).AddModelsFromString(model.text, "sdf")
+    plant.Finalize()
+
+
+def _add_moving(plant: MultibodyPlant, scene_graph: SceneGraph, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
+    Parser(plant).AddModelsFromString(model.text, "sdf")
+    every = [
+        index
+        for index in map(ModelInstanceIndex, range(plant.num_model_instances()))
+        if plant.GetModelInstanceName(index) == model.name
+        or plant.GetModelInstanceName(index).startswith(f"{model.name}::")
+    ]
+    # Drake's parser actuates joints; nothing commands these. (Asked for one instance, the plant lists its actuators
+    # only once it is finalized.)
+    for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
+        if actuator.model_instance() in every:
+            plant.RemoveJointActuator(actuator)
+    for index in every:
+        plant.set_gravity_enabled(index, model.falls)
+    # As in Gazebo, the links of one model pass through each other.
+    bodies = [plant.get_body(body) for index in every for body in plant.GetBodyIndices(index)]
+    own = plant.CollectRegisteredGeometries(bodies)
+    scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(own))
+    return tuple(every)

@@ -1,0 +1,91 @@
+import pytest
+import trimesh
+from lxml import etree
+from sdf_worlds import world_of
+
+
+def geometry(text, tmp_path, *, static=True, kind="collision", more=""):
+    link = f'<link name="l"><{kind} name="c">{more}<geometry>{text}</geometry></{kind}></link>'
+    world = world_of(tmp_path, f'<model name="a"><static>{str(static).lower()}</static>{link}</model>')
+    return etree.fromstring(world.models[0].text).find(f".//{kind}"), world.warnings
+
+
+def test_friction_is_the_smaller_coefficient_and_at_most_one(tmp_path):
+    surface = "<surface><friction><ode><mu>{}</mu><mu2>{}</mu2></ode></friction></surface>"
+    for mu, mu2, expected in ((100, 50, 1.0), (0.8, 0.3, 0.3)):
+        shape, _ = geometry("<sphere><radius>1</radius></sphere>", tmp_path, more=surface.format(mu, mu2))
+        assert [float(item.text) for item in shape.find("{*}proximity_properties")] == [expected, expected]
+
+
+def test_a_plane_is_drawn_as_a_thin_box_of_its_size(tmp_path):
+    shape, _ = geometry("<plane><normal>0 0 1</normal><size>3 4</size></plane>", tmp_path, kind="visual")
+    assert shape.findtext("geometry/box/size") == "3 4 0.001"
+    assert float(shape.findtext("pose").split()[2]) == -0.0005
+
+
+@pytest.mark.parametrize(
+    ("material", "transparency", "expected"),
+    [
+        ("<diffuse>0.1 0.2 0.3 1</diffuse>", "", "0.1 0.2 0.3 1"),
+        ("<script><name>Gazebo/Red</name></script>", "", "1 0 0 1"),
+        ("<ambient>0 0.5 0 1</ambient>", "", "0 0.5 0 1"),
+        ("<diffuse>7 0 0</diffuse>", "<transparency>0.25</transparency>", "1 0 0 0.75"),
+    ],
+)
+def test_a_visual_has_the_colour_that_gazebo_gives_it(tmp_path, material, transparency, expected):
+    more = f"<material>{material}</material>{transparency}"
+    shape, _ = geometry("<sphere><radius>1</radius></sphere>", tmp_path, kind="visual", more=more)
+    assert shape.findtext("material/diffuse") == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("<box><size>1 0 1</size></box>", "a: a collision <box> has no size: it is left out"),
+        ("<heightmap><uri>x</uri></heightmap>", "a: a collision of the shape <heightmap> is left out: Drake has none"),
+        ("<plane/>", "a: a collision <plane> of a model that moves is left out: Drake has none"),
+    ],
+)
+def test_a_shape_that_drake_has_not_is_left_out_with_a_warning(tmp_path, text, what):
+    shape, warnings = geometry(text, tmp_path, static=False)
+    assert shape is None
+    assert warnings == (what,)
+
+
+def test_a_moving_models_mesh_collides_as_its_hull_or_the_primitive_that_it_is(tmp_path):
+    trimesh.creation.box((1, 2, 3)).export(tmp_path / "box.stl")
+    trimesh.creation.cone(1.0, 2.0).export(tmp_path / "cone.stl")
+    box, _ = geometry("<mesh><uri>box.stl</uri><scale>2 1 1</scale></mesh>", tmp_path, static=False)
+    assert [float(side) for side in box.findtext("geometry/box/size").split()] == pytest.approx([2, 2, 3])
+    cone, _ = geometry("<mesh><uri>cone.stl</uri></mesh>", tmp_path, static=False)
+    assert cone.findtext("geometry/mesh/uri").endswith(".hull.obj")
+
+
+def test_moments_that_no_body_has_are_mended_as_in_a_robot(tmp_path):
+    inertia = "<mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>9</izz></inertia>"
+    world = world_of(tmp_path, f'<model name="a"><link name="l"><inertial>{inertia}</inertial></link></model>')
+    assert world.warnings == ("a: link l: no body has the principal moments 1, 1, 9: the nearest possible are used",)
+    ixx, iyy, izz = (float(etree.fromstring(world.models[0].text).findtext(f".//{n}")) for n in ("ixx", "iyy", "izz"))
+    assert ixx + iyy >= izz
+
+
+JOINT = """<link name="a"/><link name="b"/><joint name="j" type="{}"><parent>a</parent><child>b</child><axis>
+<xyz>0 0 1</xyz><limit><lower>2</lower><upper>1</upper></limit></axis></joint>"""
+
+
+def test_a_joint_that_drake_has_not_is_fixed(tmp_path):
+    world = world_of(tmp_path, f'<model name="m">{JOINT.format("gearbox")}</model>')
+    assert "m: joint j is fixed: Drake has no gearbox joints" in world.warnings
+    assert etree.fromstring(world.models[0].text).find("model/joint").get("type") == "fixed"
+
+
+def test_limits_in_the_wrong_order_change_places(tmp_path):
+    world = world_of(tmp_path, f'<model name="m">{JOINT.format("revolute")}</model>')
+    assert world.warnings == ("m: joint j: lower 2 is above upper 1: they change places",)
+    limit = etree.fromstring(world.models[0].text).find("model/joint/axis/limit")
+    assert (limit.findtext("lower"), limit.findtext("upper")) == ("1", "2")
+
+
+def test_the_joints_of_a_static_model_say_nothing(tmp_path):
+    (model,) = world_of(tmp_path, f'<model name="m"><static>1</static>{JOINT.format("revolute")}</model>').models
+    assert etree.fromstring(model.text).find(".//joint") is None

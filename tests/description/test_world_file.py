@@ -1,0 +1,191 @@
+import os
+from math import pi
+
+import pytest
+from conftest import CORPUS
+from lxml import etree
+from sdf_worlds import BOX, refusal, world_of, write
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.world_file import read_world
+
+# --- physics
+
+
+def test_gravity_and_times_are_the_files(tmp_path):
+    physics = (
+        "<physics type='ode'><max_step_size>0.004</max_step_size><real_time_factor>0.5</real_time_factor></physics>"
+    )
+    world = world_of(tmp_path, f"<gravity>0 0.1 -1.62</gravity>{physics}")
+    assert (world.name, world.gravity) == ("w", (0.0, 0.1, -1.62))
+    assert (world.max_step_size, world.real_time_factor) == (0.004, 0.5)
+
+
+def test_without_gravity_and_physics_sdfs_defaults_hold(tmp_path):
+    world = world_of(tmp_path, "")
+    assert world.gravity == (0.0, 0.0, -9.8)
+    assert (world.max_step_size, world.real_time_factor, world.models, world.warnings) == (None, None, (), ())
+
+
+def test_gravity_stands_in_physics_before_sdf_1_5(tmp_path):
+    assert world_of(tmp_path, "<physics><gravity>0 0 -3</gravity></physics>", version="1.4").gravity == (0, 0, -3)
+
+
+def test_the_default_one_of_several_physics_counts(tmp_path):
+    step = "<physics {}><max_step_size>{}</max_step_size></physics>"
+    body = step.format("", 0.1) + step.format("default='1'", 0.002)
+    assert world_of(tmp_path, body).max_step_size == 0.002
+
+
+@pytest.mark.parametrize("name", ["empty.sdf", "worlds/empty.world", "/nowhere/empty.sdf"])
+def test_the_empty_world_is_built_in(name):
+    world = read_world(name, PackageIndex((), {}))
+    assert [(model.name, model.is_static) for model in world.models] == [("ground_plane", True)]
+    assert (world.warnings, world.max_step_size) == ((), 0.001)
+
+
+def test_another_of_gazebos_worlds_says_that_it_is_not_there():
+    text = refusal(read_world, "shapes.sdf", PackageIndex((), {}))
+    assert text.startswith("there is no world file 'shapes.sdf', and of the worlds that come with Gazebo only some")
+    assert text.endswith("Valid: empty.sdf, empty.world, default.sdf.")
+
+
+def test_a_world_is_found_by_its_name_in_the_resource_path(tmp_path):
+    write(tmp_path, "worlds/moon.sdf", '<world name="moon"/>')
+    index = PackageIndex((), {"GZ_SIM_RESOURCE_PATH": str(tmp_path / "worlds")})
+    assert read_world("moon.sdf", index).name == "moon"
+
+
+# --- models and their poses
+
+
+def test_static_and_moving_models_are_told_apart(tmp_path):
+    body = f'<model name="a"><static>1</static>{BOX}</model><model name="b">{BOX}</model>'
+    assert [(model.name, model.is_static) for model in world_of(tmp_path, body).models] == [("a", True), ("b", False)]
+
+
+def test_each_text_holds_one_model_at_its_pose(tmp_path):
+    world = world_of(tmp_path, f'<model name="a"><pose>1 2 3 0 0 0.5</pose>{BOX}</model><model name="b">{BOX}</model>')
+    first = etree.fromstring(world.models[0].text)
+    assert [model.get("name") for model in first.iter("model")] == ["a"]
+    assert [float(part) for part in first.findtext("model/pose").split()] == pytest.approx([1, 2, 3, 0, 0, 0.5])
+    assert world.models[0].pose.xyz == (1.0, 2.0, 3.0)
+
+
+def test_poses_relative_to_models_and_frames_are_in_the_world(tmp_path):
+    body = f"""<model name="a"><pose degrees="true">1 0 0 0 0 90</pose>{BOX}</model>
+    <frame name="f" attached_to="a"><pose>1 0 0 0 0 0</pose></frame>
+    <model name="b"><pose relative_to="f">0 2 0 0 0 0</pose>{BOX}</model>"""
+    pose = world_of(tmp_path, body).models[1].pose
+    assert pose.xyz == pytest.approx((-1, 1, 0))
+    assert pose.rpy == pytest.approx((0, 0, pi / 2))
+
+
+def test_a_quaternion_is_a_pose_too(tmp_path):
+    body = f'<model name="a"><pose rotation_format="quat_xyzw">0 0 1 0 0 1 0</pose>{BOX}</model>'
+    assert abs(world_of(tmp_path, body).models[0].pose.rpy[2]) == pytest.approx(pi)
+
+
+@pytest.mark.parametrize(
+    ("pose", "what"),
+    [
+        ('<pose relative_to="gone">0 0 0 0 0 0</pose>', "its pose is relative to 'gone', which is no model or frame"),
+        ('<pose relative_to="a">0 0 0 0 0 0</pose>', "its pose is relative to 'a', which is relative to it"),
+        ("<pose>1 2 3</pose>", "'1 2 3' is no pose (six numbers are needed)"),
+        ("<pose>1 2 nan 0 0 0</pose>", "'1 2 nan 0 0 0' is no pose (not finite)"),
+    ],
+)
+def test_a_pose_that_is_none_is_refused_with_its_line(tmp_path, pose, what):
+    text = refusal(world_of, tmp_path, f'<model name="a">\n{pose}{BOX}</model>')
+    assert text.startswith(f"{tmp_path}/test.world:")
+    assert what in text
+
+
+@pytest.mark.parametrize(
+    "pose", ["<pose/>", '<pose rotation_format="quat_xyzw"/>', "<pose frame=''>0 0 0 0 0 0</pose>"]
+)
+def test_an_empty_pose_is_no_pose(tmp_path, pose):
+    assert world_of(tmp_path, f'<model name="a">{pose}{BOX}</model>').models[0].pose.xyz == (0, 0, 0)
+
+
+def test_a_saved_state_goes_before_the_models_own_pose(tmp_path):
+    body = f"""<model name="a"><pose>9 9 9 0 0 0</pose>{BOX}</model>
+    <state world_name="w"><model name="a"><pose>1 2 3 0 0 0</pose></model></state>"""
+    assert world_of(tmp_path, body).models[0].pose.xyz == (1.0, 2.0, 3.0)
+
+
+def test_two_models_of_one_name_get_two_names(tmp_path):
+    world = world_of(tmp_path, f'<model name="a">{BOX}</model><model name="a">{BOX}</model>')
+    assert [model.name for model in world.models] == ["a", "a_0"]
+    assert world.warnings == ("a: there are several models of this name; one is called a_0",)
+
+
+@pytest.mark.parametrize(
+    ("flag", "falls"), [("<gravity>0</gravity>", False), ("<gravity>1</gravity>", True), ("", True)]
+)
+def test_a_model_without_gravity_does_not_fall(tmp_path, flag, falls):
+    (model,) = world_of(tmp_path, f'<model name="a"><link name="l">{flag}</link></model>').models
+    assert model.falls is falls
+
+
+# --- what is not used
+
+
+def test_each_kind_of_what_is_not_used_is_told_once_with_its_lines(tmp_path):
+    body = """<gui/>\n<scene/>\n<actor name="p"/>\n<actor name="q"/>
+    <plugin filename="libwind.so" name="wind"/>\n<road name="r"/><light name="l"/>"""
+    assert world_of(tmp_path, body).warnings == (
+        "test.world: <gui> is not used (line 4)",
+        "test.world: <scene> is not used (line 5)",
+        "test.world: <actor> is not used (line 6, 7)",
+        "test.world: the plugin wind is not used (line 8)",
+        "test.world: <road> is not used (line 9)",
+    )
+
+
+def test_plugins_whose_work_the_twin_does_are_passed_over(tmp_path):
+    names = ("physics", "user-commands", "scene-broadcaster")
+    body = "".join(f'<plugin filename="gz-sim-{name}-system" name="x"/>' for name in names)
+    body += '<plugin filename="libgazebo_ros_init.so" name="y"/>'
+    assert world_of(tmp_path, body).warnings == ()
+
+
+def test_one_thing_about_many_models_is_one_warning(tmp_path):
+    link = '<link name="l"><sensor name="s" type="camera"/></link>'
+    body = "".join(f'<model name="m{index}">{link}</model>' for index in range(6))
+    assert world_of(tmp_path, body).warnings == ("m0, m1, m2, m3 and 2 more: <sensor> camera is not used",)
+
+
+# --- bad input
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        (
+            "<sdf version='1.9'><model name='a'/></sdf>",
+            "a world is an SDF file with a <world>, but this holds no <world>",
+        ),
+        ("<robot name='a'/>", "a world is an SDF file with a <world>, but this begins with <robot>"),
+        ("<sdf><world name='w'>", "this is not well-formed XML"),
+        (
+            "<sdf><world name='w'><gravity>0 0</gravity></world></sdf>",
+            "gravity is '0 0', where three numbers are needed",
+        ),
+        ("<sdf><world name='w'><gravity>0 0 x</gravity></world></sdf>", "gravity is 'x', which is not a number"),
+        ("<sdf><world name='w'><model/></world></sdf>", "the attribute 'name' is missing"),
+        ("<sdf><world name='w'><include/></world></sdf>", "<uri> is missing"),
+    ],
+)
+def test_a_file_that_is_no_world_is_refused_in_a_paragraph(tmp_path, text, what):
+    file = tmp_path / "bad.sdf"
+    file.write_text(text)
+    message = refusal(read_world, str(file), PackageIndex((), {}))
+    assert message.startswith(str(file))
+    assert what in message
+
+
+def test_the_worlds_that_others_wrote_are_read(corpus):
+    for file in (*CORPUS.rglob("*.world"), *CORPUS.rglob("worlds/*.sdf")):
+        world = read_world(str(file), PackageIndex((), dict(os.environ)))
+        assert world.models, file
