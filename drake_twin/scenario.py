@@ -78,6 +78,7 @@ class Robot:
         initial_positions: joint name → position at the start (rad or m).
         self_collision: whether its links collide with each other; without it those do that ``<selfCollide>`` names.
         collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
+        remappings: topic → the topic in its place, both in full.
         without_repairs: names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
     """
 
@@ -94,6 +95,7 @@ class Robot:
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     self_collision: bool = False
     collision: str = "hull"
+    remappings: Mapping[str, str] = field(default_factory=dict)
     without_repairs: tuple[str, ...] = ()
 
     @property
@@ -101,6 +103,10 @@ class Robot:
         """The namespace with one leading slash and no trailing one; empty for the root namespace."""
         namespace = self.name if self.namespace is None else self.namespace
         return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
+
+    def remapped(self, topic: str) -> str:
+        """The topic that stands in a topic's place."""
+        return self.remappings.get(topic, topic)
 
 
 @dataclass(frozen=True)
@@ -142,6 +148,7 @@ class Scenario:
         package_paths: folders of ROS packages to look in first.
         static_transforms: further frames.
         commands: what is published when.
+        not_started: what a launch file asked for and the twin does not do, each with the reason.
 
     Raises:
         InputError: a value that no twin can be built from, such as two robots of one name.
@@ -154,6 +161,7 @@ class Scenario:
     package_paths: tuple[str, ...] = ()
     static_transforms: tuple[StaticTransform, ...] = ()
     commands: tuple[Command, ...] = ()
+    not_started: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):

@@ -125,7 +125,7 @@ class PackageIndex:
                 if own_package.parent.name == "share":
                     yield from _in_prefix(own_package.parents[1], package)
                     yield from _in_prefix(own_package.parents[2], package)
-                yield from _in_folder(_workspace(own_package), package)
+                yield from _in_folder(workspace_of(own_package), package)
         for prefix in self._prefixes:
             yield from _in_prefix(prefix, package)
         for folder in self._resource_folders:
@@ -134,7 +134,7 @@ class PackageIndex:
 
     def _source_folders(self, near: str | Path | None) -> list[Path]:
         own_package = None if near is None else containing_package(near)
-        workspace = [] if own_package is None else [_workspace(own_package)]
+        workspace = [] if own_package is None else [workspace_of(own_package)]
         return [*self._folders, *workspace, *self._resource_folders, share_folder("models")]
 
 
@@ -210,7 +210,7 @@ def _in_folder(folder: Path, package: str) -> Iterator[Path]:
         yield named
 
 
-def _workspace(package: Path) -> Path:
+def workspace_of(package: Path) -> Path:
     """The folder whose packages a package sees: its colcon workspace's ``src``, or the folder it stands in."""
     for folder in list(package.parents)[:_SEARCH_DEPTH]:
         if folder.name == "src":

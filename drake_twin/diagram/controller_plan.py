@@ -34,6 +34,7 @@ class ControllerPlan:
         problem: why it cannot be configured or activated; None when it can.
         topics: its own topic → the one in its place, below the robot's namespace or with a leading ``/``; a topic that
             is not here does not exist. None where its topics stand below its name.
+        gz_topics: its own topic → its name in gz, by which a bridge may rename it; ``{model}`` stands for the robot.
         types: its own topic → the ROS type there, where it is another one.
         true_odometry: whether its odometry is the true pose instead of what the wheels tell.
     """
@@ -47,6 +48,7 @@ class ControllerPlan:
     update_rate: float = 100.0
     problem: str | None = None
     topics: Mapping[str, str] | None = None
+    gz_topics: Mapping[str, str] = field(default_factory=dict)
     types: Mapping[str, str] = field(default_factory=dict)
     true_odometry: bool = False
 
@@ -92,7 +94,13 @@ def plan_controllers(
             plan, ignored = ControllerPlan(name, controller.type, problem=str(error)), ()
         if name in by_drive:
             drive = by_drive[name]
-            plan = replace(plan, topics=drive.topics, types=drive.types, true_odometry=drive.true_odometry)
+            plan = replace(
+                plan,
+                topics=drive.topics,
+                gz_topics=drive.gz_topics,
+                types=drive.types,
+                true_odometry=drive.true_odometry,
+            )
         plans[name] = plan
         if name in chosen:
             warnings += ignored

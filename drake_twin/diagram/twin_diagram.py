@@ -157,7 +157,7 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
             *(warning for plan in plans for warning in (*plan.warnings, *robots[plan.name].warnings)),
             *parts.warnings,
         ),
-        not_started=tuple(reason for plan in plans for reason in plan.not_started),
+        not_started=(*scenario.not_started, *(reason for plan in plans for reason in plan.not_started)),
     )
 
 
@@ -210,41 +210,49 @@ def _add_robot(
     for name, kind in PUBLISHED.items():
         rate = None if name == "robot_description" else plan.update_rate
         if broadcaster is None or not name.endswith("joint_states"):
-            topics.publish(f"{namespace}/{name}", system.GetOutputPort(name), kind, rate, plan.name)
-        elif (topic := _broadcast_topic(namespace, broadcaster, name)) is not None:
+            topic = plan.robot.remapped(f"{namespace}/{name}")
+            topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name)
+        elif (broadcast := _broadcast_topic(plan, broadcaster, name)) is not None:
             rate = broadcaster.update_rate
-            topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name, broadcaster.name)
+            topics.publish(broadcast, system.GetOutputPort(name), kind, rate, plan.name, broadcaster.name)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
-            if (topic := _controller_topic(namespace, plans[name], own)) is not None:
+            if (listened := _controller_topic(plan, plans[name], own)) is not None:
                 port = system.GetInputPort(f"{name}/{own}")
-                topics.listen(topic, port, plans[name].types.get(own, kind), plan.name, name, own)
+                topics.listen(listened, port, plans[name].types.get(own, kind), plan.name, name, own)
         for own, kind in item.actions.items():
             port = system.GetInputPort(f"{name}/{own}")
             topics.listen(f"{namespace}/{name}/{own}", port, kind, plan.name, name, own, action=True)
         for own, kind in item.published.items():
-            topic = _controller_topic(namespace, plans[name], own)
-            if topic is not None and own != TF_ODOMETRY:  # which goes to /tf
+            published = _controller_topic(plan, plans[name], own)
+            if published is not None and own != TF_ODOMETRY:  # which goes to /tf
                 output = system.GetOutputPort(f"{name}/{own}")
-                topics.publish(topic, output, kind, plans[name].update_rate, plan.name, name)
+                topics.publish(published, output, kind, plans[name].update_rate, plan.name, name)
     return robot
 
 
-def _controller_topic(namespace: str, plan: ControllerPlan, own: str) -> str | None:
+def _controller_topic(robot: RobotPlan, plan: ControllerPlan, own: str) -> str | None:
     """The full name of a controller's topic; None where its plugin does not have it."""
+    namespace = robot.robot.topic_namespace
     if plan.topics is None:
-        return f"{namespace}/{plan.name}/{own}"
+        return robot.robot.remapped(f"{namespace}/{plan.name}/{own}")
     topic = plan.topics.get(own)
-    return topic if topic is None or topic.startswith("/") else f"{namespace}/{topic}"
+    if topic is None:
+        return None
+    in_gazebo = plan.gz_topics.get(own, "").format(model=robot.name)
+    in_gazebo = in_gazebo if in_gazebo.startswith("/") else f"/{in_gazebo}"
+    if in_gazebo in robot.robot.remappings:  # by a parameter_bridge
+        return robot.robot.remapped(in_gazebo)
+    return robot.robot.remapped(topic if topic.startswith("/") else f"{namespace}/{topic}")
 
 
-def _broadcast_topic(namespace: str, plan: ControllerPlan, name: str) -> str | None:
+def _broadcast_topic(robot: RobotPlan, plan: ControllerPlan, name: str) -> str | None:
     """The full name of one of the joint_state_broadcaster's topics; None for one that it does not publish."""
     if plan.topics is not None:
-        return _controller_topic(namespace, plan, name)
-    if plan.parameters is not None and plan.parameters.use_local_topics:
-        return f"{namespace}/{plan.name}/{name}"
-    return f"{namespace}/{name}"
+        return _controller_topic(robot, plan, name)
+    namespace = robot.robot.topic_namespace
+    local = plan.parameters is not None and plan.parameters.use_local_topics
+    return robot.robot.remapped(f"{namespace}/{plan.name}/{name}" if local else f"{namespace}/{name}")
 
 
 def _add_transform_broadcaster(

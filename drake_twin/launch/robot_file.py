@@ -8,7 +8,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import robot_name_in_file
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import Footprint, footprint
-from drake_twin.diagram.robot_plan import plan_robot
+from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.scenario import RESERVED_NAMES, Robot, Scenario
 
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
@@ -52,18 +52,26 @@ def robot_file_scenario(
             own[naming] = f"{name}_" if naming == "prefix" else name
         robots.append(Robot(name=name, model=str(file.absolute()), xacro_args=own))
     plan = plan_robot(robots[0], packages)
-    room = footprint(plan)
-    height = 0.0 if plan.model.is_fixed else round(_CLEARANCE - room.lower[2], 6)
-    spacing = _spacing(room)
+    height = height_on_ground(plan)
+    spacing = _spacing(footprint(plan))
     placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
     return Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
 
 
-def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
-    """The name that the file gives the robot, as a name in the twin."""
-    name = robot_name_in_file(file, packages, xacro_args)
+def height_on_ground(plan: RobotPlan) -> float:
+    """How high a robot's root link starts so that the robot stands on the ground (m); zero for one that is fixed."""
+    return 0.0 if plan.model.is_fixed else round(_CLEARANCE - footprint(plan).lower[2], 6)
+
+
+def name_in_twin(name: str) -> str:
+    """A robot's name as one that the twin can take: letters, digits, ``_`` and ``-``, and no other part's name."""
     name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
     return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
+
+
+def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
+    """The name that the file gives the robot, as a name in the twin."""
+    return name_in_twin(robot_name_in_file(file, packages, xacro_args))
 
 
 def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str | None:
