@@ -5,36 +5,29 @@ import json
 import os
 import sys
 import time
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from drake_twin.description.package_index import absolute_path
-from drake_twin.errors import CommandError, InputError, RunError
+from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.program import ArgumentParser, announce_page, run_program, say, stop_signals
-from drake_twin.scenario import (
-    LONGEST_STEP,
-    LONGEST_TIME,
-    SHORTEST_STEP,
-    Command,
-    Scenario,
-    ScenarioError,
-    ScenarioFile,
-    scenario_to_yaml,
-)
+from drake_twin.scenario import LONGEST_TIME, scenario_to_yaml
+from drake_twin.target import Target, build_twin, find_launch_file, find_target, package_paths
+from drake_twin.watched_files import Watch, files_read
 
 _DESCRIPTION = """\
 Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
 
-TARGET is a saved scenario (.yaml) or a robot file (xacro, URDF, SDF or MJCF). Without it, --robots N runs robots of the
-twin's own. Ctrl-C ends the run."""
+TARGET is a ROS 2 launch file (Python, XML or YAML; a path, or PACKAGE FILE), a saved scenario (.yaml) or a robot file
+(xacro, URDF, SDF or MJCF). Without it, --robots N runs robots of the twin's own. Ctrl-C ends the run."""
 
 _EXAMPLES = """\
 examples:
   python -m drake_twin.run --robots 2
   python -m drake_twin.run --robots 8 --headless --duration 10 --summary out.json
   python -m drake_twin.run --robots 2 --pub /robot_1/forward_velocity_controller/commands "[2, 2, 2, 2]"
+  python -m drake_twin.run path/to/main.launch.xml robot_name:=robot_1
+  python -m drake_twin.run PACKAGE gazebo.launch.py --workspace path/to/ws
   python -m drake_twin.run diagrams/two_rovers.yaml
   python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3
   python -m drake_twin.run --robots 2 --world path/to/some.world"""
@@ -71,6 +64,7 @@ def _parser() -> ArgumentParser:
         metavar="DIR",
         help="a folder of ROS packages to look in first (may be repeated)",
     )
+    robots.add_argument("--workspace", metavar="DIR", help="a colcon workspace to look for packages in first")
     robots.add_argument(
         "--pub",
         nargs=2,
@@ -98,7 +92,16 @@ def _parser() -> ArgumentParser:
     page.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     page.add_argument("--host", default="127.0.0.1", help="the address the page is served at (default: 127.0.0.1)")
     page.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    launch = parser.add_argument_group("launch files")
+    launch.add_argument("--show-args", action="store_true", help="print the arguments that the launch file has and end")
+    launch.add_argument("--strict", action="store_true", help="refuse to run when something of it is not started")
+    launch.add_argument("--watch", action="store_true", help="start anew when a file that the twin is made of changes")
     output = parser.add_argument_group("output")
+    output.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
+    output.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
+    output.add_argument(
+        "--echo", action="append", default=[], metavar="TOPIC", help="print a topic's messages (may be repeated)"
+    )
     output.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
     output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
     output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
@@ -108,28 +111,96 @@ def _parser() -> ArgumentParser:
 
 def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     _check(options)
-    scenario, file = _scenario(options)
-    if options.show_scenario:
-        say(scenario_to_yaml(scenario), end="")
-        return 0
-    meshcat = None
-    if not options.headless and options.graphviz is None:
-        from drake_twin.cockpit.page import open_meshcat
+    if options.show_args:
+        return _show_arguments(options)
+    with files_read() as files:
+        target = find_target(options)
+        if options.show_scenario:
+            say(scenario_to_yaml(target.scenario), end="")
+            return 0
+        meshcat = None
+        if not options.headless and options.graphviz is None:
+            from drake_twin.cockpit.page import open_meshcat
 
-        meshcat = open_meshcat(options.port, options.host)
-    twin = _twin(scenario, file, meshcat)
+            meshcat = open_meshcat(options.port, options.host)
+        twin = build_twin(target, meshcat)
     if options.graphviz is not None:
         from drake_twin.diagram.picture import write_picture
 
         write_picture(twin.diagram, options.graphviz)
         say(f"wrote {options.graphviz}")
         return 0
+    _announce(twin, target, options)
+    if target.paused and meshcat is not None:
+        twin.pause()
+    page = None if meshcat is None else _Page(meshcat, open_browser=not options.no_browser)
+    wall_time = 0.0
+    watch = Watch(files) if options.watch else None
+    while True:
+        wall_time += _simulate(twin, target, page, options, stopped, watch)
+        if watch is None or stopped or not watch.is_broken_off:
+            break
+        twin, target, watch = _again(twin, target, meshcat, options, watch)
+    _report(twin, wall_time, options.summary)
+    return 0
+
+
+def _again(
+    twin: Any, target: Target, meshcat: Any, options: argparse.Namespace, watch: Watch
+) -> tuple[Any, Target, Watch]:
+    """The twin of the changed files, or the last good one with what is wrong with them."""
+    say(f"changed: {watch.broken_off_by}", sys.stderr)
+    files = watch.files
+    try:
+        with files_read() as files:
+            new_target = find_target(options)
+            new_twin = build_twin(new_target, meshcat)
+    except TwinError as error:
+        say(f"error: {error}\nThe last good twin goes on.", sys.stderr)
+        return twin, target, Watch(watch.files | files)
+    new_twin.paused = twin.paused
+    new_twin.real_time_rate = twin.real_time_rate
+    _announce(new_twin, new_target, options)
+    return new_twin, new_target, Watch(files)
+
+
+def _show_arguments(options: argparse.Namespace) -> int:
+    from drake_twin.description.package_index import PackageIndex
+    from drake_twin.launch.evaluate import declared_arguments
+    from drake_twin.launch.show_arguments import arguments_text
+
+    words = [item for item in options.target if ":=" not in item]
+    file = find_launch_file(words, package_paths(options))
+    if file is None:
+        raise InputError("--show-args needs a launch file")
+    given = dict(item.split(":=", 1) for item in options.target if ":=" in item)
+    say(arguments_text(declared_arguments(file, PackageIndex(package_paths(options)), given)))
+    return 0
+
+
+def _announce(twin: Any, target: Target, options: argparse.Namespace) -> None:
+    """Says what came of the files."""
+    for line in target.log:
+        say(f"launch: {line}", sys.stderr)
     for kind, sentences in (("warning", twin.warnings), ("not started", twin.not_started)):
         for sentence in _grouped(sentences, twin.robots):
             say(f"{kind}: {sentence}", sys.stderr)
-    wall_time = _simulate(twin, meshcat, options, stopped)
-    _report(twin, wall_time, options.summary)
-    return 0
+    if options.strict and twin.not_started:
+        raise InputError(f"--strict: {len(twin.not_started)} of what the files ask for is not started, see above")
+    if target.paused:
+        what = "it runs all the same" if options.headless else "press Play"
+        say(f"launch: the simulator starts paused there (gz without -r): {what}", sys.stderr)
+    if options.topics or options.controllers:
+        from drake_twin.ros2_text import controllers_text, topics_text
+
+        asked = [
+            text for text, wanted in ((topics_text, options.topics), (controllers_text, options.controllers)) if wanted
+        ]
+        say("\n".join(text(twin) for text in asked))
+    for topic in options.echo:
+        from drake_twin.ros2_text import message_text
+
+        twin.subscribe(topic, lambda message: say(message_text(message)))
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -150,152 +221,69 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
 
 
-def _scenario(options: argparse.Namespace) -> tuple[Scenario, ScenarioFile | None]:
-    """The scenario that the command line asks for, and its file if it was read from one."""
-    xacro_args = dict(item.split(":=", 1) for item in options.target if ":=" in item)
-    targets = [item for item in options.target if ":=" not in item]
-    if len(targets) > 1:
-        raise InputError(f"one scenario or robot file can be run at a time, but there are {', '.join(targets)}")
-    commands = tuple(_command(topic, data) for topic, data in options.pub)
-    file = None
-    if not targets:
-        scenario = _demo(options, xacro_args, drive=not commands)
-    elif targets[0].endswith((".yaml", ".yml")):
-        file = _scenario_file(targets[0], options, xacro_args)
-        scenario = file.scenario
-    else:
-        scenario = _robot_file(targets[0], options, xacro_args)
-    if options.world is not None:
-        scenario = _in_world(scenario, options.world, own_step=file is None and options.time_step is None)
-    if options.time_step is not None:
-        scenario = replace(scenario, time_step=options.time_step)
-    if commands:
-        topics = {command.topic for command in commands}
-        kept = tuple(command for command in scenario.commands if command.topic not in topics)
-        scenario = replace(scenario, commands=kept + commands)
-    return scenario, file
-
-
-def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: bool) -> Scenario:
-    from drake_twin.launch.demo import DEMOS, demo_scenario
-
-    robot = options.robot or "rover"
-    if robot not in DEMOS:
-        raise InputError(f"--robot {robot}: the twin has no such robot of its own", value=robot, valid=DEMOS)
-    if xacro_args:
-        raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file to go to")
-    scenario = demo_scenario(robot, options.robots or 2, drive=drive)
-    return replace(scenario, package_paths=tuple(absolute_path(folder) for folder in options.package_path))
-
-
-def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> ScenarioFile:
-    from drake_twin.description.package_index import share_folder
-
-    if xacro_args or options.robots is not None or options.robot is not None or options.package_path:
-        raise InputError(
-            f"{name} says itself which robots there are: --robots, --robot, --package-path and name:=value do not go"
-            " with it"
-        )
-    file = Path(name)
-    if not file.exists() and file.parts[:1] == ("diagrams",):  # the twin's own, from any folder
-        file = share_folder("diagrams").joinpath(*file.parts[1:])
-    return ScenarioFile.read(file)
-
-
-def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> Scenario:
-    from drake_twin.description.package_index import PackageIndex
-    from drake_twin.launch.robot_file import robot_file_scenario
-
-    if options.robot is not None:
-        raise InputError(f"--robot {options.robot} names a robot of the twin's own: leave it out to run {name}")
-    file = PackageIndex(options.package_path).resolve(name)
-    if file.is_dir():
-        raise InputError("a robot file is needed, and this is a folder", file=file)
-    return robot_file_scenario(
-        file,
-        options.robots,
-        xacro_args=xacro_args,
-        package_paths=[absolute_path(folder) for folder in options.package_path],
-    )
-
-
-def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
-    """The scenario in the world of a file, at the file's own step where nothing else says one."""
-    from drake_twin.description.package_index import PackageIndex
-    from drake_twin.description.world_file import read_world
-
-    file = address if "://" in address else absolute_path(address)
-    step = read_world(file, PackageIndex(scenario.package_paths)).max_step_size if own_step else None
-    if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP:
-        scenario = replace(scenario, time_step=step)
-    return replace(scenario, world=replace(scenario.world, file=file))
-
-
-def _command(topic: str, text: str) -> Command:
-    """``--pub TOPIC DATA``: DATA as ``ros2 topic pub`` takes it, or the bare list of numbers."""
-    import yaml
-
-    try:
-        value = yaml.safe_load(text)
-        data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
-        if isinstance(data, dict):
-            return Command(topic, data)
-        if not isinstance(data, list) or any(isinstance(item, bool) for item in data):
-            raise TypeError
-        return Command(topic, tuple(float(item) for item in data))
-    except (yaml.YAMLError, TypeError, ValueError, OverflowError):
-        raise InputError(
-            f'--pub {topic} {text!r}: the data must be a list of numbers, such as "[2, 2, 2, 2]", or the fields of a'
-            ' message, such as "{twist: {linear: {x: 0.5}}}"'
-        ) from None
-
-
-def _twin(scenario: Scenario, file: ScenarioFile | None, meshcat: Any) -> Any:
-    from drake_twin.twin import Twin
-
-    try:
-        return Twin(scenario, meshcat)
-    except ScenarioError as error:
-        if file is None and error.path[0] == "commands":  # typed with --pub: it has no place in a file
-            raise CommandError(error.reason, **error.more) from None
-        raise (error if file is None else file.located(error)) from None
-
-
-def _simulate(twin: Any, meshcat: Any, options: argparse.Namespace, stopped: Sequence[int]) -> float:
-    """Runs to the end or until stopped; returns the wall time it took (s)."""
+def _simulate(
+    twin: Any,
+    target: Target,
+    page: "_Page | None",
+    options: argparse.Namespace,
+    stopped: Sequence[int],
+    watch: Watch | None,
+) -> float:
+    """Runs to the end, until stopped or until a file changes; returns the wall time it took (s)."""
     if options.real_time_rate is not None:
         twin.real_time_rate = options.real_time_rate
     status = _StatusLine(twin)
-    panel = None if meshcat is None else _show(twin, meshcat, open_browser=not options.no_browser)
+    obey = _nothing if page is None else page.show(twin, target)
 
     def each_frame() -> bool:
-        if panel is not None:
-            panel.obey()
+        obey()
         status.show()
-        return not stopped
+        return not stopped and (watch is None or not watch.breaks_off())
 
     start = time.perf_counter()
     try:
         twin.run(
             options.duration,
             each_frame=each_frame,
-            as_fast_as_possible=meshcat is None and options.real_time_rate is None,
+            as_fast_as_possible=page is None and options.real_time_rate is None,
         )
     finally:
         status.end()
     return time.perf_counter() - start
 
 
-def _show(twin: Any, meshcat: Any, *, open_browser: bool) -> Any:
-    """Sets up the page and says where it is; returns its panel."""
-    from drake_twin.cockpit.page import set_scene
-    from drake_twin.cockpit.panel import Panel
+def _nothing() -> None:
+    """Without a page there is nothing to obey."""
 
-    set_scene(meshcat, twin)
-    panel = Panel(meshcat, twin)
-    twin.draw()
-    announce_page(meshcat.web_url(), open_browser=open_browser)
-    return panel
+
+class _Page:
+    """The page in the browser, which outlives a twin that is made anew."""
+
+    def __init__(self, meshcat: Any, *, open_browser: bool):
+        self._meshcat = meshcat
+        self._open_browser = open_browser
+        self._shown: Any = None
+        self._obey: Callable[[], None] = _nothing
+
+    def show(self, twin: Any, target: Target) -> Callable[[], None]:
+        """Shows a twin; returns what does as the page's controls say."""
+        from drake_twin.cockpit.joint_viewer import JointViewer
+        from drake_twin.cockpit.page import set_scene
+        from drake_twin.cockpit.panel import Panel
+
+        if twin is self._shown:
+            return self._obey
+        if self._shown is None:
+            set_scene(self._meshcat, twin)
+        self._meshcat.DeleteAddedControls()
+        panel = (JointViewer if target.only_displayed else Panel)(self._meshcat, twin)
+        if target.only_displayed:
+            twin.pause()
+        twin.draw()
+        if self._shown is None:
+            announce_page(self._meshcat.web_url(), open_browser=self._open_browser)
+        self._shown, self._obey = twin, panel.obey
+        return self._obey
 
 
 class _StatusLine:
@@ -348,10 +336,6 @@ def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:
         else:
             about.setdefault(sentence, [])
     return [f"{', '.join(names)}: {text}" if names else text for text, names in about.items()]
-
-
-def _as_typed(xacro_args: dict[str, str]) -> str:
-    return " ".join(f"{name}:={value}" for name, value in xacro_args.items())
 
 
 if __name__ == "__main__":

@@ -56,6 +56,7 @@ class Twin:
         self._queue: list[tuple[str, Any]] = []
         self._goals: list[ActionGoal] = []
         self._silenced: set[str] = set()
+        self._unheard: set[str] = set()
         self.paused = False
         self._advancing = False
         self._real_time_rate = 1.0
@@ -144,6 +145,10 @@ class Twin:
         published = {topic: item.type for topic, item in self._built.published.items()}
         return published | {topic: item.type for topic, item in self._built.commanded.items()}
 
+    def actions(self) -> dict[str, str]:
+        """Action → ROS action type."""
+        return {action: item.type for action, item in self._built.actions.items()}
+
     @property
     def commanded(self) -> dict[str, CommandTopic]:
         """Command topic → the controller that listens to it."""
@@ -191,7 +196,9 @@ class Twin:
         if control.stopped:
             raise CommandError(f"{topic}: the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it")
         if not control.accepts(item):
-            _log.info("%s: nobody hears this: controller %s is not active", topic, item.controller)
+            if topic not in self._unheard:
+                self._unheard.add(topic)
+                _log.warning("%s: nobody hears this: controller %s is not active", topic, item.controller)
             return
         try:
             value = self._checked(topic, data)

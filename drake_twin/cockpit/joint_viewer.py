@@ -17,33 +17,43 @@ _REACH_OF_SLIDE = 1.0  # m, for sliding joints without limits
 
 
 class JointViewer:
-    """Sets a robot's joints to where the page's sliders are.
+    """Sets robots' joints to where the page's sliders are.
 
     Args:
         meshcat: the page.
-        twin: the one robot to show; its time stands still.
+        twin: the robots to show; their time stands still.
     """
 
     def __init__(self, meshcat: Meshcat, twin: Twin):
         self._meshcat = meshcat
         self._twin = twin
-        (self._plan,) = twin.plans
-        self._joints = [joint for joint in self._plan.description.movable_joints if joint.mimic is None]
-        for joint in self._joints:
-            reach = _REACH_OF_SLIDE if joint.type == "prismatic" else pi
-            lower = joint.limits.lower if isfinite(joint.limits.lower) else -reach
-            upper = joint.limits.upper if isfinite(joint.limits.upper) else reach
-            start = self._plan.start_positions[joint.name]
-            meshcat.AddSlider(joint.name, lower, max(upper, lower + 1e-6), 0.001, min(max(start, lower), upper))
-        self._shown: dict[str, float] = {}
+        self._sliders: dict[str, dict[str, str]] = {}
+        for plan in twin.plans:
+            self._sliders[plan.name] = {}
+            for joint in plan.description.movable_joints:
+                if joint.mimic is not None:
+                    continue
+                name = joint.name if len(twin.plans) == 1 else f"{plan.name}/{joint.name}"
+                self._sliders[plan.name][joint.name] = name
+                reach = _REACH_OF_SLIDE if joint.type == "prismatic" else pi
+                lower = joint.limits.lower if isfinite(joint.limits.lower) else -reach
+                upper = joint.limits.upper if isfinite(joint.limits.upper) else reach
+                start = min(max(plan.start_positions[joint.name], lower), upper)
+                meshcat.AddSlider(name, lower, max(upper, lower + 1e-6), 0.001, start)
+        self._shown: dict[str, dict[str, float]] = {}
 
     def obey(self) -> None:
-        """Puts the joints where the sliders are, and draws the robot when one has moved."""
-        positions = {joint.name: float(self._meshcat.GetSliderValue(joint.name)) for joint in self._joints}
-        if positions != self._shown:
-            self._twin.set_joint_positions(self._plan.name, self._plan.description.with_followers(positions))
-            self._twin.draw()
-            self._shown = positions
+        """Puts the joints where the sliders are, and draws the robots when one has moved."""
+        positions = {
+            robot: {joint: float(self._meshcat.GetSliderValue(name)) for joint, name in sliders.items()}
+            for robot, sliders in self._sliders.items()
+        }
+        if positions == self._shown:
+            return
+        for plan in self._twin.plans:
+            self._twin.set_joint_positions(plan.name, plan.description.with_followers(positions[plan.name]))
+        self._twin.draw()
+        self._shown = positions
 
 
 def view_joints(

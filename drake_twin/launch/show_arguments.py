@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -72,3 +72,17 @@ def _of_include(
         return
     file = str(existing_file(path, context, include.place))
     yield from _arguments(file, load_launch_file(file, context), context, given | names, depth + 1)
+
+
+def arguments_text(arguments: Sequence[LaunchArgument]) -> str:
+    """Arguments as ``ros2 launch --show-args`` prints them."""
+    if not arguments:
+        return "Arguments (pass arguments as '<name>:=<value>'):\n\n  No arguments."
+    lines = ["Arguments (pass arguments as '<name>:=<value>'):"]
+    for argument in arguments:
+        lines += ["", f"    '{argument.name}':", f"        {argument.description or 'no description given'}"]
+        if argument.choices:
+            lines.append(f"        Valid choices are: {', '.join(repr(choice) for choice in argument.choices)}")
+        if argument.default is not None:
+            lines.append(f"        (default: '{argument.default}')")
+    return "\n".join(lines)
