@@ -122,7 +122,7 @@ def find_launch_file(words: Sequence[str], folders: Sequence[str]) -> Path | Non
     Raises:
         InputError: there is no such package, or no such launch file in it.
     """
-    if len(words) == 2 and not Path(words[0]).is_file():
+    if len(words) == 2 and _LAUNCH_FILE.match(words[1]) and not Path(words[0]).is_file():
         return _launch_file_of_package(words[0], words[1], folders)
     if len(words) != 1:
         return None

@@ -120,7 +120,7 @@ def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"the parameters file cannot be read ({error})", file=file) from None
-    return YamlDocument(_with_placeholders(text, file, placeholders), file)
+    return YamlDocument(_with_placeholders(text, file, placeholders), file, like_rcl=True)
 
 
 def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:

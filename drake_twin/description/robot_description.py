@@ -93,6 +93,14 @@ class ControlledJoint:
     state_interfaces: tuple[StateInterface, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)
 
+    def together_with(self, other: "ControlledJoint") -> "ControlledJoint":
+        """What two tags say of one joint; the other's interfaces hold where both have one."""
+        commands = {item.name: item for item in (*self.command_interfaces, *other.command_interfaces)}
+        states = {item.name: item for item in (*self.state_interfaces, *other.state_interfaces)}
+        return ControlledJoint(
+            self.name, tuple(commands.values()), tuple(states.values()), {**self.parameters, **other.parameters}
+        )
+
 
 @dataclass(frozen=True)
 class HardwareSensor:
@@ -228,7 +236,12 @@ class RobotDescription:
         So are those that do not move: whatever a file declares for them, nothing can be commanded or measured.
         """
         movable = {joint.name for joint in self.movable_joints}
-        return {joint.name: joint for system in self.systems for joint in system.joints if joint.name in movable}
+        found: dict[str, ControlledJoint] = {}
+        for joint in (joint for system in self.systems for joint in system.joints if joint.name in movable):
+            known = found.get(joint.name)
+            # Actuator and sensor of a joint may be hardware of their own, each with a tag.
+            found[joint.name] = joint if known is None else known.together_with(joint)
+        return found
 
     @property
     def actuated_joints(self) -> tuple[Joint, ...]:
@@ -246,9 +259,10 @@ class RobotDescription:
         """Sensor name → what ``<ros2_control>`` says of it."""
         return {sensor.name: sensor for system in self.systems for sensor in system.sensors}
 
-    def sensor(self, name: str) -> Sensor | None:
+    def sensor(self, name: str, kind: str) -> Sensor | None:
         """The simulated sensor behind a sensor of ``<ros2_control>``; None when there is none of that name."""
-        return next((sensor for sensor in self.sensors if sensor.name == name), None)
+        own = name.strip("/")
+        return next((item for item in self.sensors if (item.name.strip("/"), item.kind) == (own, kind)), None)
 
     @property
     def controller_files(self) -> tuple[str, ...]:

@@ -125,11 +125,11 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.sdf import ignored_in_sdf, prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
 
-    prepared, is_fixed, own_name = prepare_sdf(text, file, name, packages)
+    prepared, is_fixed, own_name, repairs = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
-    return RobotModel(description, prepared, "sdf", is_fixed, ignored=ignored_in_sdf(text, file))
+    return RobotModel(description, prepared, "sdf", is_fixed, repairs=repairs, ignored=ignored_in_sdf(text, file))
 
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:

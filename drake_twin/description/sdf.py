@@ -1,13 +1,16 @@
 """SDF robots, made ready for Drake's parser."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 from lxml import etree
 
 from drake_twin.description.drake_urdf import Ignored
 from drake_twin.description.meshes import collision_mesh, mesh_address, visual_mesh
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.repairs import Repair
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
 
 # What a robot's SDF may hold and the twin makes no use of.
 _IGNORED = ("plugin", "sensor", "self_collide", "joint/axis/mimic", "joint/axis/dynamics/friction")
@@ -26,15 +29,27 @@ def ignored_in_sdf(text: str, file: Path) -> tuple[Ignored, ...]:
     return tuple(found)
 
 
-def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> tuple[str, bool, str]:
-    """SDF text of one model as Drake is given it: under the twin's name, with meshes that Drake reads.
+class PreparedSdf(NamedTuple):
+    """SDF text of one model as Drake is given it.
 
-    Returns:
-        The text without the model's own weld to the world, whether there was one (or ``<static>``), and the model's
-        name in the file.
+    Attributes:
+        text: the text, without the model's own weld to the world.
+        is_fixed: whether there was one, or ``<static>``.
+        own_name: the model's name in the file.
+        repairs: what was mended: shapes whose mesh is missing are left out.
+    """
+
+    text: str
+    is_fixed: bool
+    own_name: str
+    repairs: tuple[Repair, ...] = ()
+
+
+def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
+    """Gives a model the twin's name and meshes that Drake reads.
 
     Raises:
-        InputError: not an SDF file with one model, or a mesh that is missing.
+        InputError: not an SDF file with one model.
     """
     reader = XmlReader(text, file)
     models = reader.root.findall("model")
@@ -59,9 +74,19 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
                 raise reader.error(joint, "a joint to the world is supported when it is fixed")
             is_fixed = True
             model.remove(joint)
-    for uri in model.iter("uri"):
-        parent = uri.getparent()
-        if parent is not None and parent.tag == "mesh":
-            for_drake = visual_mesh if next(uri.iterancestors("visual"), None) is not None else collision_mesh
+    repairs = []
+    for uri in [*model.iter("uri")]:
+        parent, shape = uri.getparent(), next(uri.iterancestors("visual", "collision"), None)
+        if parent is None or parent.tag != "mesh" or shape is None:
+            continue
+        for_drake = visual_mesh if shape.tag == "visual" else collision_mesh
+        try:
             uri.text = mesh_address(for_drake(packages.resolve((uri.text or "").strip(), file)))
-    return etree.tostring(reader.root, encoding="unicode"), is_fixed, own_name
+        except InputError as error:
+            link = shape.getparent()
+            assert link is not None
+            what = f"link {link.get('name')!r} goes without its {shape.tag} mesh: {str(error).rstrip('.')}"
+            repairs.append(Repair("missing_mesh", what, reader.line(uri)))
+            link.remove(shape)
+    text = etree.tostring(reader.root, encoding="unicode")
+    return PreparedSdf(text, is_fixed, own_name, tuple(repairs))

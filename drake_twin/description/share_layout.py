@@ -4,9 +4,9 @@ CMakeLists.txt, setup.py and setup.cfg are read, not run. The installed look is 
 temporary folder, which is made only for packages whose two layouts differ.
 """
 
-import atexit
+import contextlib
+import hashlib
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
 from functools import lru_cache
@@ -15,6 +15,7 @@ from pathlib import Path
 from lxml import etree
 
 from drake_twin.description.cmake_install import cmake_installs
+from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.description.setup_py import setup_installs
 
 # Folders that packages install to the top of their share folder, wherever they keep them.
@@ -31,18 +32,27 @@ def installed_layout(package: Path) -> Path:
     Args:
         package: the folder with the package.xml, of a source or an installed package.
     """
+    package = Path(os.path.abspath(package))
     if package.parent.name == "share":
         return package
     moved = [(place, source) for place, source in _installs(package) if _adds(package / place, source)]
     if not moved:
         return package
-    view = _views() / str(len(os.listdir(_views()))) / package.name
-    view.mkdir(parents=True)
-    for entry in package.iterdir():
-        (view / entry.name).symlink_to(entry)
-    for place, source in moved:
-        _lay(view, view / place, source)
-    return view
+    views = cache_folder("share")
+    with tempfile.TemporaryDirectory(dir=views) as folder:
+        view = Path(folder) / package.name
+        view.mkdir()
+        for entry in package.iterdir():
+            (view / entry.name).symlink_to(entry)
+        for place, source in moved:
+            _lay(view, view / place, source)
+        # The same path in every run for the same look, so that a scenario that names a file in it can be saved.
+        lasting = views / _digest(view) / package.name
+        if not lasting.is_dir():
+            lasting.parent.mkdir(exist_ok=True)
+            with contextlib.suppress(OSError):  # another process was faster
+                view.rename(lasting)
+    return lasting
 
 
 @lru_cache(maxsize=4096)
@@ -54,11 +64,16 @@ def package_name(folder: Path) -> str:
         return folder.name
 
 
-@lru_cache(maxsize=1)
-def _views() -> Path:
-    folder = Path(tempfile.mkdtemp(prefix="drake_twin_share_"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    return folder
+def _digest(view: Path) -> str:
+    """A short name for what the links of a folder are."""
+    digest = hashlib.sha256()
+    for folder, folders, files in os.walk(view):
+        folders.sort()
+        for name in sorted([*folders, *files]):
+            path = Path(folder, name)
+            target = os.readlink(path) if path.is_symlink() else ""
+            digest.update(f"{path.relative_to(view)}\0{target}\n".encode(errors="replace"))
+    return digest.hexdigest()[:16]
 
 
 def _installs(package: Path) -> Iterator[tuple[str, Path]]:

@@ -26,6 +26,8 @@ class YamlDocument:
     Args:
         text: the file's text.
         file: its name, for error messages.
+        like_rcl: a key may stand twice, as in ROS's parameters files: mappings are put together, and of other values
+            the later one holds.
 
     Attributes:
         data: mappings as ``dict``, sequences as ``list``, scalars by YAML 1.1 as in PyYAML's safe loader.
@@ -34,8 +36,9 @@ class YamlDocument:
         InputError: not YAML, a key twice in one mapping, or so many aliases that it would not fit in memory.
     """
 
-    def __init__(self, text: str, file: str | Path):
+    def __init__(self, text: str, file: str | Path, *, like_rcl: bool = False):
         self.file = Path(file)
+        self._like_rcl = like_rcl
         self._lines: dict[ValuePath, int] = {}
         self._constructor = yaml.constructor.SafeConstructor()
         self._items_of_mapping: dict[yaml.Node, dict[Any, yaml.Node]] = {}
@@ -89,7 +92,9 @@ class YamlDocument:
                     merged.setdefault(key, value)
                 continue
             key = self._scalar(key_node)
-            if key in own:
+            if key in own and self._like_rcl:
+                value_node = _together(own[key], value_node)
+            elif key in own:
                 raise InputError(f"{key!r} stands twice", file=self.file, line=key_node.start_mark.line + 1)
             own[key] = value_node
         self._items_of_mapping[node] = merged | own
@@ -110,3 +115,10 @@ class YamlDocument:
             return self._constructor.construct_object(node)
         except (yaml.YAMLError, ValueError, LookupError, AttributeError):  # the last two: `!!bool x`, `!!timestamp x`
             raise InputError(f"{node.value!r} is not a value", file=self.file, line=node.start_mark.line + 1) from None
+
+
+def _together(earlier: yaml.Node, later: yaml.Node) -> yaml.Node:
+    """Two mappings under one key as one; of other values the later."""
+    if isinstance(earlier, yaml.MappingNode) and isinstance(later, yaml.MappingNode):
+        return yaml.MappingNode(later.tag, [*earlier.value, *later.value], earlier.start_mark, later.end_mark)
+    return later

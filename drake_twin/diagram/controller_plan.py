@@ -19,6 +19,14 @@ from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 UNLOADED, INACTIVE, ACTIVE = "unloaded", "inactive", "active"
 
 
+class ControllerError(InputError):
+    """A controller that is to be loaded and cannot be configured; ``controller`` is its name."""
+
+    def __init__(self, controller: str, error: InputError):
+        super().__init__(error.message, file=error.file, line=error.line, valid=error.valid, value=error.value)
+        self.controller = controller
+
+
 @dataclass(frozen=True)
 class ControllerPlan:
     """A controller of a parameters file.
@@ -90,7 +98,7 @@ def plan_controllers(
             plan, ignored = _plan(controller, description, manager.update_rate, prefix, by_name)
         except InputError as error:
             if name in chosen:
-                raise
+                raise ControllerError(name, error) from None
             plan, ignored = ControllerPlan(name, controller.type, problem=str(error)), ()
         if name in by_drive:
             drive = by_drive[name]
@@ -186,7 +194,7 @@ def _plan(
 
 def _no_sensor(name: str, kind: str, description: RobotDescription) -> str | None:
     """Why a sensor cannot be broadcast; None when it can."""
-    if any(sensor.name == name and sensor.kind == kind for sensor in description.sensors):
+    if description.sensor(name, kind) is not None or name in description.hardware_sensors:
         return None
     known = ", ".join(sensor.name for sensor in description.sensors if sensor.kind == kind) or "none"
     return f"the robot has no {kind} sensor {name!r} for Gazebo (it has {known})"

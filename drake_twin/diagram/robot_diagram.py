@@ -8,6 +8,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.controller_plan import ACTIVE, ControllerPlan
@@ -223,18 +224,21 @@ def _add_sensors(
         if not isinstance(controller, SensorBroadcaster):
             continue
         sensor_name = controller.sensor_name(controller.setup.parameters)
-        sensor = next(
-            item for item in plan.description.sensors if (item.name, item.kind) == (sensor_name, controller.kind)
-        )
+        sensor = plan.description.sensor(sensor_name, controller.kind)
+        port = controller.get_sensor_input_port()
+        if sensor is None:  # hardware without a simulated sensor behind it measures nothing
+            nothing = builder.AddNamedSystem(f"{name}_sensor", ConstantVectorSource(np.full(port.size(), np.nan)))
+            builder.Connect(nothing.get_output_port(), port)
+            continue
         kind: type[ImuSensor] | type[ForceTorqueSensor] = ImuSensor if sensor.kind == "imu" else ForceTorqueSensor
         system = builder.AddNamedSystem(f"{name}_sensor", kind.of(plant, instance, sensor))
-        builder.Connect(system.get_output_port(), controller.get_sensor_input_port())
-        for output, port in system.inputs_from(plant):
+        builder.Connect(system.get_output_port(), port)
+        for output, own_port in system.inputs_from(plant):
             if output.get_name() not in needed:
-                builder.ExportInput(port, output.get_name())
+                builder.ExportInput(own_port, output.get_name())
                 needed[output.get_name()] = output
             else:
-                builder.ConnectInput(output.get_name(), port)
+                builder.ConnectInput(output.get_name(), own_port)
     return needed
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
-from drake_twin.launch.launched import WORLD, Launched, LaunchedProcess, WorldStart
+from drake_twin.launch.launched import WORLD, Launched, LaunchedProcess, ParameterText, WorldStart
 from drake_twin.launch.launched_controllers import (
     ControllerRequest,
     as_node,
@@ -24,6 +25,7 @@ from drake_twin.launch.launched_robots import (
     LaunchedRobots,
     is_spawner,
     is_state_publisher,
+    parameter_file,
     parameters,
 )
 from drake_twin.launch.not_started import why_not_started
@@ -196,6 +198,7 @@ class _LaunchedScenario:
         robots: list[Robot] = []
         managers = _by_manager(found.robots, self._requests, self._not_started)
         links: dict[str, str] = {}
+        taken: set[str] = set()
         for launched in found.robots:
             name = _plain_name(launched.name)
             requests = managers.get(launched.name, [])
@@ -223,8 +226,11 @@ class _LaunchedScenario:
                 controllers=self._parameter_files(launched, requests),
                 active_controllers=tuple(dict.fromkeys(item.name for item in requests if item.active)),
                 inactive_controllers=_inactive(requests),
-                remappings=self._remappings(launched, namespace),
+                remappings={
+                    own: topic for own, topic in self._remappings(launched, namespace).items() if topic not in taken
+                },
             )
+            taken.update(robot.remappings.values())
             robots.append(self._with_known_controllers(robot, on_ground=pose is None and not found.only_displayed))
         return robots
 
@@ -233,25 +239,36 @@ class _LaunchedScenario:
         for request in requests:
             error = check_parameter_files(request)
             if error is None:
-                given += [str(Path(file)) for file in request.parameter_files]
+                given += [self._filled_in(Path(file)) for file in request.parameter_files]
             else:
                 self._not_started.append(f"controller {request.name}: {error}")
         if not given:
             return launched.parameter_files
         return tuple(dict.fromkeys((*(launched.parameter_files or launched.plugin_files), *given)))
 
+    def _filled_in(self, file: Path) -> str:
+        """A parameters file that a spawner is given, with the launch configurations for its ``$(var name)``."""
+        text = file.read_text(encoding="utf-8", errors="replace")
+        known = self._launched.configurations
+        filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
+        return str(file) if filled == text else parameter_file(ParameterText(file, filled))
+
     def _with_known_controllers(self, robot: Robot, *, on_ground: bool) -> Robot:
         """The robot without the controllers that its parameters files lack, which a spawner would wait for in vain."""
+        from drake_twin.diagram.controller_plan import ControllerError
         from drake_twin.diagram.robot_plan import plan_robot
 
         while True:
             try:
                 plan = plan_robot(robot, self._packages)
-            except ScenarioError as error:
-                name = error.more.get("value")
-                if error.path[-1] not in ("active_controllers", "inactive_controllers"):
+            except (ScenarioError, ControllerError) as error:
+                if isinstance(error, ControllerError):
+                    name, reason = error.controller, str(error)
+                elif error.path[-1] in ("active_controllers", "inactive_controllers"):
+                    name, reason = str(error.more.get("value")), error.reason
+                else:
                     raise
-                self._not_started.append(f"controller {name} of {robot.name}: {error.reason}")
+                self._not_started.append(f"controller {name} of {robot.name}: {reason}")
                 robot = replace(
                     robot,
                     active_controllers=tuple(item for item in robot.active_controllers or () if item != name),
@@ -297,6 +314,9 @@ class _LaunchedScenario:
 
     def _no_robot(self) -> InputError:
         text = "the launch file starts no robot"
+        if self._requests:
+            names = ", ".join(dict.fromkeys(request.name for request in self._requests))
+            text += f" for its controllers ({names}): it is a part of a launch, to be included where a robot is"
         if self._launched.shutdown is not None:
             text += f": it ends itself ({self._launched.shutdown})"
         reasons = dict.fromkeys(self._not_started)

@@ -123,7 +123,10 @@ class LaunchedRobots:
         if not name:
             raise line.error("the entity has no name: -entity is missing")
         if any(robot.name == name for robot in self.robots):
-            if not line.flag("allow_renaming"):
+            own_namespace = line.text("robot_namespace")
+            others = {robot.namespace.strip("/") for robot in self.robots if robot.name == name}
+            apart = own_namespace is not None and own_namespace.strip("/") not in others
+            if not apart and not line.flag("allow_renaming"):
                 raise line.error(f"Entity [{name}] already exists.")
             taken = {robot.name for robot in self.robots}
             name = next(f"{name}_{number}" for number in range(1, 10_000) if f"{name}_{number}" not in taken)
@@ -140,7 +143,7 @@ class LaunchedRobots:
         if any(robot.publisher is publisher and publisher is not None for robot in self.robots):
             self.not_started.append(f"{process.what} (the simulated robot has a controller manager of its own)")
             return
-        files = tuple(_parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
+        files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
         self._add(source.name, source, process, None, publisher, process.namespace)
         self.robots[-1] = replace(
             self.robots[-1],
@@ -289,7 +292,8 @@ def parameters(process: LaunchedProcess) -> dict[str, Any]:
     return merged
 
 
-def _parameter_file(item: Any) -> str:
+def parameter_file(item: Path | ParameterText) -> str:
+    """A parameters file's path; a rewritten one gets a place in the cache."""
     if isinstance(item, ParameterText):
         path = lasting_folder(item.text) / item.file.name
         if not path.is_file():

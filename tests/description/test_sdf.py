@@ -22,7 +22,7 @@ def sdf(body: str) -> str:
 
 
 def prepare(body: str, file: Path = Path("arm.sdf"), *folders: Path) -> tuple[str, bool]:
-    text, is_fixed, _ = prepare_sdf(sdf(body), file, "robot_1", PackageIndex(folders, {}))
+    text, is_fixed, *_ = prepare_sdf(sdf(body), file, "robot_1", PackageIndex(folders, {}))
     return text, is_fixed
 
 
@@ -38,7 +38,7 @@ def refusal(call, *arguments) -> str:
 
 @pytest.mark.parametrize(("name", "expected"), [("robot_1", "robot_1"), (None, "own")])
 def test_the_model_takes_the_name_in_the_twin_and_its_own_one_by_default(name, expected):
-    text, _, own_name = prepare_sdf(sdf(ARM), Path("arm.sdf"), name, PackageIndex((), {}))
+    text, _, own_name, _ = prepare_sdf(sdf(ARM), Path("arm.sdf"), name, PackageIndex((), {}))
     assert etree.fromstring(text).find("model").get("name") == expected
     assert own_name == "own"
 

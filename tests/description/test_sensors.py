@@ -97,8 +97,8 @@ def test_a_sensor_of_ros2_control_is_the_simulated_one_of_the_same_name():
       <sensor name="other"/></ros2_control>""")
     found = HardwareSensor("imu", ("orientation.x", "angular_velocity.z"), {"frame_id": "tool"})
     assert description.hardware_sensors == {"imu": found, "other": HardwareSensor("other")}
-    assert description.sensor("imu").link == "tool"
-    assert description.sensor("other") is None
+    assert description.sensor("imu", "imu").link == "tool"
+    assert description.sensor("other", "imu") is None
 
 
 def test_sensors_of_an_sdf_model_belong_to_its_links_and_joints():
@@ -124,6 +124,6 @@ def test_the_imu_of_gz_ros2_controls_cart_is_found(corpus):
     file = folder / "gz_ros2_control_demos" / "urdf" / "test_cart_velocity.xacro.urdf"
     description = load_robot_model(str(file), PackageIndex((folder,), {})).description
     assert len(description.hardware_sensors["cart_imu_sensor"].state_interfaces) == 10
-    sensor = description.sensor("cart_imu_sensor")
+    sensor = description.sensor("cart_imu_sensor", "imu")
     assert (sensor.kind, sensor.topic, sensor.update_rate) == ("imu", "imu", 10.0)
     assert sensor.link in description.links
