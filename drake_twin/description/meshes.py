@@ -245,7 +245,7 @@ def _hull_obj(file: Path) -> bytes:
     """The convex hull by Qhull, through SciPy: Drake's own needs over ten seconds for a mesh of 50,000 triangles."""
     from scipy.spatial import ConvexHull, QhullError
 
-    vertices = _with_thickness(np.unique(np.asarray(_single_mesh(file).vertices, dtype=float), axis=0))
+    vertices = with_thickness(np.unique(np.asarray(_single_mesh(file).vertices, dtype=float), axis=0))
     try:
         corners = vertices[ConvexHull(vertices).vertices]
         if len(corners) > _MOST_CORNERS:
@@ -267,7 +267,7 @@ def _coarser(corners: np.ndarray) -> np.ndarray:
     return np.asarray(corners[np.unique(np.argmax(directions @ scaled.T, axis=1))])
 
 
-def _with_thickness(vertices: np.ndarray) -> np.ndarray:
+def with_thickness(vertices: np.ndarray) -> np.ndarray:
     """Flat meshes made a little thick, along the directions they are flat in."""
     centered = vertices - vertices.mean(axis=0)
     size = float(np.abs(centered).max())

@@ -3,7 +3,7 @@
 import contextlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -133,6 +133,8 @@ class SdfIncludes:
             if include.get("merge", "").strip().lower() in ("1", "true"):
                 _merge(found.element, include)
             else:
+                taken = {sibling.get("name", "") for sibling in parent.findall("model")}
+                found.element.set("name", free_name(found.element.get("name", ""), taken))
                 parent.replace(include, found.element)
 
     def _make_addresses_absolute(self, model: etree._Element, file: Path) -> None:
@@ -227,6 +229,14 @@ def read_sdf(text: str, file: Path | None) -> XmlReader:
         declarations = "".join(f' xmlns:{prefix}="{prefix}"' for prefix in unknown)
         text = re.sub(r"<sdf\b", lambda tag: tag[0] + declarations, text, count=1)
     return XmlReader(text, file)
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """A name, or the name with the first number that makes it one of its own."""
+    candidate, number = name, 0
+    while candidate in taken:
+        candidate, number = f"{name}_{number}", number + 1
+    return candidate
 
 
 def sdf_version(root: etree._Element) -> tuple[int, ...]:

@@ -15,6 +15,7 @@ from drake_twin.description.gazebo_colors import GAZEBO_COLORS
 from drake_twin.description.meshes import collision_mesh, mesh_address, mesh_primitive, visual_mesh
 from drake_twin.description.package_index import MissingPackageError
 from drake_twin.description.repairs import possible_inertia
+from drake_twin.description.sdf_includes import free_name
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
@@ -30,6 +31,8 @@ _KEPT = {
     "model": {"static", "pose", "link", "joint", "frame", "model"},
     "link": {"pose", "inertial", "collision", "visual", "kinematic", "gravity"},
     "joint": {"parent", "child", "pose", "axis", "axis2", "screw_thread_pitch", "thread_pitch"},
+    "axis": {"xyz", "limit", "dynamics", "use_parent_model_frame", "mimic"},
+    "axis2": {"xyz", "limit", "dynamics", "use_parent_model_frame", "mimic"},
     "collision": {"pose", "geometry", "surface"},
     "visual": {"pose", "geometry", "material", "transparency"},
 }
@@ -133,7 +136,12 @@ def _frames_of_old_poses(model: etree._Element) -> Iterator[str]:
 
 
 def _names(model: etree._Element) -> Iterator[str]:
-    """What lacks a name, or has another's, is given one: names of shapes mean nothing to the twin."""
+    """What lacks a name, or has another's, is given one: names of shapes mean nothing to the twin.
+
+    Gazebo classic saved models of models as one, with links named ``inner::link``, which newer parsers take apart.
+    """
+    for each in model.iter("model"):
+        _rename_flattened(each)
     for link in model.iter("link"):
         for tag in ("collision", "visual"):
             taken: set[str] = set()
@@ -142,6 +150,25 @@ def _names(model: etree._Element) -> Iterator[str]:
                     shape.set("name", f"{shape.get('name') or tag}_{index}")
                 taken.add(shape.get("name", ""))
     yield from ()
+
+
+def _rename_flattened(model: etree._Element) -> None:
+    taken: set[str] = set()
+    renamed: dict[str, str] = {}
+    for child in model:
+        if child.tag in ("link", "joint", "frame"):
+            old = child.get("name", "")
+            new = free_name(old.replace("::", "_"), taken) if "::" in old else old
+            child.set("name", new)
+            taken.add(new)
+            if new != old:
+                renamed.setdefault(old, new)
+    for element in model.iter() if renamed else ():
+        if element.tag in ("parent", "child") and (element.text or "").strip() in renamed:
+            element.text = renamed[(element.text or "").strip()]
+        for attribute in ("relative_to", "attached_to", "expressed_in"):
+            if element.get(attribute) in renamed:
+                element.set(attribute, renamed[element.get(attribute, "")])
 
 
 def _joints(model: etree._Element) -> Iterator[str]:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from drake_twin.description.mesh_cache import cached
-from drake_twin.description.meshes import read_triangles
+from drake_twin.description.meshes import read_triangles, with_thickness
 from drake_twin.errors import InputError
 
 # A part stands for its hull when none of its faces lies deeper inside the hull than this part of its diagonal.
@@ -74,7 +74,7 @@ def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
         InputError: the file cannot be read, or holds no triangles.
     """
     digits = float(f"{detail:.3g}")
-    data = json.loads(cached(file, f".solids-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
+    data = json.loads(cached(file, f".solid-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
     hulls, faces = ([np.array(points, dtype=float) for points in data[name]] for name in ("hulls", "faces"))
     return SolidMesh(tuple(hulls), tuple(faces))
 
@@ -98,8 +98,10 @@ def _solids_json(file: Path, detail: float) -> bytes:
             hulls.append(corners.tolist())
         else:
             own = (vertices, faces[part]) if detail == 0 else _coarser(vertices, faces[part], detail)
-            slabs += [polygon.tolist() for polygon in _polygons(*own)]
-    hulls += [np.vstack(group).tolist() for group in small.values()]  # what lies within one cell is one solid
+            polygons = _polygons(*own)
+            slabs += [polygon.tolist() for polygon in polygons]
+            hulls += [] if polygons else [with_thickness(points).tolist()]  # thinner than the detail
+    hulls += [with_thickness(np.vstack(group)).tolist() for group in small.values()]  # one cell is one solid
     if not hulls and not slabs:
         raise InputError("the mesh has no face that something can touch", file=file)
     return json.dumps({"hulls": hulls, "faces": slabs}).encode()

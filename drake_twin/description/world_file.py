@@ -14,7 +14,7 @@ from lxml import etree
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import Pose, Vector3
-from drake_twin.description.sdf_includes import SdfIncludes, read_sdf, sdf_version
+from drake_twin.description.sdf_includes import SdfIncludes, free_name, read_sdf, sdf_version
 from drake_twin.description.sdf_model import falls, is_static, mend_model, pose_transform
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
@@ -187,7 +187,7 @@ class _World:
         for model, version, pose in found:
             name = model.get("name", "")
             X = states[name] if name in states else frames.of(model, pose)
-            own = _free_name(name, taken)
+            own = free_name(name, taken)
             if own != name:
                 self._warnings.append(f"{name}: there are several models of this name; one is called {own}")
             taken.add(own)
@@ -204,7 +204,8 @@ class _World:
         for nested in model.iter("model"):
             for each in nested.findall("static"):
                 nested.remove(each)
-            if static:
+            # Drake's parser stumbles over a static model that has links only in the models inside it.
+            if static and nested.find("link") is not None:
                 etree.SubElement(nested, "static").text = "true"
         x, y, z = map(float, X.translation())
         roll, pitch, yaw = map(float, RollPitchYaw(X.rotation()).vector())
@@ -324,10 +325,3 @@ def transform_of(pose: etree._Element, reader: XmlReader) -> Any:
         return pose_transform(pose)
     except ValueError as error:
         raise reader.error(pose, f"{pose.text!r} is no pose ({error})") from None
-
-
-def _free_name(name: str, taken: set[str]) -> str:
-    candidate, number = name, 0
-    while candidate in taken:
-        candidate, number = f"{name}_{number}", number + 1
-    return candidate

@@ -101,14 +101,15 @@ def bearable_detail(models: Sequence[WorldModel]) -> float:
     for model in models:
         if model.is_static:
             meshes.update(_mesh_and_scale(mesh) for mesh in etree.fromstring(model.text).iterfind(".//collision//mesh"))
-    for detail in _DETAILS:
-        total = 0
+    step = 0
+    while True:
+        detail, total = _DETAILS[step], 0
         for (file, scale), times in meshes.items():
             with suppress(InputError):  # told where the mesh is needed
                 total += times * len(solid_mesh(Path(file), detail / max(map(abs, scale))))
-        if total <= _MOST_SOLIDS:
+        if total <= _MOST_SOLIDS or step == len(_DETAILS) - 1:
             return detail
-    return _DETAILS[-1]
+        step = min(step + (1 if total < 4 * _MOST_SOLIDS else 2), len(_DETAILS) - 1)
 
 
 def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape]) -> None:
@@ -132,7 +133,8 @@ def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape])
         name = f"{item.name}/{next(numbers)}"
         plant.RegisterCollisionGeometry(plant.world_body(), item.pose, item.shape, name, item.friction)
     for item in solids:
-        plant.RegisterCollisionGeometry(body, item.pose, item.shape, f"{item.name}/{next(numbers)}", item.friction)
+        with suppress(RuntimeError):  # Qhull finds one of a mesh's solids too flat: the others make up for it
+            plant.RegisterCollisionGeometry(body, item.pose, item.shape, f"{item.name}/{next(numbers)}", item.friction)
     for item in visuals:
         name = f"{item.name}/{next(numbers)}"
         instance = GeometryInstance(item.pose, item.shape, name)

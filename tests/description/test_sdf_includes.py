@@ -58,6 +58,13 @@ def test_nested_includes_end_in_one_text(tmp_path):
     assert [item.get("name") for item in etree.fromstring(model.text).iter("model")] == ["cart", "left"]
 
 
+def test_one_model_included_twice_in_another_gets_two_names(tmp_path):
+    model_file(tmp_path, "wheel", BOX)
+    body = f'<model name="cart">{BOX}{"<include><uri>model://wheel</uri></include>" * 2}</model>'
+    (model,) = world_of(tmp_path, body).models
+    assert [item.get("name") for item in etree.fromstring(model.text).iter("model")] == ["cart", "wheel", "wheel_0"]
+
+
 def test_a_model_that_only_includes_a_static_one_is_static(tmp_path):
     model_file(tmp_path, "floor", f"<static>true</static>{BOX}")
     (model,) = world_of(tmp_path, '<model name="f"><include><uri>model://floor</uri></include></model>').models

@@ -89,3 +89,19 @@ def test_limits_in_the_wrong_order_change_places(tmp_path):
 def test_the_joints_of_a_static_model_say_nothing(tmp_path):
     (model,) = world_of(tmp_path, f'<model name="m"><static>1</static>{JOINT.format("revolute")}</model>').models
     assert etree.fromstring(model.text).find(".//joint") is None
+
+
+def test_links_that_gazebo_classic_named_after_inner_models_are_links_of_the_model(tmp_path):
+    links = '<link name="a::l"/><link name="b::l"><pose relative_to="a::l">1 0 0 0 0 0</pose></link><link name="b::l"/>'
+    joint = '<joint name="b::j" type="fixed"><parent>a::l</parent><child>b::l</child></joint>'
+    (model,) = world_of(tmp_path, f'<model name="m">{links}{joint}</model>').models
+    root = etree.fromstring(model.text)
+    assert [link.get("name") for link in root.iter("link")] == ["a_l", "b_l", "b_l_0"]
+    assert root.find(".//link/pose").get("relative_to") == "a_l"
+    assert [root.findtext(f".//joint/{tag}") for tag in ("parent", "child")] == ["a_l", "b_l"]
+
+
+def test_what_no_axis_has_is_left_out(tmp_path):
+    joint = JOINT.format("continuous").replace("<limit>", "<initial_position>1</initial_position><limit>")
+    world = world_of(tmp_path, f'<model name="m">{joint}</model>')
+    assert "m: <initial_position> is not used" in world.warnings

@@ -87,3 +87,13 @@ def test_a_file_without_triangles_is_refused(tmp_path):
     (tmp_path / "empty.obj").write_text("v 0 0 0\n")
     with pytest.raises(InputError, match="no triangles"):
         solid_mesh(tmp_path / "empty.obj")
+
+
+def test_what_is_thinner_than_the_detail_is_still_there(tmp_path):
+    sheet = trimesh.creation.box((4, 0.001, 0.3))
+    sheet.update_faces(np.arange(len(sheet.faces)) != 0)  # not closed, so not convex
+    sheet = trimesh.util.concatenate([sheet, trimesh.creation.torus(0.5, 0.01)])
+    found = solids_of(tmp_path, sheet, detail=0.8)
+    assert covers(found, (1.5, 0.0, 0.0))
+    for corners in found.solids((1, 1, 1)):
+        assert np.linalg.matrix_rank(corners - corners.mean(axis=1, keepdims=True), tol=1e-6) == 3

@@ -136,6 +136,16 @@ def test_what_does_not_move_is_drawn_in_its_colour_where_it_stands(tmp_path):
     assert color.rgba == pytest.approx([0.1, 0.2, 0.3, 0.5])
 
 
+def test_models_in_a_static_model_stand_where_they_belong(tmp_path):
+    shape = "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>"
+    inner = f"<model name='i'><pose>0 3 0 0 0 0</pose><link name='l'>{shape}</link></model>"
+    twin = twin_in(tmp_path, f"<model name='o'><static>1</static><pose>9 0 0 0 0 0</pose>{inner}</model>")
+    assert twin.warnings == ()
+    (geometry,) = twin.plant.GetCollisionGeometriesForBody(twin.plant.world_body())
+    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
+    assert inspector.GetPoseInFrame(geometry).translation() == pytest.approx([9, 3, 0])
+
+
 def test_hundreds_of_shapes_stand_beside_a_plane(tmp_path):
     blocks = "".join(
         static("<box><size>1 1 1</size></box>", f"{9 + 2 * (n % 25)} {9 + 2 * (n // 25)} 1 0 0 0", f"b{n}")
