@@ -100,10 +100,13 @@ def test_meshes_become_files_that_drake_reads(tmp_path, monkeypatch, folder):
     assert describe_model(text, "sdf", "", Path("arm.sdf"), "own").links == ("base",)
 
 
-def test_a_missing_mesh_is_refused(tmp_path):
+def test_a_link_goes_without_a_mesh_that_is_missing(tmp_path):
     mesh = '<visual name="v"><geometry><mesh><uri>gone.stl</uri></mesh></geometry></visual>'
-    text = refusal(prepare, f'<link name="base">{mesh}</link>', tmp_path / "arm.sdf")
-    assert text == f"{tmp_path}/gone.stl: there is no such file."
+    model = f'<sdf version="1.9"><model name="own"><link name="base">{mesh}</link></model></sdf>'
+    prepared = prepare_sdf(model, tmp_path / "arm.sdf", None, PackageIndex((), {}))
+    assert "visual" not in prepared.text
+    (repair,) = prepared.repairs
+    assert repair.what == f"link 'base' goes without its visual mesh: {tmp_path}/gone.stl: there is no such file"
 
 
 def test_links_joints_and_text_are_those_of_the_file():
