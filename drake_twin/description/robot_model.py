@@ -79,7 +79,8 @@ def load_robot_model(
         model = _load_mjcf(text, file, name) if kind == "mujoco" else _load_sdf(text, file, name, packages)
         unused = [f"collision: {collision}"] if collision != "hull" else []
         unused += [f"without_repairs: {', '.join(without_repairs)}"] if without_repairs else []
-        return replace(model, warnings=tuple(f"{what} has no meaning for a file that is no URDF" for what in unused))
+        meaningless = tuple(f"{what} has no meaning for a file that is no URDF" for what in unused)
+        return replace(model, warnings=(*model.warnings, *meaningless))
     warnings: list[str] = []
     is_xacro = is_xacro_text(text)
     if is_xacro:
@@ -125,11 +126,13 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.sdf import ignored_in_sdf, prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
 
-    prepared, is_fixed, own_name, repairs = prepare_sdf(text, file, name, packages)
+    prepared, is_fixed, own_name, warnings = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
-    return RobotModel(description, prepared, "sdf", is_fixed, repairs=repairs, ignored=ignored_in_sdf(text, file))
+    return RobotModel(
+        description, prepared, "sdf", is_fixed, warnings=tuple(warnings), ignored=ignored_in_sdf(text, file)
+    )
 
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:

@@ -6,11 +6,9 @@ from typing import NamedTuple
 from lxml import etree
 
 from drake_twin.description.drake_urdf import Ignored
-from drake_twin.description.meshes import collision_mesh, mesh_address, visual_mesh
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import Repair
+from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.errors import InputError
 
 # What a robot's SDF may hold and the twin makes no use of.
 _IGNORED = ("plugin", "sensor", "self_collide", "joint/axis/mimic", "joint/axis/dynamics/friction")
@@ -36,13 +34,13 @@ class PreparedSdf(NamedTuple):
         text: the text, without the model's own weld to the world.
         is_fixed: whether there was one, or ``<static>``.
         own_name: the model's name in the file.
-        repairs: what was mended: shapes whose mesh is missing are left out.
+        warnings: what was changed or left out.
     """
 
     text: str
     is_fixed: bool
     own_name: str
-    repairs: tuple[Repair, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
@@ -74,19 +72,10 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
                 raise reader.error(joint, "a joint to the world is supported when it is fixed")
             is_fixed = True
             model.remove(joint)
-    repairs = []
-    for uri in [*model.iter("uri")]:
-        parent, shape = uri.getparent(), next(uri.iterancestors("visual", "collision"), None)
-        if parent is None or parent.tag != "mesh" or shape is None:
-            continue
-        for_drake = visual_mesh if shape.tag == "visual" else collision_mesh
-        try:
-            uri.text = mesh_address(for_drake(packages.resolve((uri.text or "").strip(), file)))
-        except InputError as error:
-            link = shape.getparent()
-            assert link is not None
-            what = f"link {link.get('name')!r} goes without its {shape.tag} mesh: {str(error).rstrip('.')}"
-            repairs.append(Repair("missing_mesh", what, reader.line(uri)))
-            link.remove(shape)
+    for sensor in [*model.iter("sensor")]:  # which are read apart
+        parent = sensor.getparent()
+        assert parent is not None
+        parent.remove(sensor)
+    warnings = mend_model(model, reader, packages.resolve)
     text = etree.tostring(reader.root, encoding="unicode")
-    return PreparedSdf(text, is_fixed, own_name, tuple(repairs))
+    return PreparedSdf(text, is_fixed, own_name, tuple(warnings))

@@ -169,7 +169,7 @@ class LaunchedRobots:
     ) -> None:
         control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
         wanted = [plugin.namespace for plugin in (*control, *source.plugins) if plugin.namespace]
-        namespace = "/" + (wanted[0] if wanted else given_namespace).strip("/")
+        namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
         if control or source.has_hardware:
             names = [_element(plugin, "controller_manager_name", "controller_manager_node_name") for plugin in control]
