@@ -6,7 +6,9 @@ A parameters class is a frozen dataclass whose fields are named like the paramet
 ``above`` (exclusive), ``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin.
 ``of_joints`` marks a mapping whose keys stand beside the class's other parameters, as ``constraints.<joint>.goal``
 beside ``constraints.goal_time``. Values that must go together are checked in ``__post_init__``, which raises
-`ParameterError`.
+`ParameterError`. A class variable ``dialects`` holds other parameters classes in whose names the same may be written:
+one is used where a file has one of the names in its class variable ``signs``, and its ``translated()`` returns the
+class's own instance.
 """
 
 import dataclasses
@@ -64,8 +66,10 @@ def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, 
     """
     warnings: list[str] = []
     values = _nested(controller.parameters)
-    instance = _read_class(kind, values, controller, (), warnings)
-    return instance, tuple(warnings)
+    for dialect in getattr(kind, "dialects", ()):
+        if dialect.signs & values.keys():
+            return _read_class(dialect, values, controller, (), warnings).translated(), tuple(warnings)
+    return _read_class(kind, values, controller, (), warnings), tuple(warnings)
 
 
 def parameter_names(kind: type, prefix: str = "") -> Iterator[tuple[str, "dataclasses.Field[Any]", Any]]:

@@ -39,6 +39,8 @@ def controllers_page() -> str:
     sections = [_INTRODUCTION]
     for parameters, types in _types_by_parameters().items():
         sections.append("## " + ", ".join(f"`{name}`" for name in types) + "\n")
+        if any(parameters in getattr(other, "dialects", ()) for other in _types_by_parameters()):
+            sections.append(f"{(parameters.__doc__ or '').partition(chr(10))[0]}\n")
         rows = [
             f"| `{name}` | {_type_name(annotation)} | {_default(item)} | {_meaning(parameters, name, item)} |"
             for name, item, annotation in parameter_names(parameters)
@@ -53,7 +55,8 @@ def _types_by_parameters() -> dict[type, list[str]]:
     for name in CONTROLLER_TYPES:
         controller = controller_class(name)
         assert controller is not None
-        found.setdefault(controller.Parameters, []).append(name)
+        for parameters in (controller.Parameters, *getattr(controller.Parameters, "dialects", ())):
+            found.setdefault(parameters, []).append(name)
     if JOINT_STATE_BROADCASTER not in CONTROLLER_TYPES:  # it is a publisher, and no controller in the diagram
         publisher = import_module("drake_twin.systems.joint_state_publisher")
         found[publisher.JointStateBroadcasterParameters] = [JOINT_STATE_BROADCASTER]

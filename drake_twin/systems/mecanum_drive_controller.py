@@ -22,6 +22,7 @@ from drake_twin.systems.drive_controller import (
 from drake_twin.systems.odometry_frames import odometry_frames
 from drake_twin.systems.speed_limits import LimitsXY, LimitsZ
 
+_ZEROS = (0.0,) * 6
 _TENTHS = (0.1,) * 6
 _WHEELS = ("front_left", "front_right", "rear_right", "rear_left")
 
@@ -57,6 +58,108 @@ class MecanumKinematics:
 
 
 @dataclass(frozen=True, kw_only=True)
+class HusarionMecanumDriveParameters:
+    """The same type's parameters in Husarion's fork, which has its own names, defaults and topics.
+
+    A file that has one of the wheels' names here is read with these; the controller is `MecanumDriveController` all
+    the same. A limit counts without its flag; the fork's flags are off by default.
+
+    Attributes:
+        front_left_wheel_name: a wheel's joint, or a reference of another controller.
+        front_right_wheel_name: likewise.
+        rear_left_wheel_name: likewise.
+        rear_right_wheel_name: likewise.
+        wheel_separation_x: the distance between the front and rear wheels (m).
+        wheel_separation_y: the distance between the left and right wheels (m).
+        wheel_radius: their radius (m).
+        wheel_separation_x_multiplier: corrects the separation.
+        wheel_separation_y_multiplier: likewise.
+        wheel_radius_multiplier: corrects the radius.
+        tf_frame_prefix_enable: whether a prefix is put before the frames' names.
+        tf_frame_prefix: the prefix; empty: the namespace.
+        base_frame_id: the base's frame.
+        odom_frame_id: the odometry's frame.
+        enable_odom_tf: whether the odometry's transform is published.
+        twist_covariance_diagonal: goes into the odometry as it is.
+        pose_covariance_diagonal: goes into the odometry as it is.
+        cmd_vel_timeout: how long a command holds (s).
+        use_stamped_vel: whether ``~/cmd_vel`` takes ``TwistStamped``; false: ``~/cmd_vel_unstamped`` takes ``Twist``.
+        linear: limits of the velocity in the plane.
+        angular: limits of the velocity about z.
+        open_loop: odometry from the commands instead of the wheels.
+        position_feedback: odometry from the wheels' positions instead of their velocities.
+        publish_limited_velocity: whether ``~/cmd_vel_out`` is published.
+        publish_rate: rate of the odometry (Hz).
+        velocity_rolling_window_size: how many velocities are averaged in the odometry.
+    """
+
+    signs: ClassVar[frozenset[str]] = frozenset(f"{wheel}_wheel_name" for wheel in _WHEELS)
+
+    front_left_wheel_name: str
+    front_right_wheel_name: str
+    rear_left_wheel_name: str
+    rear_right_wheel_name: str
+    wheel_separation_x: float = field(metadata={"above": 0.0})
+    wheel_separation_y: float = field(metadata={"above": 0.0})
+    wheel_radius: float = field(metadata={"above": 0.0})
+    wheel_separation_x_multiplier: float = field(default=1.0, metadata={"above": 0.0})
+    wheel_separation_y_multiplier: float = field(default=1.0, metadata={"above": 0.0})
+    wheel_radius_multiplier: float = field(default=1.0, metadata={"above": 0.0})
+    tf_frame_prefix_enable: bool = True
+    tf_frame_prefix: str = ""
+    base_frame_id: str = "base_link"
+    odom_frame_id: str = "odom"
+    enable_odom_tf: bool = True
+    twist_covariance_diagonal: tuple[float, ...] = _ZEROS
+    pose_covariance_diagonal: tuple[float, ...] = _ZEROS
+    cmd_vel_timeout: float = field(default=0.5, metadata={"lower": 0.0})
+    use_stamped_vel: bool = True
+    linear: LimitsXY = field(default_factory=LimitsXY)
+    angular: LimitsZ = field(default_factory=LimitsZ)
+    open_loop: bool = field(default=False, metadata={"unsupported": "the odometry is always the wheels'"})
+    position_feedback: bool = field(
+        default=False, metadata={"unsupported": "the odometry is reckoned from velocities, as the type's own does"}
+    )
+    publish_limited_velocity: bool = field(default=False, metadata={"unsupported": "there is no such topic"})
+    publish_rate: float = field(default=50.0, metadata={"unsupported": "the odometry comes with every update"})
+    velocity_rolling_window_size: int = field(default=10, metadata={"unsupported": "velocities are not averaged"})
+
+    def __post_init__(self) -> None:
+        for name in sorted(self.signs):
+            if not getattr(self, name):
+                raise ParameterError(f"{name} is empty", name)
+        check_covariances(self)
+
+    def translated(self) -> "MecanumDriveParameters":
+        """The same with the names of ros2_controllers."""
+        across = self.wheel_separation_x_multiplier * self.wheel_separation_x
+        across += self.wheel_separation_y_multiplier * self.wheel_separation_y
+        return MecanumDriveParameters(
+            reference_timeout=self.cmd_vel_timeout,
+            front_left_wheel_command_joint_name=self.front_left_wheel_name,
+            front_right_wheel_command_joint_name=self.front_right_wheel_name,
+            rear_right_wheel_command_joint_name=self.rear_right_wheel_name,
+            rear_left_wheel_command_joint_name=self.rear_left_wheel_name,
+            kinematics=MecanumKinematics(
+                wheels_radius=self.wheel_radius_multiplier * self.wheel_radius,
+                sum_of_robot_center_projection_on_X_Y_axis=0.5 * across,
+            ),
+            tf_frame_prefix_enable=self.tf_frame_prefix_enable,
+            tf_frame_prefix=self.tf_frame_prefix,
+            base_frame_id=self.base_frame_id,
+            odom_frame_id=self.odom_frame_id,
+            enable_odom_tf=self.enable_odom_tf,
+            twist_covariance_diagonal=self.twist_covariance_diagonal,
+            pose_covariance_diagonal=self.pose_covariance_diagonal,
+            linear=self.linear,
+            angular=self.angular,
+            use_stamped_vel=self.use_stamped_vel,
+            command_topic="cmd_vel",
+            odometry_topic="odom",
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
 class MecanumDriveParameters:
     """Parameters of ``mecanum_drive_controller/MecanumDriveController``.
 
@@ -82,7 +185,11 @@ class MecanumDriveParameters:
         angular: limits of the velocity about z.
         use_stamped_vel: the twin's own; false: ``~/reference_unstamped`` with ``Twist`` takes the place of
             ``~/reference``, as with the steering controllers of Humble.
+        command_topic: the twin's own; the command's topic below the controller's name.
+        odometry_topic: the twin's own; the odometry's topic below the controller's name.
     """
+
+    dialects: ClassVar[tuple[type, ...]] = (HusarionMecanumDriveParameters,)
 
     reference_timeout: float = field(default=0.0, metadata={"lower": 0.0})
     front_left_wheel_command_joint_name: str
@@ -104,6 +211,8 @@ class MecanumDriveParameters:
     linear: LimitsXY = field(default_factory=LimitsXY)
     angular: LimitsZ = field(default_factory=LimitsZ)
     use_stamped_vel: bool = True
+    command_topic: str = field(default="reference", metadata={"choices": ("reference", "cmd_vel")})
+    odometry_topic: str = field(default="odometry", metadata={"choices": ("odometry", "odom")})
 
     def __post_init__(self) -> None:
         for wheel in _WHEELS:
@@ -145,7 +254,8 @@ class MecanumDriveController(DriveController):
         - controller_state
 
     - ``reference``: ``geometry_msgs/msg/TwistStamped`` (m/s, rad/s), or ``reference_unstamped``,
-      ``geometry_msgs/msg/Twist``, with ``use_stamped_vel: false``; topic below the controller's name.
+      ``geometry_msgs/msg/Twist``, with ``use_stamped_vel: false``; topic below the controller's name. With Husarion's
+      parameters it is ``cmd_vel``, and ``odometry`` is ``odom``.
     - ``command_interfaces``: velocities (rad/s) of the wheels front left, front right, rear right, rear left.
     - ``odometry``: ``nav_msgs/msg/Odometry`` at every update; None before the first.
     - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
@@ -183,9 +293,11 @@ class MecanumDriveController(DriveController):
         limits = (parameters.linear.x, parameters.linear.y, parameters.angular.z)
         self._limiters = tuple(each.limiter() for each in limits)
         self._odometry_wheels = parameters.state_joints
-        self._declare_command("reference", stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout)
+        self._declare_command(
+            parameters.command_topic, stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout
+        )
         self._declare_odometry(
-            "odometry",
+            parameters.odometry_topic,
             odometry_frames(
                 setup,
                 parameters.odom_frame_id,

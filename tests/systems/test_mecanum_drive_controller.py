@@ -142,3 +142,45 @@ def test_a_missing_wheel_is_refused():
         Driven(KIND, {name: value for name, value in WHEELS.items() if "rear_left" not in name})
     with pytest.raises(InputError, match="rear_left_wheel_command_joint_name is empty"):
         drive({"rear_left_wheel_command_joint_name": ""})
+
+
+HUSARION = {
+    "front_left_wheel_name": "fl",
+    "front_right_wheel_name": "fr",
+    "rear_left_wheel_name": "rl",
+    "rear_right_wheel_name": "rr",
+    "wheel_separation_x": 0.4,
+    "wheel_separation_y": 0.5,
+    "wheel_radius": 0.08,
+    "wheel_separation_y_multiplier": 1.2,
+    "wheel_radius_multiplier": 1.25,
+}
+
+
+def test_the_parameters_of_husarions_fork_mean_the_same_robot():
+    dut, upstream = Driven(KIND, HUSARION), drive()  # half of 0.4 + 1.2 · 0.5, and 1.25 · 0.08
+    assert dut.warnings == ()
+    assert list(dut.controller.subscribed) == ["cmd_vel"]
+    assert "odom" in dut.controller.published
+    assert dut.controller.claims == upstream.controller.claims
+    for each in (dut, upstream):
+        each.send(x=0.2, y=-0.1, z=0.7)
+        each.advance(0.005)
+    assert dut.commands == pytest.approx(upstream.commands)
+    dut.advance(0.515)  # its own default timeout
+    assert dut.commands == [0.0] * 4
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"wheel_separation_x": "wide"}, "'wide' is not a number"),
+        ({"wheel_radius": 0}, "0.0 is not above 0"),
+        ({"rear_left_wheel_name": ""}, "rear_left_wheel_name is empty"),
+    ],
+)
+def test_a_mistake_in_husarions_names_is_told_in_those_names(parameters, message):
+    with pytest.raises(InputError, match=message):
+        Driven(KIND, HUSARION | parameters)
+    with pytest.raises(InputError, match="'wheel_separation_y' is missing"):
+        Driven(KIND, {name: value for name, value in HUSARION.items() if name != "wheel_separation_y"})
