@@ -1,6 +1,6 @@
 """Robots that a Gazebo plugin drives, planned as if ros2_control drove them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from drake_twin.description.gazebo_drives import PLANAR_MOVE, GazeboDrive
@@ -15,21 +15,29 @@ from drake_twin.description.robot_description import (
 )
 
 
-def usable_drives(drives: Iterable[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[str], list[str]]:
+def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[str], list[str]]:
     """The plugins that become controllers; why others do not; what of them changes nothing."""
     usable, not_started, warnings = [], [], []
     for drive in drives:
         if drive.controller is None:
             not_started.append(f"Gazebo plugin {drive.not_started}")
-        elif drive.controller.type == PLANAR_MOVE and fixed_base:
-            not_started.append(
-                f"Gazebo plugin {drive.controller.name} ({drive.plugin.filename}): it moves the base, which is fixed to"
-                " the world"
-            )
+        elif drive.controller.type == PLANAR_MOVE and (problem := _planar_problem(drive, drives, fixed_base)):
+            not_started.append(f"Gazebo plugin {drive.controller.name} ({drive.plugin.filename}): {problem}")
         else:
             usable.append(drive)
             warnings += [f"Gazebo plugin {drive.controller.name}: {warning}" for warning in drive.warnings]
     return usable, not_started, warnings
+
+
+def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_base: bool) -> str | None:
+    """Why a plugin cannot move the base over the plane; None when it can."""
+    if fixed_base:
+        return "it moves the base, which is fixed to the world"
+    for other in drives:
+        wheels, topics = other.controller, {*planar.topics.values()}
+        if wheels and wheels.type != PLANAR_MOVE and not topics.isdisjoint(other.topics.values()):
+            return f"it would move the base besides {wheels.name}, which drives wheels by the same topics"
+    return None
 
 
 def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive]) -> RobotDescription:
