@@ -77,9 +77,9 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
             continue
         layout = parts.layout
         joints = [
-            name
-            for name, index in layout.positions.items()
-            if not np.isfinite([state[index], state[layout.velocities[name]]]).all()
+            joint.name
+            for joint in plan.description.movable_joints
+            if not np.isfinite([state[layout.positions[joint.name]], state[layout.velocities[joint.name]]]).all()
         ]
         what = f"joint {', '.join(joints)}" if joints else "the base"
         raise RunError(

@@ -349,9 +349,9 @@ class Twin:
         context = self._built.plant.GetMyMutableContextFromRoot(self._context)
         q = self._built.plant.GetPositions(context, parts.instance)
         for joint, position in positions.items():
-            if joint not in parts.layout.positions:
+            if joint not in plan.start_positions:
                 raise InputError(
-                    f"robot {plan.name!r} has no movable joint {joint!r}", value=joint, valid=parts.layout.positions
+                    f"robot {plan.name!r} has no movable joint {joint!r}", value=joint, valid=plan.start_positions
                 )
             if not isfinite(position):
                 raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")

@@ -12,6 +12,7 @@ from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, plugin_node_name, ros_topic
+from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 from drake_twin.description.wheel_geometry import wheel_centers, wheel_radius
 
@@ -33,7 +34,7 @@ class GazeboDrive:
             the controller that is not here is not published.
         gz_topics: the same in gz's transport, as a ``parameter_bridge`` names it; ``{model}`` stands for the model.
         types: topic of the controller → the ROS type that the plugin or its bridge has there, where it is another one.
-        interfaces: (joint, command interface) for each actuator that it needs; ``base`` stands for the whole robot.
+        interfaces: (joint, command interface) for each actuator that it needs.
         efforts: joint → the largest effort that the plugin gives it (N·m or N).
         start: joint → the position (rad or m) that the plugin commands at the start.
         true_odometry: whether its odometry is the true pose in the world instead of what the wheels tell.
@@ -456,8 +457,10 @@ def _is_below(description: RobotDescription, joint: str, others: Iterable[str]) 
 
 
 PLANAR_MOVE = "gazebo_ros/PlanarMove"  # the twin's own type: ros2_controllers has nothing like it
-PLANAR_INTERFACES: tuple[JointInterface, ...] = tuple(
-    (f"base/{direction}", "velocity") for direction in ("linear/x", "linear/y", "angular/z")
+PLANAR_INTERFACES: tuple[JointInterface, ...] = (
+    (LINEAR_X, "velocity"),
+    (LINEAR_Y, "velocity"),
+    (ANGULAR_Z, "velocity"),
 )
 
 _MAKERS: Mapping[str, Callable[[_Plugin], GazeboDrive]] = {

@@ -201,6 +201,8 @@ class RobotDescription:
         sensors: the IMUs and force/torque sensors of its ``<gazebo>`` tags.
         text: the expanded URDF (or the SDF), which is also published as ``robot_description``.
         file: the file it was read from.
+        base_joints: joints that the twin puts between the world and the root link, so that the base can be commanded;
+            they can be asked for by name like the robot's own, and are none of its ``joints``.
     """
 
     name: str
@@ -212,6 +214,7 @@ class RobotDescription:
     sensors: tuple[Sensor, ...] = ()
     text: str = field(default="", repr=False)
     file: Path | None = None
+    base_joints: tuple[Joint, ...] = ()
 
     @cached_property
     def root_link(self) -> str:
@@ -221,8 +224,8 @@ class RobotDescription:
 
     @cached_property
     def joints_by_name(self) -> dict[str, Joint]:
-        """Joint name → joint."""
-        return {joint.name: joint for joint in self.joints}
+        """Joint name → joint, those of the base among them."""
+        return {joint.name: joint for joint in (*self.joints, *self.base_joints)}
 
     @property
     def movable_joints(self) -> tuple[Joint, ...]:
@@ -235,7 +238,7 @@ class RobotDescription:
 
         So are those that do not move: whatever a file declares for them, nothing can be commanded or measured.
         """
-        movable = {joint.name for joint in self.movable_joints}
+        movable = {joint.name for joint in (*self.movable_joints, *self.base_joints)}
         found: dict[str, ControlledJoint] = {}
         for joint in (joint for system in self.systems for joint in system.joints if joint.name in movable):
             known = found.get(joint.name)

@@ -1,9 +1,10 @@
 """Robots that a Gazebo plugin drives, planned as if ros2_control drove them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from drake_twin.description.gazebo_drives import PLANAR_MOVE, GazeboDrive
+from drake_twin.description.planar_joints import commanded_planar_joints
 from drake_twin.description.robot_description import (
     CommandInterface,
     ControlledJoint,
@@ -14,26 +15,36 @@ from drake_twin.description.robot_description import (
 )
 
 
-def usable_drives(drives: Iterable[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[str], list[str]]:
+def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[str], list[str]]:
     """The plugins that become controllers; why others do not; what of them changes nothing."""
     usable, not_started, warnings = [], [], []
     for drive in drives:
         if drive.controller is None:
             not_started.append(f"Gazebo plugin {drive.not_started}")
-        elif drive.controller.type == PLANAR_MOVE:
-            where = "to the world" if fixed_base else "without wheels"
-            not_started.append(
-                f"Gazebo plugin {drive.controller.name} ({drive.plugin.filename}): it moves a base {where}, which the"
-                " twin cannot: give the wheels a drive"
-            )
+        elif drive.controller.type == PLANAR_MOVE and (problem := _planar_problem(drive, drives, fixed_base)):
+            not_started.append(f"Gazebo plugin {drive.controller.name} ({drive.plugin.filename}): {problem}")
         else:
             usable.append(drive)
             warnings += [f"Gazebo plugin {drive.controller.name}: {warning}" for warning in drive.warnings]
     return usable, not_started, warnings
 
 
+def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_base: bool) -> str | None:
+    """Why a plugin cannot move the base over the plane; None when it can."""
+    if fixed_base:
+        return "it moves the base, which is fixed to the world"
+    for other in drives:
+        wheels, topics = other.controller, {*planar.topics.values()}
+        if wheels and wheels.type != PLANAR_MOVE and not topics.isdisjoint(other.topics.values()):
+            return f"it would move the base besides {wheels.name}, which drives wheels by the same topics"
+    return None
+
+
 def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive]) -> RobotDescription:
-    """The robot with a command interface wherever a plugin commands a joint, and with the plugin's effort limits."""
+    """The robot with a command interface wherever a plugin commands a joint, and with the plugin's effort limits.
+
+    Where a plugin commands the base, the robot gets the joints for it.
+    """
     interfaces: dict[str, list[str]] = {}
     efforts: dict[str, float] = {}
     for drive in drives:
@@ -42,6 +53,7 @@ def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive])
         efforts.update(drive.efforts)
     if not interfaces:
         return description
+    base_joints = tuple(joint for joint in commanded_planar_joints(description.root_link) if joint.name in interfaces)
     commanded = [
         ControlledJoint(joint, tuple(CommandInterface(name) for name in names), _states(description, joint))
         for joint, names in interfaces.items()
@@ -53,10 +65,12 @@ def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive])
     ]
     system = HardwareSystem("gazebo", "system", "", tuple(commanded + others))
     joints = tuple(_limited(joint, efforts) for joint in description.joints)
-    return replace(description, systems=(*description.systems, system), joints=joints)
+    return replace(description, systems=(*description.systems, system), joints=joints, base_joints=base_joints)
 
 
 def _states(description: RobotDescription, joint: str) -> tuple[StateInterface, ...]:
+    if joint not in description.joints_by_name:
+        return ()  # of the base, whose pose is in its odometry
     known = description.controlled_joints.get(joint)
     return known.state_interfaces if known else (StateInterface("position"), StateInterface("velocity"))
 

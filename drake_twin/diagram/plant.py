@@ -17,6 +17,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.robot_description import Pose
 from drake_twin.description.world_file import WorldFile
+from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
@@ -78,6 +79,9 @@ def add_plant(
         for plan in plans:
             layouts[plan.name] = _state_layout(plant, instances[plan.name], plan)
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
+            if plan.description.base_joints:
+                friction = 1.0 if scenario.world.ground_friction is None else scenario.world.ground_friction
+                limit_planar_efforts(plant, scene_graph, instances[plan.name], friction)
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans])
     robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings), world_models)
@@ -112,6 +116,8 @@ def _add_robot(
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         warnings.append(f"{plan.name}: the robot has no collision shape: it falls through the ground")
+    if plan.description.base_joints:
+        add_planar_joints(plant, plant.GetBodyByName(plan.model.root_body, instance), plan.spawn_pose)
     for joint in plan.description.actuated_joints:
         limit = joint.limits.effort
         plant.AddJointActuator(
@@ -145,7 +151,8 @@ def _exclude_self_collision(
 def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan) -> StateLayout:
     positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).astype(int).tolist()
     velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities())).astype(int).tolist()
-    joints = {joint.name: plant.GetJointByName(joint.name, instance) for joint in plan.description.movable_joints}
+    named = (*plan.description.movable_joints, *plan.description.base_joints)
+    joints = {joint.name: plant.GetJointByName(joint.name, instance) for joint in named}
     actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices(instance)]
     root = plant.GetBodyByName(plan.model.root_body, instance)
     floats = root.is_floating_base_body()
@@ -161,14 +168,15 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
         num_actuators=len(actuators),
         base_position=positions.index(root.floating_positions_start()) if floats else None,
         base_velocity=(len(positions) + velocities.index(root.floating_velocities_start_in_v()) if floats else None),
+        planar_base=planar_base(plant, instance, plan.spawn_pose) if plan.description.base_joints else None,
     )
 
 
 def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout) -> None:
     """Makes the spawn pose and the start positions the defaults, so that every new context begins there."""
     q = plant.GetDefaultPositions(instance)
-    for name, index in layout.positions.items():
-        q[index] = plan.start_positions[name]
+    for name, position in plan.start_positions.items():
+        q[layout.positions[name]] = position
     if layout.base_position is not None:
         pose = rigid_transform(plan.spawn_pose)
         q[layout.base_position :][:4] = pose.rotation().ToQuaternion().wxyz()

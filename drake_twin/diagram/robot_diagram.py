@@ -180,7 +180,7 @@ def _add_servo(
                 limits[row, index] = (lower, upper) if lower <= upper else (-np.inf, np.inf)
     driving = {name: item for name, item in controllers.items() if item.claims}
     active = {item.name for item in plan.controllers if item.state == ACTIVE}
-    holds = [0.0 if joint is None else plan.start_positions[joint] for joint in joints]
+    holds = [plan.start_positions.get(joint or "", 0.0) for joint in joints]
     assignment = assign(joints, driving, active, holds, hold_joints=plan.hold_joints)
     sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(

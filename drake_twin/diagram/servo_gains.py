@@ -41,7 +41,7 @@ class JointLoad:
 
     Attributes:
         inertia: the largest of the joint's own (kg·m² or kg).
-        gravity: the largest gravity load, and the joint's dry friction (N·m or N).
+        gravity: the largest gravity load, the joint's dry friction, and what a base drags along (N·m or N).
         contact: its share of the robot's weight, where it may have to bear it (N·m or N).
         damping: the joint's viscous damping (N·m·s/rad or N·s/m).
     """
@@ -177,7 +177,7 @@ def _joint_loads(
     return [
         JointLoad(
             inertia=float(m),
-            gravity=float(load) + _friction(plan, actuator),
+            gravity=float(load) + _friction(plan, actuator) + _drag(plan, actuator),
             contact=_contact_load(plant, plan, actuator, float(m), weights[plan.name]),
             damping=float(actuator.joint().default_damping_vector()[0]),
         )
@@ -187,6 +187,12 @@ def _joint_loads(
 
 def _friction(plan: RobotPlan, actuator: JointActuator) -> float:
     return sum(joint.friction for joint in plan.friction_joints if joint.name == actuator.joint().name())
+
+
+def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
+    """What wheels that slide on the ground may do to a joint that moves the base."""
+    is_of_base = any(joint.name == actuator.joint().name() for joint in plan.description.base_joints)
+    return float(actuator.effort_limit()) if is_of_base else 0.0
 
 
 def _contact_load(

@@ -205,11 +205,11 @@ class DriveController(PeriodicController):
     def true_odometry(self, context: Context, time: float) -> WheelOdometry:
         """The true pose of the root link in the world, seen from above, and its velocity in its own axes."""
         layout = self.setup.layout
-        if layout.base_position is None or layout.base_velocity is None:
+        if not layout.has_moving_base:
             return WheelOdometry(time=time)
-        state = self.get_state_input_port().Eval(context).tolist()
-        qw, qx, qy, qz, x, y, _ = state[layout.base_position :][:7]
-        *_, angular, along_x, along_y, _ = state[layout.base_velocity :][:6]
+        pose, velocity = layout.base_state(self.get_state_input_port().Eval(context))
+        qw, qx, qy, qz, x, y, _ = pose.tolist()
+        *_, angular, along_x, along_y, _ = velocity.tolist()
         heading = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
         forwards = cos(heading) * along_x + sin(heading) * along_y
         to_the_left = cos(heading) * along_y - sin(heading) * along_x

@@ -36,10 +36,10 @@ class GroundTruthPublisher(LeafSystem):
 
     def __init__(self, base_frame: str, layout: StateLayout, fixed_pose: Pose | None = None):
         super().__init__()
-        if (layout.base_position is None) != (fixed_pose is not None):
-            raise ValueError("a base either floats or has a fixed pose")
+        if layout.has_moving_base == (fixed_pose is not None):
+            raise ValueError("a base either moves or has a fixed pose")
         self._base_frame = base_frame
-        self._base_position, self._base_velocity = layout.base_position, layout.base_velocity
+        self._layout = layout
         if fixed_pose is not None:
             (quaternion,) = quaternion_from_rpy(np.array([fixed_pose.rpy]))
             self._fixed_position = np.concatenate([quaternion, fixed_pose.xyz])
@@ -60,12 +60,10 @@ class GroundTruthPublisher(LeafSystem):
         return self._odom
 
     def _calc_odom(self, context: Context, output: AbstractValue) -> None:
-        if self._base_position is None or self._base_velocity is None:
-            position, velocity = self._fixed_position, np.zeros(6)
+        if self._layout.has_moving_base:
+            position, velocity = self._layout.base_state(self._state.Eval(context))
         else:
-            state = self._state.Eval(context)
-            position = state[self._base_position :][:7]
-            velocity = state[self._base_velocity :][:6]
+            position, velocity = self._fixed_position, np.zeros(6)
         quaternion = position[:4] / np.linalg.norm(position[:4])
         to_base = quaternion * (1.0, -1.0, -1.0, -1.0)
         angular, linear = rotated(np.array([to_base, to_base]), velocity.reshape(2, 3)).tolist()

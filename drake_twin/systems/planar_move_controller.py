@@ -1,12 +1,13 @@
 """A base without driven wheels, moved over the plane by a commanded twist, as Gazebo's planar_move plugin does."""
 
 from dataclasses import dataclass, field, replace
-from math import nan
+from math import cos, nan, sin
 from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
 
 from drake_twin.description.gazebo_drives import PLANAR_INTERFACES
+from drake_twin.description.planar_joints import ANGULAR_Z
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.controller import ControllerSetup, Interface, Update
 from drake_twin.systems.drive_controller import DriveController, DriveMemory, check_covariances, publication
@@ -60,8 +61,8 @@ class PlanarMoveController(DriveController):
 
     - ``cmd_vel_unstamped``: ``geometry_msgs/msg/Twist`` (m/s, rad/s), or ``cmd_vel``,
       ``geometry_msgs/msg/TwistStamped``, with ``use_stamped_vel``.
-    - ``command_interfaces``: the root link's velocity forwards and to the left, along its own axes in the plane (m/s),
-      and about the world's z (rad/s); NaN before the first command.
+    - ``command_interfaces``: the velocities of the joints that the base moves on: along x and y of its start (m/s), and
+      about z (rad/s); NaN before the first command.
     - ``odom``: ``nav_msgs/msg/Odometry`` at ``publish_rate``; None before the first update.
     - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
     """
@@ -70,7 +71,7 @@ class PlanarMoveController(DriveController):
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """The velocities of the base forwards, to the left and about z."""
+        """The velocities of the joints that the base moves on."""
         return tuple(Interface(*interface) for interface in PLANAR_INTERFACES)
 
     def __init__(self, setup: ControllerSetup):
@@ -93,4 +94,9 @@ class PlanarMoveController(DriveController):
         command = self.get_command_input_port().Eval(context)
         if command is None:
             return Update(memory, (nan, nan, nan))
-        return Update(memory, (command.linear_x, command.linear_y, command.angular_z))
+        # Until the next update the base goes straight on while it turns: in the direction it has half-way.
+        (turned,) = self.positions(context, [ANGULAR_Z])
+        heading = turned + 0.5 * self.setup.update_period * command.angular_z
+        along_x = cos(heading) * command.linear_x - sin(heading) * command.linear_y
+        along_y = sin(heading) * command.linear_x + cos(heading) * command.linear_y
+        return Update(memory, (along_x, along_y, command.angular_z))

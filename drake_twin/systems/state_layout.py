@@ -3,6 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from drake_twin.systems.planar_base import PlanarBase
+
 
 @dataclass(frozen=True)
 class StateLayout:
@@ -14,8 +18,9 @@ class StateLayout:
         velocities: joint name → index of its velocity (rad/s or m/s).
         efforts: joint name → index of the actuator that drives it (N·m or N); joints without one are left out.
         num_actuators: the number of actuators, those that model joint friction included.
-        base_position: index of a floating base's seven positions (qw, qx, qy, qz, x, y, z); None for a fixed base.
+        base_position: index of a floating base's seven positions (qw, qx, qy, qz, x, y, z); None for any other base.
         base_velocity: index of its six velocities (angular rad/s, then linear m/s, both in the world frame).
+        planar_base: the joints that a base moves on over the plane; None for any other base.
     """
 
     size: int
@@ -25,3 +30,27 @@ class StateLayout:
     num_actuators: int = 0
     base_position: int | None = None
     base_velocity: int | None = None
+    planar_base: PlanarBase | None = None
+
+    @property
+    def has_moving_base(self) -> bool:
+        """Whether the root link moves."""
+        return self.base_position is not None or self.planar_base is not None
+
+    def base_state(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The pose and velocity of a moving root link in the world, as a floating base has them.
+
+        Args:
+            state: ``[q; v]``.
+
+        Returns:
+            The pose (qw, qx, qy, qz, x, y, z) and the velocity (angular rad/s, then linear m/s).
+
+        Raises:
+            ValueError: the root link does not move.
+        """
+        if self.planar_base is not None:
+            return self.planar_base.as_floating(state)
+        if self.base_position is None or self.base_velocity is None:
+            raise ValueError("the root link does not move")
+        return state[self.base_position :][:7], state[self.base_velocity :][:6]

@@ -238,7 +238,7 @@ def test_classic_ackermann_takes_its_geometry_from_the_model():
 def test_planar_move_commands_the_base():
     drive = drive_of("<publish_odom_tf>false</publish_odom_tf>", "libgazebo_ros_planar_move.so", "object_controller")
     assert (drive.controller.type, drive.controller.parameters["publish_rate"]) == (PLANAR_MOVE, 20.0)
-    assert drive.interfaces[0] == ("base/linear/x", "velocity")
+    assert drive.interfaces[0] == ("base.linear.x", "velocity")
     assert drive.topics == {"cmd_vel_unstamped": "cmd_vel", "odom": "odom"}
     assert drive_of("<topic>twist</topic>", "gz-sim-velocity-control-system").topics == {"cmd_vel_unstamped": "twist"}
 

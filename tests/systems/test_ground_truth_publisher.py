@@ -44,5 +44,5 @@ def test_a_welded_base_has_its_fixed_pose_and_no_twist():
 
 
 def test_a_base_must_either_float_or_be_welded():
-    with pytest.raises(ValueError, match="either floats or has a fixed pose"):
+    with pytest.raises(ValueError, match="either moves or has a fixed pose"):
         GroundTruthPublisher("base", FLOATING, Pose())

@@ -7,13 +7,16 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin import messages
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import Pose, RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.systems.controller import ControllerSetup
+from drake_twin.systems.planar_base import PlanarBase
 from drake_twin.systems.planar_move_controller import PlanarMoveController, PlanarMoveParameters
 from drake_twin.systems.state_layout import StateLayout
 
-LAYOUT = StateLayout(13, {}, {}, {}, base_position=0, base_velocity=7)
+# Slides along x, y, z and a turn, their positions and then their velocities; the base starts at the world's origin.
+PLANAR = PlanarBase(Pose(), (0, 1, 2, 3), (4, 5, 6, 7))
+LAYOUT = StateLayout(8, {"base.angular.z": 3}, {"base.angular.z": 7}, {}, planar_base=PLANAR)
 ROBOT = RobotDescription("robot", ("base_footprint",), ())
 
 
@@ -27,7 +30,7 @@ def dut():
     return PlanarMoveController(ControllerSetup("move", PlanarMoveParameters(), claims, ROBOT, LAYOUT))
 
 
-def advanced(dut, message, state=(0.0,) * 13, time=0.005):
+def advanced(dut, message, state=(0.0,) * 8, time=0.005):
     builder = DiagramBuilder()
     builder.AddSystem(dut)
     simulator = Simulator(builder.Build())
@@ -48,9 +51,16 @@ def test_before_the_first_message_nothing_is_written(dut):
 
 
 def test_a_command_is_passed_on_and_holds(dut):
-    context = advanced(dut, twist(0.1, 0.2, 0.3), time=10.0)
-    assert dut.get_command_interfaces_output_port().Eval(context).tolist() == [0.1, 0.2, 0.3]
-    assert list(map(str, dut.claims)) == ["base/linear/x/velocity", "base/linear/y/velocity", "base/angular/z/velocity"]
+    context = advanced(dut, twist(0.1, 0.2), time=10.0)
+    assert dut.get_command_interfaces_output_port().Eval(context).tolist() == [0.1, 0.2, 0.0]
+    assert list(map(str, dut.claims)) == ["base.linear.x/velocity", "base.linear.y/velocity", "base.angular.z/velocity"]
+
+
+def test_a_command_goes_where_the_base_faces_half_an_update_later(dut):
+    context = advanced(dut, twist(0.1, 0.2, 2.0), (1, 2, 3, 0.7, 0, 0, 0, 0))
+    heading = 0.7 + 0.5 * dut.setup.update_period * 2.0
+    expected = [0.1 * cos(heading) - 0.2 * sin(heading), 0.1 * sin(heading) + 0.2 * cos(heading), 2.0]
+    assert dut.get_command_interfaces_output_port().Eval(context).tolist() == pytest.approx(expected, abs=1e-15)
 
 
 def test_a_command_that_is_not_finite_is_refused(dut):
@@ -60,7 +70,7 @@ def test_a_command_that_is_not_finite_is_refused(dut):
 
 def test_the_odometry_is_the_true_pose_and_the_velocity_in_the_bases_frame(dut):
     yaw = 0.7
-    state = np.array([cos(yaw / 2), 0, 0, sin(yaw / 2), 1.0, 2.0, 0.1, 0, 0, 0.5, -sin(yaw), cos(yaw), 0.0])
+    state = np.array([1.0, 2.0, 0.1, yaw, -sin(yaw), cos(yaw), 0.0, 0.5])
     context = advanced(dut, None, state)
     odom = dut.GetOutputPort("odom").Eval(context)
     assert (odom.pose.pose.position.x, odom.pose.pose.position.y) == (1.0, 2.0)

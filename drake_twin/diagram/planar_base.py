@@ -1,0 +1,108 @@
+"""A base that is moved over the plane: driven joints between the world and the root link, in place of a free base.
+
+Gazebo's plugins set the velocity of the whole robot. Here the robot hangs on three slides along the axes of its spawn
+pose, seen from above, and a turn about z; the slides x and y and the turn have velocity servos in the plant. The slide
+along z is free: the robot lies on the ground, and roll and pitch stay what they are at the start, as the plugins set
+their rates to zero. All joints are at zero at the start.
+
+Feet that rub with a friction of 1 slow the base by 8e-5 m/s, at any velocity, in Drake's contact approximation
+``lagged``. In ``similar`` and ``sap``, whatever is driven along while it rubs hops, and loses up to a tenth.
+"""
+
+import numpy as np
+from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    FixedOffsetFrame,
+    ModelInstanceIndex,
+    PrismaticJoint,
+    RevoluteJoint,
+    RigidBody,
+    SpatialInertia,
+)
+
+from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
+from drake_twin.description.robot_description import Pose
+from drake_twin.systems.planar_base import PlanarBase
+
+_SLIDES = {LINEAR_X: (1, 0, 0), LINEAR_Y: (0, 1, 0), LINEAR_Z: (0, 0, 1)}
+_TURN = (0, 0, 1)
+
+
+def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) -> None:
+    """Puts a robot on the joints.
+
+    Args:
+        plant: the plant, not yet finalized.
+        root: the robot's root link.
+        spawn_pose: the root link in the world while all joints are at zero.
+    """
+    instance = root.model_instance()
+    roll, pitch, yaw = spawn_pose.rpy
+    start = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), np.array(spawn_pose.xyz))
+    frame = plant.AddFrame(FixedOffsetFrame("base.start", plant.world_frame(), start, instance))
+    for name, axis in _SLIDES.items():
+        carriage = plant.AddRigidBody(name, instance, SpatialInertia.Zero()).body_frame()
+        plant.AddJoint(PrismaticJoint(name, frame, carriage, axis))
+        frame = carriage
+    untilted = RigidTransform(RollPitchYaw(roll, pitch, 0.0), np.zeros(3)).inverse()
+    upright = plant.AddFrame(FixedOffsetFrame("base.upright", root.body_frame(), untilted, instance))
+    plant.AddJoint(RevoluteJoint(ANGULAR_Z, frame, upright, _TURN))
+
+
+def limit_planar_efforts(
+    plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex, ground_friction: float
+) -> None:
+    """Gives the drive its largest force and torque.
+
+    They overcome the friction of wheels that slide sideways, which for two surfaces in Drake is at most twice that of
+    one of them, and accelerate the robot at 1 g besides. With more, a robot would push itself into walls.
+
+    Args:
+        plant: the finalized plant.
+        scene_graph: has the robot's collision shapes.
+        instance: the robot.
+        ground_friction: the ground's coefficient of friction.
+    """
+    context = plant.CreateDefaultContext()
+    mass = plant.CalcTotalMass(context, [instance])
+    gravity = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
+    force = (1.0 + 2.0 * ground_friction) * mass * gravity
+    turn = plant.GetJointByName(ANGULAR_Z, instance)
+    inertia = plant.CalcMassMatrix(context)[turn.velocity_start(), turn.velocity_start()]
+    lever = max(float(np.sqrt(inertia / mass)), _farthest_shape(plant, scene_graph, instance))
+    for name, limit in ((LINEAR_X, force), (LINEAR_Y, force), (ANGULAR_Z, force * lever)):
+        plant.GetJointActuatorByName(name, instance).set_effort_limit(limit)
+
+
+def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> float:
+    """The distance of the farthest collision shape's center, a wheel's say, from the axis of the turn (m)."""
+    context = plant.CreateDefaultContext()
+    inspector = scene_graph.model_inspector()
+    axis = plant.GetFrameByName("base.upright", instance).CalcPoseInWorld(context).translation()
+    centers = [axis]
+    for body in map(plant.get_body, plant.GetBodyIndices(instance)):
+        pose = plant.EvalBodyPoseInWorld(context, body)
+        shapes = plant.GetCollisionGeometriesForBody(body)
+        centers += [(pose @ inspector.GetPoseInFrame(shape)).translation() for shape in shapes]
+    return float(max(np.linalg.norm(center[:2] - axis[:2]) for center in centers))
+
+
+def planar_base(plant: MultibodyPlant, instance: ModelInstanceIndex, spawn_pose: Pose) -> PlanarBase:
+    """Where the joints stand in the robot's state.
+
+    Args:
+        plant: the finalized plant.
+        instance: the robot.
+        spawn_pose: the root link in the world while all joints are at zero.
+    """
+    num_positions = plant.num_positions(instance)
+    positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).astype(int).tolist()
+    velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities())).astype(int).tolist()
+    joints = [plant.GetJointByName(name, instance) for name in (*_SLIDES, ANGULAR_Z)]
+    return PlanarBase(
+        spawn_pose,
+        tuple(positions.index(joint.position_start()) for joint in joints),
+        tuple(num_positions + velocities.index(joint.velocity_start()) for joint in joints),
+    )
