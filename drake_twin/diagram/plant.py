@@ -78,7 +78,7 @@ def add_plant(builder: DiagramBuilder, scenario: Scenario, plans: Sequence[Robot
             layouts[plan.name] = _state_layout(plant, instances[plan.name], plan)
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
             if plan.description.base_joints:
-                limit_planar_efforts(plant, scene_graph, instances[plan.name], scenario.world.ground_friction)
+                limit_planar_efforts(plant, scene_graph, instances[plan.name])
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans])
     robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings))
