@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from drake_twin.description.package_index import absolute_path
+from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
 from drake_twin.scenario import LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError, ScenarioFile
 
@@ -126,7 +126,7 @@ def find_launch_file(words: Sequence[str], folders: Sequence[str]) -> Path | Non
         return _launch_file_of_package(words[0], words[1], folders)
     if len(words) != 1:
         return None
-    file = Path(absolute_path(words[0]))
+    file = _own_or(words[0])
     is_launch_file = _LAUNCH_FILE.match(file.name) or (file.suffix in (".xml", ".yaml", ".yml") and _is_launch(file))
     return file if is_launch_file else None
 
@@ -181,9 +181,15 @@ def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: boo
     return replace(scenario, package_paths=tuple(package_paths(options)))
 
 
-def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> ScenarioFile:
-    from drake_twin.description.package_index import share_folder
+def _own_or(name: str) -> Path:
+    """A file that the user names; ``diagrams/…`` is the twin's own where there is no such file."""
+    file = Path(absolute_path(name))
+    if not file.exists() and Path(name).parts[:1] == ("diagrams",):
+        return share_folder("diagrams").joinpath(*Path(name).parts[1:])
+    return file
 
+
+def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> ScenarioFile:
     if (
         xacro_args
         or options.robots is not None
@@ -195,10 +201,7 @@ def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str,
             f"{name} says itself which robots there are: --robots, --robot, --package-path, --workspace and name:=value"
             " do not go with it"
         )
-    file = Path(name)
-    if not file.exists() and file.parts[:1] == ("diagrams",):  # the twin's own, from any folder
-        file = share_folder("diagrams").joinpath(*file.parts[1:])
-    return ScenarioFile.read(file)
+    return ScenarioFile.read(_own_or(name))
 
 
 def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> Scenario:

@@ -29,6 +29,11 @@ from drake_twin.systems.planar_base import PlanarBase
 _SLIDES = {LINEAR_X: (1, 0, 0), LINEAR_Y: (0, 1, 0), LINEAR_Z: (0, 0, 1)}
 _TURN = (0, 0, 1)
 
+# The drive's largest force for the robot's mass (N/kg): three times its weight on Earth. Two surfaces of which one has
+# a friction of at most 1 have together less than 2, so this drags along even what slides, and accelerates at 1 g
+# besides. With much more, a robot would push itself into walls.
+_PUSH = 30.0
+
 
 def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) -> None:
     """Puts a robot on the joints.
@@ -51,24 +56,17 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
     plant.AddJoint(RevoluteJoint(ANGULAR_Z, frame, upright, _TURN))
 
 
-def limit_planar_efforts(
-    plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex, ground_friction: float
-) -> None:
-    """Gives the drive its largest force and torque.
-
-    They overcome the friction of wheels that slide sideways, which for two surfaces in Drake is at most twice that of
-    one of them, and accelerate the robot at 1 g besides. With more, a robot would push itself into walls.
+def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> None:
+    """Gives the drive its largest force, which follows from the robot's mass, and torque.
 
     Args:
         plant: the finalized plant.
         scene_graph: has the robot's collision shapes.
         instance: the robot.
-        ground_friction: the ground's coefficient of friction.
     """
     context = plant.CreateDefaultContext()
     mass = plant.CalcTotalMass(context, [instance])
-    gravity = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
-    force = (1.0 + 2.0 * ground_friction) * mass * gravity
+    force = _PUSH * mass
     turn = plant.GetJointByName(ANGULAR_Z, instance)
     inertia = plant.CalcMassMatrix(context)[turn.velocity_start(), turn.velocity_start()]
     lever = max(float(np.sqrt(inertia / mass)), _farthest_shape(plant, scene_graph, instance))

@@ -80,8 +80,7 @@ def add_plant(
             layouts[plan.name] = _state_layout(plant, instances[plan.name], plan)
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
             if plan.description.base_joints:
-                friction = 1.0 if scenario.world.ground_friction is None else scenario.world.ground_friction
-                limit_planar_efforts(plant, scene_graph, instances[plan.name], friction)
+                limit_planar_efforts(plant, scene_graph, instances[plan.name])
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans])
     robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings), world_models)

@@ -13,6 +13,7 @@ from drake_twin.errors import InputError
 from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
+    from drake_twin.launch.entity import LaunchDescription
     from drake_twin.twin import Twin
 
 
@@ -45,6 +46,7 @@ class TwinBuilder:
         self._robots: list[Robot] = []
         self._static_transforms: list[StaticTransform] = []
         self._commands: list[Command] = []
+        self._not_started: list[str] = []
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Looks for ROS packages in a folder first."""
@@ -91,6 +93,33 @@ class TwinBuilder:
         )
         return self
 
+    def launch(self, what: LaunchDescription | str | Path, **arguments: object) -> TwinBuilder:
+        """Adds all that a launch description or a launch file starts: robots, frames, commands and its world.
+
+        Args:
+            what: a description made of `drake_twin.launch`'s entities, or a Python, XML or YAML launch file.
+            **arguments: values for its arguments.
+
+        Raises:
+            InputError: it cannot be used, or starts no robot.
+        """
+        from drake_twin.launch.launch_file import launch_description_scenario, launch_file_scenario
+
+        given = {name: _xacro_text(value) for name, value in arguments.items()}
+        if isinstance(what, str | Path):
+            launched = launch_file_scenario(what, given, self._package_paths)
+        else:
+            launched = launch_description_scenario(what, given, self._package_paths)
+        scenario = launched.scenario
+        self._robots += scenario.robots
+        self._static_transforms += scenario.static_transforms
+        self._commands += scenario.commands
+        self._not_started += scenario.not_started
+        self._package_paths += [folder for folder in scenario.package_paths if folder not in self._package_paths]
+        if scenario.world != World():
+            self._world = scenario.world
+        return self
+
     def static_transform(
         self,
         parent: str,
@@ -127,6 +156,7 @@ class TwinBuilder:
             package_paths=tuple(self._package_paths),
             static_transforms=tuple(self._static_transforms),
             commands=tuple(self._commands),
+            not_started=tuple(self._not_started),
         )
 
     def build(self) -> Twin:

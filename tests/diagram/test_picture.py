@@ -9,6 +9,7 @@ from drake_twin import Twin
 from drake_twin.description.package_index import share_folder
 from drake_twin.diagram.picture import dot_text, dot_text_of_svg, write_picture
 from drake_twin.errors import InputError
+from drake_twin.launch.launch_file import launch_file_scenario
 from drake_twin.scenario import ScenarioFile
 
 needs_graphviz = pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz's program dot is not installed")
@@ -48,15 +49,21 @@ def test_another_suffix_is_refused(tmp_path):
         write_picture(rovers(1).build().diagram, tmp_path / "d.png")
 
 
-@pytest.mark.parametrize("scenario", sorted(share_folder("diagrams").glob("*.yaml")), ids=lambda file: file.stem)
-def test_the_pictures_in_diagrams_are_up_to_date(scenario):
-    """Draw them anew with: python -m drake_twin.run diagrams/NAME.yaml --graphviz diagrams/NAME.svg"""
-    picture = scenario.with_suffix(".svg").read_text()
-    assert dot_text_of_svg(picture) == dot_text(Twin(ScenarioFile.read(scenario).scenario).diagram)
+READY_MADE = [file for file in sorted(share_folder("diagrams").iterdir()) if file.suffix in (".yaml", ".py", ".xml")]
+
+
+@pytest.mark.parametrize("file", READY_MADE, ids=lambda file: file.name)
+def test_the_pictures_in_diagrams_are_up_to_date(file):
+    """Draw them anew with: python -m drake_twin.run diagrams/FILE --graphviz diagrams/NAME.svg"""
+    picture = file.with_name(f"{file.name.partition('.')[0]}.svg").read_text()
+    is_scenario = file.suffix == ".yaml"
+    scenario = ScenarioFile.read(file).scenario if is_scenario else launch_file_scenario(file).scenario
+    assert dot_text_of_svg(picture) == dot_text(Twin(scenario).diagram)
 
 
 def test_there_are_ready_made_twins():
-    assert {"two_rovers", "two_arms"} <= {file.stem for file in share_folder("diagrams").glob("*.yaml")}
+    names = {file.name for file in READY_MADE}
+    assert {"two_rovers.yaml", "rovers_in_formation.launch.py", "rover_and_arm.launch.xml"} <= names
 
 
 def test_another_process_draws_the_same_text(tmp_path):

@@ -7,6 +7,7 @@ import pytest
 
 from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
+from drake_twin.scenario import World
 
 # A sled on four feet that rub, with an arm's joint on it; its root link is massless, as many robots' is.
 SLED = """<robot name="sled">
@@ -80,6 +81,13 @@ def test_feet_far_from_a_slender_mass_do_not_keep_it_from_turning(sled):
     sled.write_text(sled.read_text().replace('<inertia ixx="0.1" iyy="0.2" izz="0.3"', slender))
     twin = TwinBuilder().robot("sled", sled).build()
     assert driven(twin, twist(z=1.0)) == pytest.approx((0, 0, 1.0), abs=0.01)
+
+
+@pytest.mark.parametrize("world", [World(ground_friction=100.0), World(gravity=(0.0, 0.0, 0.0))])
+def test_rough_ground_and_weightlessness_make_no_difference(sled, world):
+    twin = TwinBuilder(world=world).robot("sled", sled).build()
+    driven(twin, twist(0.5, 0.2, 0.0), until=4.5)
+    assert pose(twin) == pytest.approx((2.0, 0.8, 0.0), abs=0.02)
 
 
 def test_a_longer_step_makes_no_difference(sled):
