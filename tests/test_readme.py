@@ -5,7 +5,7 @@ README = (Path(__file__).resolve().parent.parent / "README.md").read_text()
 
 
 def test_the_python_of_the_readme_runs_and_its_assertions_hold(capsys):
-    (program,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    program = "\n".join(re.findall(r"```python\n(.*?)```", README, re.DOTALL))
     exec(compile(program, "README.md", "exec"), {})
     printed = capsys.readouterr().out
     assert printed.count("[") == 50  # ten joint states a second for five seconds
