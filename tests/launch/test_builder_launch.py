@@ -8,6 +8,10 @@ from drake_twin.launch.launch_file import launch_file_scenario
 MAIN = share_folder("models") / "rover_gazebo" / "launch" / "main.launch.xml"
 
 
+BALL = """<robot name="x"><link name="base"><inertial><mass value="1"/>
+  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
 def test_a_builder_and_a_launch_file_end_in_the_same_scenario():
     by_file = launch_file_scenario(MAIN).scenario
     assert TwinBuilder().launch(MAIN).scenario() == by_file
@@ -22,13 +26,13 @@ def test_entities_in_plain_python_start_what_they_say():
             Node(
                 package="ros_gz_sim",
                 executable="create",
-                arguments=[
-                    *("-name", LaunchConfiguration("name"), "-z", "1.0", "-string"),
-                    '<robot name="x"><link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"'
-                    ' ixy="0" ixz="0" iyz="0"/></inertial></link></robot>',
-                ],
+                arguments=["-name", LaunchConfiguration("name"), "-z", "1.0", "-string", BALL],
             ),
-            Node(package="tf2_ros", executable="static_transform_publisher", arguments="0 0 0 0 0 0 map odom".split()),
+            Node(
+                package="tf2_ros",
+                executable="static_transform_publisher",
+                arguments=["0", "0", "0", "0", "0", "0", "map", "odom"],
+            ),
         ]
     )
     builder = TwinBuilder().launch(description, name="globe")
