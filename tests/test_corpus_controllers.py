@@ -97,11 +97,11 @@ def test_each_controller_of_a_type_that_the_twin_has_is_read_with_its_parameters
 @needs_corpus
 @pytest.mark.parametrize("file", whole_robots(), ids=lambda file: f"{file.parent.parent.parent.name}-{file.stem}")
 def test_each_controller_of_a_robot_that_names_a_parameters_file_is_active_or_says_why_not(file):
-    try:
-        scenario = robot_file_scenario(file, xacro_args={})
-    except InputError as error:  # its parts come from a package that is not in the corpus
-        assert "package 'ros_components_description' is in none of" in str(error)
+    if file.name == "rosbot_xl.urdf.xacro":  # its parts come from a package that is not in the corpus
+        with pytest.raises(InputError, match="package 'ros_components_description' is in none of"):
+            robot_file_scenario(file, xacro_args={})
         return
+    scenario = robot_file_scenario(file, xacro_args={})
     (robot,) = scenario.robots
     plan = plan_robot(robot, PackageIndex(scenario.package_paths))
     if not plan.description.controller_files:
