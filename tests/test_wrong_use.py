@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder, messages
+from drake_twin.controller_manager import STRICT
 from drake_twin.errors import CommandError, InputError
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -189,6 +190,18 @@ def test_a_joint_that_a_trajectory_does_not_have_is_told_with_those_that_it_has(
     for call in (lambda: twin.publish(TRAJECTORY, wrong), lambda: twin.send_goal(ACTION, {"trajectory": wrong})):
         with pytest.raises(CommandError, match=r"a joint 'bb' that .* Did you mean 'b'. Valid: a, b"):
             call()
+
+
+@pytest.mark.parametrize("name", [None, 5, [], {}, b"velocities", ["velocities"], object()])
+def test_the_controller_manager_answers_whatever_it_is_asked(make, name):
+    manager = make("velocities").controller_manager("r")
+    for call in (manager.load_controller, manager.configure_controller, manager.unload_controller):
+        assert not call(name)
+        assert call(name).message
+    assert not manager.switch_controller([name], strictness=STRICT)
+    assert not manager.switch_controller(["gripper"], strictness=name)
+    manager.switch_controller(name, name, start=name, stop=name)
+    assert manager.active == ("velocities",)
 
 
 # Goals
