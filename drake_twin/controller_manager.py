@@ -6,6 +6,7 @@ raises because of a name or a conflict. A switch takes effect with the next phys
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from drake_twin.diagram.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan
 from drake_twin.diagram.robot_plan import RobotPlan
@@ -149,6 +150,7 @@ class ControllerManager:
 
     def load_controller(self, name: str) -> Response:
         """Loads a controller of the parameters files."""
+        (name,) = _names([name])
         if name in self._states:
             return Response(False, f"a controller named {name!r} is already loaded")
         if name not in self._plans:
@@ -159,6 +161,7 @@ class ControllerManager:
 
     def configure_controller(self, name: str) -> Response:
         """Configures a controller that is loaded and not active."""
+        (name,) = _names([name])
         if name not in self._states:
             return Response(False, self._not_loaded(name))
         if self._states[name] == ACTIVE:
@@ -171,6 +174,7 @@ class ControllerManager:
 
     def unload_controller(self, name: str) -> Response:
         """Unloads a controller that is not active."""
+        (name,) = _names([name])
         if name not in self._states:
             return Response(False, self._not_loaded(name))
         if self._states[name] == ACTIVE:
@@ -333,5 +337,9 @@ class ControllerManager:
         return f"there is no loaded controller {name!r}; loaded are {', '.join(self._states) or 'none'}"
 
 
-def _names(names: Iterable[str]) -> list[str]:
-    return [names] if isinstance(names, str) else list(names)
+def _names(names: Any) -> list[str]:
+    """One name, several or none, as people write it; what is no text stands for itself in the answer."""
+    if names is None:
+        return []
+    several = [names] if isinstance(names, str | bytes) or not isinstance(names, Iterable) else names
+    return [name if isinstance(name, str) else repr(name) for name in several]

@@ -70,6 +70,11 @@ class CommandError(InputError):
         super().__init__(message, **more)
         self.deactivates = deactivates
 
+    def about(self, topic: str) -> "CommandError":
+        """The same error, saying which topic or action it is about."""
+        more = {"valid": self.valid, "value": self.value}
+        return CommandError(f"{topic}: {self.message}", deactivates=self.deactivates, **more)
+
 
 class RunError(TwinError):
     """A failure while the twin runs."""

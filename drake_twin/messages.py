@@ -5,8 +5,11 @@ a wire as it is. The store is loaded at the first use of a type, because a twin 
 Types that the store lacks are those of `drake_twin.message_definitions`.
 """
 
-from collections.abc import Mapping
+import reprlib
+from collections.abc import Mapping, Set
 from functools import cache
+from math import isfinite
+from numbers import Real
 from typing import Any
 
 from drake_twin.message_definitions import DEFINITIONS
@@ -90,34 +93,36 @@ def message(kind: str, data: Any) -> Any:
     Args:
         kind: the message type, for example ``geometry_msgs/msg/TwistStamped``.
         data: a message of that type; or a mapping of its fields, where what is left out is zero or empty; or the bare
-            numbers of a ``Float64MultiArray``.
+            numbers of a ``Float64MultiArray``. It is copied.
 
     Raises:
         ValueError: the data does not fit the type; the text says where.
     """
-    name = getattr(data, "__msgtype__", None)
-    if name is not None:
-        if name != kind:
-            raise ValueError(f"this is a {name}, and a {kind} is needed")
-        return data
-    if not isinstance(data, Mapping):
-        if kind != "std_msgs/msg/Float64MultiArray":
-            raise ValueError(f"{data!r} is no mapping of the fields of a {kind}")
-        return float64_multi_array(data)
+    if kind == "std_msgs/msg/Float64MultiArray" and not isinstance(data, Mapping) and not hasattr(data, "__msgtype__"):
+        if data is None:
+            raise ValueError("None is not a list")
+        data = {"data": data}
     return _from_plain(kind, data, "")
 
 
 def _from_plain(kind: str, data: Any, path: str) -> Any:
     store = type_store()
-    if kind in ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration") and isinstance(data, int | float):
+    is_time = kind in ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
+    if is_time and isinstance(data, int | float) and not isinstance(data, bool):
+        if not isfinite(data):
+            raise ValueError(f"{path[:-1]}: {data!r} is not a time (s)")
         nanoseconds = round(data * 1e9)
         data = {"sec": nanoseconds // 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000}
-    if getattr(data, "__msgtype__", None) == kind:
-        return data
-    if not isinstance(data, Mapping):
-        raise ValueError(f"{path or 'the message'}: {data!r} is no mapping of the fields of a {kind}")
     _, fields = store.fielddefs[kind]
     names = [name for name, _ in fields if name != "structure_needs_at_least_one_member"]
+    place = f"{path[:-1]}: " if path else ""
+    message_type = getattr(data, "__msgtype__", None)
+    if message_type is not None:
+        if message_type != kind:
+            raise ValueError(f"{place}this is a {message_type}, and a {kind} is needed")
+        data = {name: getattr(data, name, None) for name in names}
+    if not isinstance(data, Mapping):
+        raise ValueError(f"{place}{shortened(data)} is no mapping of the fields of a {kind}")
     for name in data:
         if name not in names:
             raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names)}")
@@ -141,32 +146,50 @@ def _field(description: Any, value: Any, path: str) -> Any:
         return _base(kind, value, path)
     element, size = details
     values = [] if value is None else value
-    if isinstance(values, str | bytes | Mapping) or not hasattr(values, "__iter__"):
-        raise ValueError(f"{path[:-1]}: {value!r} is not a list")
+    if isinstance(values, str | bytes | Mapping | Set) or not hasattr(values, "__iter__"):
+        raise ValueError(f"{path[:-1]}: {shortened(value)} is not a list")
     if value is None and node == Nodetype.ARRAY:
         values = [None] * size
-    items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
+    kind = element[1][0] if element[0] == Nodetype.BASE else ""
+    if isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind == "f" and "float" in kind:
+        items: Any = values
+    else:
+        items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
     if node == Nodetype.ARRAY and len(items) != size:
         raise ValueError(f"{path[:-1]}: {len(items)} elements, where {size} are needed")
-    kind = element[1][0] if element[0] == Nodetype.BASE else ""
     return np.array(items, dtype=kind) if kind not in ("", "string", "wstring") else items
 
 
 def _base(kind: str, value: Any, path: str) -> Any:
+    import numpy as np
+
     try:
         if kind in ("string", "wstring"):
             if not isinstance(value, str):
                 raise TypeError
             return value
         if kind == "bool":
-            if not isinstance(value, bool):
+            if not isinstance(value, bool | np.bool_):
                 raise TypeError
-            return value
-        if isinstance(value, bool | str) and not (isinstance(value, str) and "float" in kind):
-            raise TypeError  # YAML 1.1 reads 1e-3 as text, and nothing else
-        return float(value) if "float" in kind else int(value)
+            return bool(value)
+        if "float" in kind:
+            if isinstance(value, bool) or not isinstance(value, Real | str):  # YAML 1.1 reads 1e-3 as text
+                raise TypeError
+            return float(value)
+        if isinstance(value, bool) or not isinstance(value, Real) or not float(value).is_integer():
+            raise TypeError
+        whole: Any = value
+        number, limits = int(whole), np.iinfo(kind)
+        if not limits.min <= number <= limits.max:
+            raise ValueError
+        return number
     except (TypeError, ValueError, OverflowError):
-        raise ValueError(f"{path[:-1]}: {value!r} is not a {kind}") from None
+        raise ValueError(f"{path[:-1]}: {shortened(value)} is not a {kind}") from None
+
+
+def shortened(value: Any) -> str:
+    """A value as an error message shows it: a list of a million numbers by its first ones."""
+    return reprlib.repr(value)
 
 
 def float64_multi_array(values: Any) -> Any:

@@ -1,7 +1,7 @@
 """One robot's controllers in a running diagram: switched, commanded, looked after when they fail, stopped."""
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -71,8 +71,9 @@ class RobotControl:
             kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
             message = messages.message(kind, data)
         except (TypeError, ValueError) as error:
-            is_list = topic.type == "std_msgs/msg/Float64MultiArray"
-            raise CommandError(f"{data!r} is not a list of numbers" if is_list else str(error)) from None
+            is_list = topic.type == "std_msgs/msg/Float64MultiArray" and not isinstance(data, Mapping)
+            text = f"{messages.shortened(data)} is not a list of numbers" if is_list else str(error)
+            raise CommandError(text) from None
         controller = self.controllers[topic.controller]
         if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
             message = messages.float64_multi_array([message.data] * len(controller.claims))
@@ -96,8 +97,11 @@ class RobotControl:
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
 
     def emergency_stop(self) -> None:
-        """Brings all joints to rest, within their effort limits, and holds them."""
+        """Brings all joints to rest, within their effort limits, and holds them; goals are cancelled."""
         if not self.stopped:
+            for name in self.manager.active:
+                if name in self.controllers:
+                    self.controllers[name].cancel(self.context_of(name))
             before = self._set_points()
             self.stopped = True
             self._assign(before)
@@ -113,8 +117,8 @@ class RobotControl:
         before = self._set_points()
         for name in stopped:
             if name in self.controllers:
+                self.controllers[name].deactivate(self.context_of(name))  # it still sees a goal that waits for it
                 self._clear(self._plan.name, name)
-                self.controllers[name].deactivate(self.context_of(name))
         for name in started:
             if name in self.controllers:
                 self._clear(self._plan.name, name)

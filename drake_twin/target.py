@@ -122,7 +122,7 @@ def find_launch_file(words: Sequence[str], folders: Sequence[str]) -> Path | Non
     Raises:
         InputError: there is no such package, or no such launch file in it.
     """
-    if len(words) == 2 and _LAUNCH_FILE.match(words[1]) and not Path(words[0]).is_file():
+    if len(words) == 2 and _LAUNCH_FILE.match(words[1]) and "/" not in words[0]:
         return _launch_file_of_package(words[0], words[1], folders)
     if len(words) != 1:
         return None
@@ -184,7 +184,7 @@ def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: boo
 def _own_or(name: str) -> Path:
     """A file that the user names; ``diagrams/…`` is the twin's own where there is no such file."""
     file = Path(absolute_path(name))
-    if not file.exists() and Path(name).parts[:1] == ("diagrams",):
+    if Path(name).parts[:1] == ("diagrams",) and not file.exists():
         return share_folder("diagrams").joinpath(*Path(name).parts[1:])
     return file
 

@@ -8,17 +8,17 @@ import logging
 import time as wall_clock
 from collections.abc import Callable, Mapping
 from math import floor, isfinite
+from numbers import Real
 from typing import Any
 
-import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
-from pydrake.systems.analysis import Simulator, SimulatorStatus
+from pydrake.systems.analysis import InitializeParams, Simulator, SimulatorStatus
 
 from drake_twin.action import ActionGoal
 from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.diagram.twin_diagram import CommandTopic, build_twin_diagram
+from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic, build_twin_diagram
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import LONGEST_TIME, Scenario, ScenarioError
@@ -136,7 +136,7 @@ class Twin:
 
     @real_time_rate.setter
     def real_time_rate(self, rate: float) -> None:
-        if not 0 < rate < float("inf"):
+        if not _is_number(rate, 0.0) or rate == 0.0:
             raise InputError(f"{rate!r} is not a real-time rate: it must be above zero")
         self._real_time_rate = float(rate)
 
@@ -172,7 +172,12 @@ class Twin:
         }
 
     def command(self, topic: str) -> Any:
-        """The message last published on a topic; None before the first, and once it no longer holds."""
+        """The message last published on a topic; None before the first, and once it no longer holds.
+
+        Raises:
+            InputError: nothing listens to the topic.
+        """
+        self._command_topic(topic)
         waiting = [command for queued_topic, command in self._queue if queued_topic == topic]
         return waiting[-1] if waiting else self._commands.get(topic)
 
@@ -220,19 +225,22 @@ class Twin:
             InputError: there is no such action.
             CommandError: the goal is rejected.
         """
-        if action not in self._built.actions:
-            raise InputError(f"there is no action {action!r}", value=action, valid=self._built.actions)
+        if not isinstance(action, str) or action not in self._built.actions:
+            raise InputError(f"there is no action {action!r}", value=str(action), valid=self._built.actions)
+        if on_result is not None and not callable(on_result):
+            raise InputError(f"{on_result!r} cannot be called with the goal when it is done")
         item = self._built.actions[action]
         control = self._controls[item.robot]
         if control.stopped or not control.accepts(item):
             why = "the emergency stop holds" if control.stopped else f"controller {item.controller} is not active"
             raise CommandError(f"{action}: the goal is rejected: {why}")
+        self._put_queued(item)
         try:
             value = control.read(item, goal)
         except CommandError as error:
-            raise CommandError(f"{action}: the goal is rejected: {error.message}") from None
+            raise error.about(f"{action}: the goal is rejected") from None
         controller, context = control.controllers[item.controller], control.context_of(item.controller)
-        self._queue.append((action, value))
+        self._set_command(action, value)  # at once: the controller counts goals, and may be told to cancel this one
         sent = ActionGoal(action, item.type, value.id, controller, context, on_result)
         self._goals.append(sent)
         return sent
@@ -248,7 +256,7 @@ class Twin:
     def emergency_stop(self, robot: str) -> None:
         """Brings a robot's joints to rest within their effort limits and holds them, whatever controllers say.
 
-        Commands are refused until `clear_emergency_stop`.
+        Goals on their way are cancelled; commands are refused until `clear_emergency_stop`.
 
         Raises:
             InputError: no such robot.
@@ -264,7 +272,12 @@ class Twin:
         self._controls[self._plan(robot).name].clear_emergency_stop()
 
     def silence(self, topic: str) -> None:
-        """Drops the scenario's own timed commands on a topic from now on, until the next reset."""
+        """Drops the scenario's own timed commands on a topic from now on, until the next reset.
+
+        Raises:
+            InputError: nothing listens to the topic.
+        """
+        self._command_topic(topic)
         self._silenced.add(topic)
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], rate: float | None = None) -> Callable[[], None]:
@@ -285,12 +298,12 @@ class Twin:
         Raises:
             InputError: no such topic, or a rate that is not above zero.
         """
-        published = self._built.published
-        if topic not in published:
-            raise InputError(f"nothing is published on {topic!r}", value=topic, valid=published)
-        if rate is not None and not 1e-6 <= rate < float("inf"):
+        if not callable(callback):
+            raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
+        if rate is not None and not _is_number(rate, 1e-6):
             raise InputError(f"a rate of {rate!r} Hz is none: it must be a number above zero")
-        rate = published[topic].rate and (rate or published[topic].rate)
+        own_rate = self._published(topic).rate
+        rate = own_rate and (rate or own_rate)
         period = None if rate is None else 1.0 / rate
         subscription = Subscription(topic, callback, period, self.scenario.time_step, self._step)
         self._subscriptions.append(subscription)
@@ -302,10 +315,7 @@ class Twin:
         Raises:
             InputError: nothing is published on the topic.
         """
-        published = self._built.published
-        if topic not in published:
-            raise InputError(f"nothing is published on {topic!r}", value=topic, valid=published)
-        item = published[topic]
+        item = self._published(topic)
         if item.controller and item.controller not in self._controls[item.robot].manager.active:
             return None
         return item.port.Eval(self._context)
@@ -348,12 +358,13 @@ class Twin:
         plan, parts = self._plan(robot), self._built.robots[robot]
         context = self._built.plant.GetMyMutableContextFromRoot(self._context)
         q = self._built.plant.GetPositions(context, parts.instance)
+        if not isinstance(positions, Mapping):
+            raise InputError(f"{positions!r} is not a mapping of joints to positions")
         for joint, position in positions.items():
             if joint not in plan.start_positions:
-                raise InputError(
-                    f"robot {plan.name!r} has no movable joint {joint!r}", value=joint, valid=plan.start_positions
-                )
-            if not isfinite(position):
+                valid = plan.start_positions
+                raise InputError(f"robot {plan.name!r} has no movable joint {joint!r}", value=str(joint), valid=valid)
+            if not _is_number(position):
                 raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
             q[parts.layout.positions[joint]] = position
         self._built.plant.SetPositions(context, parts.instance, q)
@@ -474,7 +485,7 @@ class Twin:
 
     def _step_at(self, time: float) -> int:
         """The first step that is not before a time (s)."""
-        if not isinstance(time, int | float | np.number) or not -LONGEST_TIME <= time <= LONGEST_TIME:
+        if not _is_number(time, -LONGEST_TIME) or time > LONGEST_TIME:
             raise InputError(f"{time!r} is not a simulation time")
         return step_at(time, self.scenario.time_step)
 
@@ -482,19 +493,25 @@ class Twin:
         for plan in self._built.plans:
             if plan.name == robot:
                 return plan
-        raise InputError(f"there is no robot {robot!r}", value=robot, valid=self.robots)
+        raise InputError(f"there is no robot {robot!r}", value=str(robot), valid=self.robots)
 
     def _command_topic(self, topic: str) -> CommandTopic:
-        if topic not in self._built.commanded:
-            raise InputError(f"nothing listens to {topic!r}", value=topic, valid=self._built.commanded)
+        if not isinstance(topic, str) or topic not in self._built.commanded:
+            raise InputError(f"nothing listens to {topic!r}", value=str(topic), valid=self._built.commanded)
         return self._built.commanded[topic]
+
+    def _published(self, topic: str) -> PublishedTopic:
+        published = self._built.published
+        if not isinstance(topic, str) or topic not in published:
+            raise InputError(f"nothing is published on {topic!r}", value=str(topic), valid=published)
+        return published[topic]
 
     def _checked(self, topic: str, data: Any) -> Any:
         item = self._command_topic(topic)
         try:
             return self._controls[item.robot].read(item, data)
         except CommandError as error:
-            raise CommandError(f"{topic}: {error.message}", deactivates=error.deactivates) from None
+            raise error.about(topic) from None
 
     def _advance(self, target: int) -> None:
         self._refuse_inside_callback("advance")
@@ -519,8 +536,11 @@ class Twin:
             try:
                 status = self._simulator.AdvanceTo(next_step * time_step)
                 if status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition:
-                    # A controller has something to say. The step that begins at this time is begun: it is finished.
+                    # A controller has something to say. All that happens at this time has happened, but Drake would do
+                    # it again when it goes on from here, the plant's step too: so it goes on from between two steps.
                     next_step = round(self._context.get_time() / time_step) + 1
+                    self._context.SetTime((next_step - 0.5) * time_step)
+                    self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
                     self._simulator.AdvanceTo(next_step * time_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
                 check_finite(self._built, self._plant_context, self.time)
@@ -560,6 +580,16 @@ class Twin:
             self._set_command(topic, value)
         self._queue = []
 
+    def _put_queued(self, action: CommandTopic) -> None:
+        """Puts what waits for an action's controller onto its ports, so that it comes before a goal."""
+        waiting, self._queue = self._queue, []
+        for topic, value in waiting:
+            item = self._built.commanded[topic]
+            if (item.robot, item.controller) == (action.robot, action.controller):
+                self._set_command(topic, value)
+            else:
+                self._queue.append((topic, value))
+
     def _set_command(self, topic: str, value: Any) -> None:
         item = self._built.commanded.get(topic) or self._built.actions[topic]
         item.port.FixValue(self._context, AbstractValue.Make(value))
@@ -569,7 +599,7 @@ class Twin:
             return
         self._commands[topic] = value
         timeout = self._controls[item.robot].controllers[item.controller].timeout(item.name)
-        if timeout is not None:
+        if timeout is not None and isfinite(timeout):
             self._expiries[topic] = self._step + max(1, step_at(timeout, self.scenario.time_step))
 
     def _clear(self, robot: str, controller: str) -> None:
@@ -597,3 +627,11 @@ class Twin:
         due += [item.due_step() for item in self._subscriptions]
         due += self._expiries.values()
         return int(min([target, *(step for step in due if step > self._step)]))
+
+
+def _is_number(value: Any, least: float = float("-inf")) -> bool:
+    """Whether a value is a finite number, and not below the least."""
+    try:
+        return isinstance(value, Real) and isfinite(float(value)) and float(value) >= least
+    except OverflowError:  # a whole number beyond what a float holds
+        return False

@@ -92,12 +92,17 @@ def read_controllers(
     update_rate = DEFAULT_UPDATE_RATE
     enforce_limits = True
     types: dict[str, str] = {}
+    places: dict[str, tuple[YamlDocument, ValuePath]] = {}
     for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
         enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
         for name, value in parameters.items():
-            if isinstance(value, dict) and isinstance(value.get("type"), str):
-                types[name] = value["type"]
+            if isinstance(value, dict) and "type" in value:
+                if not isinstance(name, str) or not name:
+                    raise document.error((*path, name), f"{name!r} is not a controller's name: it must be text")
+                if not isinstance(value["type"], str):
+                    raise document.error((*path, name, "type"), f"{value['type']!r} is not a controller's type")
+                types[name], places[name] = value["type"], (document, (*path, name))
             elif isinstance(name, str) and name.endswith(".type") and isinstance(value, str):
                 types[name.removesuffix(".type")] = value
     for name, found in nodes.items():
@@ -110,7 +115,7 @@ def read_controllers(
         found = nodes.get(name, [])
         for *_, parameters in found:
             merged.update(parameters)
-        document_and_path = found[-1][:2] if found else (None, ())
+        document_and_path = found[-1][:2] if found else places.get(name, (None, ()))
         controllers.append(ControllerParameters(name, kind, merged, *document_and_path))
     return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers))
 

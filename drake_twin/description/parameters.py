@@ -184,7 +184,10 @@ def _read(annotation: Any, value: Any, controller: ControllerParameters, path: P
 def _check_bounds(item: "dataclasses.Field[Any]", value: Any, controller: ControllerParameters, path: Path) -> None:
     lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
     above = item.metadata.get("above")
+    may_be_nan = isinstance(item.default, float) and isnan(item.default)
     for each in value if isinstance(value, tuple) else (value,):
+        if isinstance(each, float) and isnan(each) and not may_be_nan:
+            raise controller.error(f"{each!r} is not a number", *path)
         if choices is not None and each not in choices:
             raise controller.error(f"{each!r} is not a choice", *path, value=str(each), valid=choices)
         if above is not None and not each > above:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
@@ -168,7 +169,7 @@ def _plan(
     known: Iterable[str],
 ) -> tuple[ControllerPlan, tuple[str, ...]]:
     rate = controller.parameters.get("update_rate", manager_rate)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or rate < 0:
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < inf:
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
     plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
     if controller.type == JOINT_STATE_BROADCASTER:
@@ -183,7 +184,10 @@ def _plan(
     else:
         own = controller
     parameters, ignored = read_parameters(kind.Parameters, own)
-    claims = kind.claimed_interfaces(parameters, description)
+    try:
+        claims = kind.claimed_interfaces(parameters, description)
+    except InputError as error:
+        raise controller.error(error.message, value=error.value, valid=error.valid) from None
     _check_joints(controller, claims, description, known)
     problem = next(filter(None, (_unusable(claim, description) for claim in claims if "/" not in claim.joint)), None)
     if issubclass(kind, SensorBroadcaster):

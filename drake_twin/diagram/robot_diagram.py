@@ -76,14 +76,14 @@ def build_robot_diagram(
     joints = _joints_of_actuators(layout)
     servo = _add_servo(builder, plan, joints, controllers) if joints else None
     joint_states = builder.AddNamedSystem(
-        "joint_state_publisher",
+        _free_name(builder, "joint_state_publisher"),
         JointStatePublisher(_state_interfaces(description), layout, *_broadcaster(plan, description)),
     )
     robot_state = builder.AddNamedSystem(
-        "robot_state_publisher", RobotStatePublisher(description, layout, plan.frame_prefix)
+        _free_name(builder, "robot_state_publisher"), RobotStatePublisher(description, layout, plan.frame_prefix)
     )
     ground_truth = builder.AddNamedSystem(
-        "ground_truth_publisher",
+        _free_name(builder, "ground_truth_publisher"),
         GroundTruthPublisher(plan.base_frame, layout, plan.spawn_pose if plan.model.is_fixed else None),
     )
     builder.ExportInput(joint_states.get_state_input_port(), "state")
@@ -102,6 +102,13 @@ def build_robot_diagram(
     diagram = builder.Build()
     diagram.set_name(plan.name)
     return RobotDiagram(diagram, controllers, servo, joints, plant_inputs, warnings)
+
+
+def _free_name(builder: DiagramBuilder, name: str) -> str:
+    """A name for a system that no controller has: Drake ends the process when two are the same."""
+    while builder.HasSubsystemNamed(name):
+        name += "_"
+    return name
 
 
 def _add_controllers(
@@ -184,7 +191,7 @@ def _add_servo(
     assignment = assign(joints, driving, active, holds, hold_joints=plan.hold_joints)
     sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
-        "joint_servo", JointServo(sizes, assignment, limits[..., 0], limits[..., 1])
+        _free_name(builder, "joint_servo"), JointServo(sizes, assignment, limits[..., 0], limits[..., 1])
     )
     for name, controller in driving.items():
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))
@@ -227,11 +234,13 @@ def _add_sensors(
         sensor = plan.description.sensor(sensor_name, controller.kind)
         port = controller.get_sensor_input_port()
         if sensor is None:  # hardware without a simulated sensor behind it measures nothing
-            nothing = builder.AddNamedSystem(f"{name}_sensor", ConstantVectorSource(np.full(port.size(), np.nan)))
+            nothing = builder.AddNamedSystem(
+                _free_name(builder, f"{name}_sensor"), ConstantVectorSource(np.full(port.size(), np.nan))
+            )
             builder.Connect(nothing.get_output_port(), port)
             continue
         kind: type[ImuSensor] | type[ForceTorqueSensor] = ImuSensor if sensor.kind == "imu" else ForceTorqueSensor
-        system = builder.AddNamedSystem(f"{name}_sensor", kind.of(plant, instance, sensor))
+        system = builder.AddNamedSystem(_free_name(builder, f"{name}_sensor"), kind.of(plant, instance, sensor))
         builder.Connect(system.get_output_port(), port)
         for output, own_port in system.inputs_from(plant):
             if output.get_name() not in needed:

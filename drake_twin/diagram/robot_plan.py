@@ -121,6 +121,12 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     starts = {joint: position for drive in drives for joint, position in drive.start.items()}
     positions, position_warnings = _start_positions(robot, path, description, starts)
     warnings += [*controller_warnings, *position_warnings]
+    files = robot.controllers or own.controller_files
+    if files and not manager.controllers:
+        warnings.append(
+            f"{', '.join(map(str, files))}: no controllers for the namespace {robot.topic_namespace or '/'!r} are"
+            " there; they stand below 'controller_manager:' and 'ros__parameters:', each with its 'type:'"
+        )
     return RobotPlan(
         robot=robot,
         model=model,

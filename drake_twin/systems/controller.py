@@ -150,7 +150,7 @@ class Controller(LeafSystem):
         """Begins anew; whoever calls this has cleared the topics' ports."""
 
     def deactivate(self, context: Context) -> None:
-        """Writes nothing from now on; whoever calls this has cleared the topics' ports."""
+        """Writes nothing from now on; whoever calls this clears the topics' ports after it."""
 
     def fault(self, context: Context) -> str | None:
         """Why its last update failed; None if it did not."""

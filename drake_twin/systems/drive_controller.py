@@ -256,7 +256,9 @@ class DriveController(PeriodicController):
 
 def is_older(now: float, stamp: float, timeout: float) -> bool:
     """Whether a stamp is more than a timeout ago, to the nanosecond, as ROS compares times (all in s)."""
-    return round(now * _NANOSECONDS) - round(stamp * _NANOSECONDS) > round(timeout * _NANOSECONDS)
+    return not isinf(timeout) and round(now * _NANOSECONDS) - round(stamp * _NANOSECONDS) > round(
+        timeout * _NANOSECONDS
+    )
 
 
 def publication(memory: DriveMemory, time: float, rate: float) -> DriveMemory:

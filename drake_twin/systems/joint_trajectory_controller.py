@@ -150,7 +150,7 @@ class JointTrajectoryController(PeriodicController):
             constraints.goal_time,
         )
         self._decelerations = tuple(limit.max_deceleration_on_cancel for limit in limits)
-        self.warnings = tuple(f"controller {setup.name}: {text}" for text in without_effect(parameters))
+        self.warnings = tuple(without_effect(parameters))
         self._topic_port = self._declare_topic_input(TOPIC, "trajectory_msgs/msg/JointTrajectory")
         self._action_port = self._declare_action_input(ACTION, "control_msgs/action/FollowJointTrajectory")
         self._scaling_port = (

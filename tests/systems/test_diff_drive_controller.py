@@ -330,7 +330,7 @@ def test_humbles_names_are_accepted_with_a_warning_where_they_change_nothing():
         ({"pose_covariance_diagonal": [0.1]}, "pose_covariance_diagonal has 1 elements; it needs six"),
         ({"linear.x.max_velocity": -1.0}, "-1.0 is below 0"),
         ({"linear.x.min_jerk": 1.0}, "1.0 is above 0"),
-        ({"wheel_separation": nan}, "nan is not above 0"),
+        ({"wheel_separation": nan}, "nan is not a number"),
     ],
 )
 def test_parameters_that_cannot_be_are_refused(parameters, text):
