@@ -1,12 +1,10 @@
 """A goal that was sent to a controller's action."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
-from pydrake.systems.framework import Context
-
 from drake_twin import messages
-from drake_twin.systems.controller import Controller
+from drake_twin.robot_control import RobotControl
 
 _DONE = ("succeeded", "aborted", "canceled")
 
@@ -18,8 +16,8 @@ class ActionGoal:
         action: the action's name.
         type: its ROS type.
         id: the number that the controller gave the goal.
-        controller: the controller.
-        context: the controller's own context.
+        control: the robot's controllers.
+        controller: the controller's name.
         on_result: called once with this goal when it is done.
 
     Attributes:
@@ -31,18 +29,22 @@ class ActionGoal:
         action: str,
         type: str,
         id: int,
-        controller: Controller,
-        context: Context,
+        control: RobotControl,
+        controller: str,
         on_result: "Callable[[ActionGoal], None] | None",
     ):
         self.action = action
         self._type = type
         self._id = id
-        self._controller = controller
-        self._context = context
+        self._control: RobotControl | None = control
+        self._name = controller
         self._on_result = on_result
         self._status = "accepted"
         self._result: Any = None
+
+    def is_of(self, controls: Collection[RobotControl]) -> bool:
+        """Whether one of some robots is to do it."""
+        return self._control in controls
 
     @property
     def status(self) -> str:
@@ -64,12 +66,14 @@ class ActionGoal:
     @property
     def feedback(self) -> Any:
         """The action's feedback message at the present time; None once it is done."""
-        return None if self.is_done else self._controller.feedback(self._context)
+        if self.is_done or self._control is None:
+            return None
+        return self._control.controllers[self._name].feedback(self._control.context_of(self._name))
 
     def cancel(self) -> None:
         """Ends it; the joints hold where they are."""
-        if not self.is_done:
-            self._controller.cancel(self._context)
+        if not self.is_done and self._control is not None:
+            self._control.controllers[self._name].cancel(self._control.context_of(self._name))
             self._look()
 
     def deliver(self) -> bool:
@@ -87,11 +91,12 @@ class ActionGoal:
         if self._status not in _DONE:
             self._status = "canceled"
             self._on_result = None
+            self._control = None  # the robot may be gone
 
     def _look(self) -> None:
-        if self._status in _DONE:
+        if self._status in _DONE or self._control is None:
             return
-        state = self._controller.goal_state(self._context)
+        state = self._control.controllers[self._name].goal_state(self._control.context_of(self._name))
         if state is None or state.id < self._id:
             return
         if state.id > self._id:  # another goal took its place before it was looked at
@@ -102,7 +107,9 @@ class ActionGoal:
             self._end(state.status, state.error_code, state.error_string)
 
     def _end(self, status: str, code: int, text: str) -> None:
+        assert self._control is not None
         self._status = status
-        self._result = self._controller.result(self._context)
+        self._result = self._control.controllers[self._name].result(self._control.context_of(self._name))
+        self._control = None
         if self._result is None:
             self._result = messages.message(f"{self._type}_Result", {"error_code": code, "error_string": text})

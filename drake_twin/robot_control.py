@@ -9,6 +9,8 @@ from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.controller_manager import ControllerManager
+from drake_twin.diagram.plant import RobotInPlant
+from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign, holds_after
 from drake_twin.diagram.servo_gains import set_gains
@@ -23,9 +25,7 @@ class RobotControl:
     """Does what the robot's controller manager decides.
 
     Args:
-        built: the diagram.
         plan: the robot.
-        context: the root context.
         clear: is told of a controller whose topics' ports are to be cleared.
 
     Attributes:
@@ -33,15 +33,24 @@ class RobotControl:
         stopped: whether an emergency stop holds.
     """
 
-    def __init__(self, built: TwinDiagram, plan: RobotPlan, context: Context, clear: Callable[[str, str], None]):
+    _built: TwinDiagram
+    _parts: RobotDiagram
+    _in_plant: RobotInPlant
+    _context: Context
+
+    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None]):
         self._plan = plan
-        self._built = built
-        self._parts = built.parts[plan.name]
-        self._in_plant = built.robots[plan.name]
-        self._context = context
         self._clear = clear
         self.manager = ControllerManager(plan, self._switch)
         self.stopped = False
+
+    def use(self, built: TwinDiagram, context: Context) -> None:
+        """Works with a diagram from now on; states have been carried over to it."""
+        self._built = built
+        self._parts = built.parts[self._plan.name]
+        self._in_plant = built.robots[self._plan.name]
+        self._context = context
+        self._put_gains_in_force()
 
     @property
     def controllers(self) -> dict[str, Controller]:

@@ -24,34 +24,32 @@ class Subscription:
         topic: the topic.
         callback: is given the message.
         period: the grid's spacing (s); None for a message that never changes, which is delivered once.
-        time_step: the physics step (s).
-        step: the present step; the message of the present time is delivered first.
+        time: the present time (s); its message is delivered first.
     """
 
-    def __init__(self, topic: str, callback: Callable[[Any], None], period: float | None, time_step: float, step: int):
+    def __init__(self, topic: str, callback: Callable[[Any], None], period: float | None, time: float):
         self.topic = topic
         self.callback = callback
         self._period = period
-        self._time_step = time_step
-        self._next_point = self._last_point_before(step)
+        self._next_point = self._last_point_before(time)
 
-    def due_step(self) -> float:
+    def due_step(self, time_step: float) -> float:
         """The step of the next delivery; infinite when there is none."""
         if self._period is None:
             return 0 if self._next_point == 0 else inf
-        return step_at(self._next_point * self._period, self._time_step)
+        return step_at(self._next_point * self._period, time_step)
 
-    def pass_step(self, step: int) -> None:
-        """Notes a delivery at a step, and moves on to the grid point after it."""
-        self._next_point = self._last_point_before(step) + 1
+    def pass_time(self, time: float) -> None:
+        """Notes a delivery at a time (s), and moves on to the grid point after it."""
+        self._next_point = self._last_point_before(time) + 1
 
     def restart(self) -> None:
-        """Begins again at step zero."""
+        """Begins again at time zero."""
         self._next_point = 0
 
-    def _last_point_before(self, step: int) -> int:
-        """The last point of the grid that is not after a step."""
-        return 0 if self._period is None else floor(step * self._time_step / self._period + 1e-9)
+    def _last_point_before(self, time: float) -> int:
+        """The last point of the grid that is not after a time."""
+        return 0 if self._period is None else floor(time / self._period + 1e-9)
 
 
 class ScheduledCommand:
@@ -59,22 +57,25 @@ class ScheduledCommand:
 
     Args:
         command: what to publish when.
-        time_step: the physics step (s).
+
+    Attributes:
+        topic: where it is published.
+        data: what.
+        published: how often it has been.
     """
 
-    def __init__(self, command: Command, time_step: float):
+    def __init__(self, command: Command):
         self.topic = command.topic
         self.data = command.data
+        self.published = 0
         self._command = command
-        self._time_step = time_step
-        self._published = 0
 
-    def due_step(self) -> float:
+    def due_step(self, time_step: float) -> float:
         """The step at which it is next published; infinite when it has been for the last time."""
         if self._command.period is None:
-            return inf if self._published else step_at(self._command.time, self._time_step)
-        return step_at(self._command.time + self._published * self._command.period, self._time_step)
+            return inf if self.published else step_at(self._command.time, time_step)
+        return step_at(self._command.time + self.published * self._command.period, time_step)
 
     def pass_step(self) -> None:
         """Notes that it was published."""
-        self._published += 1
+        self.published += 1

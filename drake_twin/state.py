@@ -33,18 +33,20 @@ class RobotState:
     base_pose: tuple[float, ...]
 
 
-def read_robot_state(built: TwinDiagram, plant_context: Context, plan: RobotPlan) -> RobotState:
+def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan) -> RobotState:
     """The state of one robot.
 
     Args:
         built: the diagram.
-        plant_context: its plant's context.
+        context: its root context.
         plan: the robot.
     """
     parts, plant = built.robots[plan.name], built.plant
+    plant_context = plant.GetMyContextFromRoot(context)
     layout = parts.layout
     state = plant.GetPositionsAndVelocities(plant_context, parts.instance)
-    efforts = np.asarray(plant.get_net_actuation_output_port(parts.instance).Eval(plant_context))
+    publisher = built.parts[plan.name].joint_states
+    efforts = publisher.efforts(publisher.GetMyContextFromRoot(context))
     names = tuple(joint.name for joint in plan.description.movable_joints)
     root = plant.GetBodyByName(plan.model.root_body, parts.instance)
     pose = plant.EvalBodyPoseInWorld(plant_context, root)

@@ -7,27 +7,31 @@ repeatable to the last bit.
 import logging
 import time as wall_clock
 from collections.abc import Callable, Mapping
-from math import floor, isfinite
+from dataclasses import replace
+from fractions import Fraction
+from math import floor, isfinite, lcm
 from numbers import Real
 from typing import Any
 
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
-from pydrake.systems.analysis import InitializeParams, Simulator, SimulatorStatus
+from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 
 from drake_twin.action import ActionGoal
 from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic, build_twin_diagram
+from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.robot_control import RobotControl
-from drake_twin.scenario import LONGEST_TIME, Scenario, ScenarioError
+from drake_twin.running import Running
+from drake_twin.scenario import LONGEST_TIME, Robot, Scenario, ScenarioError
 from drake_twin.schedule import ScheduledCommand, Subscription, step_at
 from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
 from drake_twin.systems.controller import Interface
 
 _FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
 _MOST_STEPS_A_FRAME = 10_000
+_LONGEST_WAIT = 3600.0  # for two step lengths to meet (simulated s)
 
 _log = logging.getLogger(__name__)
 
@@ -45,14 +49,10 @@ class Twin:
 
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None):
         self.scenario = scenario
-        self._built = build_twin_diagram(scenario, meshcat)
-        self._simulator = Simulator(self._built.diagram)
-        self._context = self._simulator.get_mutable_context()
-        self._plant_context = self._built.plant.GetMyContextFromRoot(self._context)
+        self._meshcat = meshcat
         self._subscriptions: list[Subscription] = []
-        self._controls = {
-            plan.name: RobotControl(self._built, plan, self._context, self._clear) for plan in self._built.plans
-        }
+        self._controls: dict[str, RobotControl] = {}
+        self._run(Running(scenario, meshcat))
         self._queue: list[tuple[str, Any]] = []
         self._goals: list[ActionGoal] = []
         self._silenced: set[str] = set()
@@ -60,6 +60,7 @@ class Twin:
         self.paused = False
         self._advancing = False
         self._real_time_rate = 1.0
+        self._next_time_step: float | None = None
         self._start()
         for index, command in enumerate(scenario.commands):
             try:
@@ -69,16 +70,54 @@ class Twin:
 
     def _start(self) -> None:
         self._step = 0
-        self._built.fix_commands(self._context)
+        self._running.start_at_rest()
         self._commands: dict[str, Any] = {}
-        self._expiries: dict[str, int] = {}
-        self._schedule = [ScheduledCommand(command, self.scenario.time_step) for command in self.scenario.commands]
-        try:
-            for control in self._controls.values():
+        self._expiries: dict[str, float] = {}
+        self._schedule = [ScheduledCommand(command) for command in self.scenario.commands]
+        for control in self._controls.values():
+            control.start()
+        self._running.initialize()
+
+    def _run(self, running: Running) -> None:
+        """Goes on with a diagram."""
+        self._running = running
+        self._built = running.built
+        self._simulator = running.simulator
+        self._context = running.context
+        self._plant_context = running.plant_context
+        controls = {}
+        for plan in self._built.plans:
+            controls[plan.name] = self._controls.get(plan.name) or RobotControl(plan, self._clear)
+            controls[plan.name].use(self._built, self._context)
+        self._controls = controls
+
+    def _rebuild(self, scenario: Scenario) -> None:
+        """Goes on with a diagram of another scenario, with every state that has a place in it."""
+        running, old = Running(scenario, self._meshcat, self._built), self._running
+        known = set(self._controls)
+        running.carry_over(old)
+        kept = [self._controls[plan.name] for plan in running.built.plans if plan.name in self._controls]
+        for goal in self._goals:
+            if not goal.is_of(kept):
+                goal.drop()
+        self._goals = [goal for goal in self._goals if goal.is_of(kept)]
+        self.scenario = scenario
+        self._run(running)
+        for name, control in self._controls.items():
+            if name not in known:
                 control.start()
-            self._simulator.Initialize()
-        except (RuntimeError, SystemExit) as error:
-            raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
+        values, expiries, self._commands, self._expiries = self._commands, self._expiries, {}, {}
+        for topic, value in values.items():
+            if topic in self._built.commanded or topic in self._built.actions:
+                self._set_command(topic, value)
+        self._expiries = {topic: time for topic, time in expiries.items() if topic in self._commands}
+        self._queue = [entry for entry in self._queue if self._knows(entry[0])]
+        self._schedule = [item for item in self._schedule if self._knows(item.topic)]
+        running.initialize()
+        old.discard()
+
+    def _knows(self, topic: str) -> bool:
+        return topic in self._built.commanded or topic in self._built.actions
 
     @property
     def diagram(self) -> Any:
@@ -124,6 +163,58 @@ class Twin:
     def not_started(self) -> tuple[str, ...]:
         """What the files ask for and the twin does not start, each with the reason."""
         return self._built.not_started
+
+    def spawn(self, robot: Robot) -> None:
+        """Brings a robot into the world; all others go on as they were.
+
+        Args:
+            robot: the robot, as a scenario has it. Its controllers are active at once.
+
+        Raises:
+            InputError: there is one of its name already, or its files cannot be used; nothing is changed then.
+        """
+        self._refuse_inside_callback("spawn")
+        if any(known.name == robot.name for known in self.scenario.robots):
+            raise InputError(f"Entity [{robot.name}] already exists.")
+        self._rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
+
+    def delete(self, robot: str) -> None:
+        """Takes a robot out of the world, and its topics with it; all others go on as they were.
+
+        Raises:
+            InputError: there is no such robot, or it is the last one.
+        """
+        self._refuse_inside_callback("delete")
+        if robot not in self.robots:
+            raise InputError(f"Entity [{robot}] does not exist.", value=str(robot), valid=self.robots)
+        kept = tuple(item for item in self.scenario.robots if item.name != robot)
+        if not kept:
+            raise InputError(f"Entity [{robot}] is the last one: a twin needs at least one robot.")
+        own = {topic for topic, item in self._built.commanded.items() if item.robot == robot}
+        commands = tuple(command for command in self.scenario.commands if command.topic not in own)
+        self._rebuild(replace(self.scenario, robots=kept, commands=commands))
+
+    @property
+    def time_step(self) -> float:
+        """The physics step (s)."""
+        return self.scenario.time_step
+
+    def set_time_step(self, time_step: float) -> None:
+        """Changes the physics step; it takes effect at the next multiple of it, and changes no state.
+
+        Args:
+            time_step: the new step (s).
+
+        Raises:
+            InputError: no step that simulates robots, or no multiple of it is ever met by the present one.
+        """
+        if not _is_number(time_step):
+            raise InputError(f"{time_step!r} is not a step: it must be above zero")
+        scenario = replace(self.scenario, time_step=float(time_step))  # which refuses what is no step
+        self._switching_step(scenario.time_step)
+        self._next_time_step = scenario.time_step
+        if not self._advancing:
+            self._switch_time_step()
 
     @property
     def real_time_rate(self) -> float:
@@ -239,9 +330,8 @@ class Twin:
             value = control.read(item, goal)
         except CommandError as error:
             raise error.about(f"{action}: the goal is rejected") from None
-        controller, context = control.controllers[item.controller], control.context_of(item.controller)
         self._set_command(action, value)  # at once: the controller counts goals, and may be told to cancel this one
-        sent = ActionGoal(action, item.type, value.id, controller, context, on_result)
+        sent = ActionGoal(action, item.type, value.id, control, item.controller, on_result)
         self._goals.append(sent)
         return sent
 
@@ -305,7 +395,7 @@ class Twin:
         own_rate = self._published(topic).rate
         rate = own_rate and (rate or own_rate)
         period = None if rate is None else 1.0 / rate
-        subscription = Subscription(topic, callback, period, self.scenario.time_step, self._step)
+        subscription = Subscription(topic, callback, period, self.time)
         self._subscriptions.append(subscription)
         return lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None
 
@@ -343,7 +433,7 @@ class Twin:
         Raises:
             InputError: no such robot.
         """
-        return read_robot_state(self._built, self._plant_context, self._plan(robot))
+        return read_robot_state(self._built, self._context, self._plan(robot))
 
     def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
         """Puts joints where they are told to be, at once and without forces; their velocities stay.
@@ -430,8 +520,6 @@ class Twin:
             goal.drop()
         self._goals.clear()
         self._silenced.clear()
-        self._built.diagram.SetDefaultContext(self._context)
-        self._context.SetTime(0.0)
         self._start()
         for subscription in self._subscriptions:
             subscription.restart()
@@ -526,11 +614,14 @@ class Twin:
             raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
 
     def _advance_in_slices(self, target: int) -> None:
-        time_step = self.scenario.time_step
         while self._step < target and not self.paused:
+            time_step = self.scenario.time_step
             self._deliver()
             if self.paused:
                 return
+            if self._switch_time_step():
+                target = step_at(target * time_step, self.scenario.time_step)
+                continue
             self._apply_commands()
             next_step = self._next_stop(target)
             try:
@@ -552,6 +643,31 @@ class Twin:
                 control.give_up_faulty()
             self._goals = [goal for goal in self._goals if not goal.deliver()]
 
+    def _switching_step(self, time_step: float) -> int:
+        """The step, from the present one on, at which another step length meets its own grid.
+
+        Raises:
+            InputError: it never does, within an hour.
+        """
+        old, new = (Fraction(step).limit_denominator(10**9) for step in (self.scenario.time_step, time_step))
+        common = lcm(old.numerator * new.denominator, new.numerator * old.denominator)
+        every = common // (old.numerator * new.denominator)  # in steps of the old length
+        if every * self.scenario.time_step > _LONGEST_WAIT:
+            raise InputError(f"a step of {time_step:g} s never meets the present one of {self.scenario.time_step:g} s")
+        return -(-self._step // every) * every
+
+    def _switch_time_step(self) -> bool:
+        """Takes up the next step length if its time has come; returns whether it has."""
+        new = self._next_time_step
+        if new is None or self._switching_step(new) != self._step:
+            return False
+        self._next_time_step = None
+        if new != self.scenario.time_step:
+            step = step_at(self.time, new)
+            self._rebuild(replace(self.scenario, time_step=new))
+            self._step = step
+        return True
+
     def _advance_for(self, wall_time: float, end: int | None) -> None:
         """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
         start = wall_clock.perf_counter()
@@ -564,11 +680,12 @@ class Twin:
     def _apply_commands(self) -> None:
         due = []
         for scheduled in self._schedule:
-            if scheduled.due_step() == self._step:
+            if scheduled.due_step(self.scenario.time_step) <= self._step:
                 if scheduled.topic not in self._silenced:
                     due.append(scheduled)
                 scheduled.pass_step()
-        for topic in [topic for topic, step in self._expiries.items() if step <= self._step]:
+        now = self.time + 1e-9
+        for topic in [topic for topic, time in self._expiries.items() if time <= now]:
             self._set_command(topic, None)
         waiting, self._queue = self._queue, []
         for scheduled in due:
@@ -600,7 +717,7 @@ class Twin:
         self._commands[topic] = value
         timeout = self._controls[item.robot].controllers[item.controller].timeout(item.name)
         if timeout is not None and isfinite(timeout):
-            self._expiries[topic] = self._step + max(1, step_at(timeout, self.scenario.time_step))
+            self._expiries[topic] = self.time + max(timeout, self.scenario.time_step)
 
     def _clear(self, robot: str, controller: str) -> None:
         """Forgets what was commanded of a controller."""
@@ -614,18 +731,22 @@ class Twin:
 
     def _deliver(self) -> None:
         # Callbacks may subscribe and end subscriptions, theirs and others'.
-        while due := [item for item in self._subscriptions if item.due_step() <= self._step]:
+        while due := [item for item in self._subscriptions if item.due_step(self.scenario.time_step) <= self._step]:
             for subscription in (item for item in due if item in self._subscriptions):
-                message = self.latest(subscription.topic)
-                subscription.pass_step(self._step)
+                known = subscription.topic in self._built.published  # its robot may have gone
+                message = self.latest(subscription.topic) if known else None
+                subscription.pass_time(self.time)
                 if message is not None:
                     subscription.callback(message)
 
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
-        due = [item.due_step() for item in self._schedule]
-        due += [item.due_step() for item in self._subscriptions]
-        due += self._expiries.values()
+        time_step = self.scenario.time_step
+        due = [item.due_step(time_step) for item in self._schedule]
+        due += [item.due_step(time_step) for item in self._subscriptions]
+        due += [step_at(time, self.scenario.time_step) for time in self._expiries.values()]
+        if self._next_time_step is not None:
+            due.append(self._switching_step(self._next_time_step))
         return int(min([target, *(step for step in due if step > self._step)]))
 
 

@@ -1,6 +1,6 @@
 """The one MultibodyPlant and SceneGraph of a twin: the world, the robots, their actuators and where they start."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite
@@ -50,7 +50,11 @@ class PlantOfTwin:
 
 
 def add_plant(
-    builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan], world_file: WorldFile | None = None
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    plans: Sequence[RobotPlan],
+    world_file: WorldFile | None = None,
+    known_gains: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
 ) -> PlantOfTwin:
     """Adds the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
 
@@ -59,6 +63,7 @@ def add_plant(
         scenario: the world and the step.
         plans: the robots, in the scenario's order.
         world_file: what the scenario's world file says.
+        known_gains: robot → the gains of its actuators, where they were found before.
 
     Raises:
         InputError: a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
@@ -81,7 +86,7 @@ def add_plant(
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
             if plan.description.base_joints:
                 limit_planar_efforts(plant, scene_graph, instances[plan.name])
-        gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans])
+        gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans], known_gains)
     robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings), world_models)
 

@@ -42,6 +42,7 @@ class RobotDiagram:
         diagram: the sub-diagram.
         controllers: controller name → its system, in the order in which they are activated.
         servo: puts their values together; None for a robot without actuators.
+        joint_states: its joint-state publisher.
         joints: the joint of each actuator; None for one that models friction.
         plant_inputs: its input ports that take a port of the plant of all robots, which is only there for sensors.
         warnings: update rates that cannot be met, parameters without effect.
@@ -50,6 +51,7 @@ class RobotDiagram:
     diagram: Diagram
     controllers: dict[str, Controller]
     servo: JointServo | None
+    joint_states: JointStatePublisher
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
     warnings: tuple[str, ...] = ()
@@ -101,7 +103,7 @@ def build_robot_diagram(
     builder.ExportOutput(ground_truth.get_odom_output_port(), "ground_truth/odom")
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, joints, plant_inputs, warnings)
+    return RobotDiagram(diagram, controllers, servo, joint_states, joints, plant_inputs, warnings)
 
 
 def _free_name(builder: DiagramBuilder, name: str) -> str:

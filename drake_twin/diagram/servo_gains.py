@@ -4,7 +4,7 @@ They follow from the joint's own inertia and load over its range, so that a robo
 never depend on another's. Which of a joint's gains are in force follows from the command interface that drives it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,25 +108,34 @@ class ServoGains:
 
 
 def servo_gains(
-    plant: MultibodyPlant, robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]]
+    plant: MultibodyPlant,
+    robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
+    known: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
 ) -> dict[str, tuple[ServoGains | None, ...]]:
     """The gains of every robot's actuators, in their order; None for one that models friction.
 
     The friction's own gains are set once and for all; the servos' are put in force with `set_gains`.
+
+    Args:
+        plant: the finalized plant.
+        robots: the robots in it.
+        known: gains that were found before.
     """
+    known = known or {}
     servos: list[tuple[RobotPlan, JointActuator]] = []
     for plan, instance, _ in robots:
         for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices(instance)):
             if actuator.name().endswith(FRICTION_SUFFIX):
                 actuator.set_controller_gains(PdControllerGains(p=0.0, d=actuator.effort_limit() / _CREEP))
-            else:
+            elif plan.name not in known:
                 servos.append((plan, actuator))
+    new = [robot for robot in robots if robot[0].name not in known]
     gains = {
         actuator.index(): ServoGains(position_gains(load, plan.position_time_constant), velocity_gains(load))
-        for (plan, actuator), load in zip(servos, _joint_loads(plant, robots, servos), strict=True)
+        for (plan, actuator), load in zip(servos, _joint_loads(plant, new, servos), strict=True)
     }
     return {
-        plan.name: tuple(gains.get(index) for index in plant.GetJointActuatorIndices(instance))
+        plan.name: known.get(plan.name) or tuple(gains.get(index) for index in plant.GetJointActuatorIndices(instance))
         for plan, instance, _ in robots
     }
 

@@ -12,14 +12,14 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPor
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
-from drake_twin.description.world_file import read_world
+from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.controller_plan import ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_diagram import PUBLISHED, RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.errors import InputError
-from drake_twin.scenario import Scenario
+from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.transform_broadcaster import FixedFrame, TransformBroadcaster
 
@@ -91,6 +91,8 @@ class TwinDiagram:
     actions: dict[str, CommandTopic]
     parts: dict[str, RobotDiagram]
     visualizer: MeshcatVisualizer | None
+    world: World
+    world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     warnings: tuple[str, ...]
     not_started: tuple[str, ...]
@@ -101,21 +103,34 @@ class TwinDiagram:
             topic.port.FixValue(context, AbstractValue.Make(None))
 
 
-def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> TwinDiagram:
+def build_twin_diagram(
+    scenario: Scenario, meshcat: Meshcat | None = None, known: TwinDiagram | None = None
+) -> TwinDiagram:
     """Builds a scenario's diagram.
 
     Args:
         scenario: what to build.
         meshcat: the page to draw on.
+        known: a diagram that was built before: robots and worlds that it has, too, are not read again.
 
     Raises:
         InputError: a file, a robot or a frame that cannot be used.
     """
     packages = PackageIndex(scenario.package_paths)
-    plans = tuple(plan_robot(robot, packages, ("robots", index)) for index, robot in enumerate(scenario.robots))
+    known_plans = {} if known is None else {plan.name: plan for plan in known.plans}
+    plans = tuple(
+        known_plans[robot.name]
+        if robot.name in known_plans and known_plans[robot.name].robot == robot
+        else plan_robot(robot, packages, ("robots", index))
+        for index, robot in enumerate(scenario.robots)
+    )
+    known_gains = {plan.name: known.robots[plan.name].gains for plan in plans if known and plan in known.plans}
     builder = DiagramBuilder()
-    world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
-    parts = add_plant(builder, scenario, plans, world_file)
+    if known is not None and known.world == scenario.world:
+        world_file = known.world_file
+    else:
+        world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
+    parts = add_plant(builder, scenario, plans, world_file, known_gains)
     topics = _Topics(builder)
     robots = {plan.name: _add_robot(builder, parts, plan, topics) for plan in plans}
     broadcaster = _add_transform_broadcaster(builder, scenario, plans, robots)
@@ -152,6 +167,8 @@ def build_twin_diagram(scenario: Scenario, meshcat: Meshcat | None = None) -> Tw
         },
         parts=robots,
         visualizer=visualizer,
+        world=scenario.world,
+        world_file=world_file,
         world_models=parts.world_models,
         warnings=(
             *(warning for plan in plans for warning in (*plan.warnings, *robots[plan.name].warnings)),

@@ -78,6 +78,14 @@ class JointStateBroadcasterParameters:
 _ALL = JointStateBroadcasterParameters()
 
 
+@dataclass(frozen=True)
+class _Efforts:
+    """Efforts of the last step before the plant was built anew, and when that was (s)."""
+
+    time: float | None = None
+    efforts: tuple[float, ...] = ()
+
+
 class JointStatePublisher(LeafSystem):
     """Puts a robot's state into ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
@@ -140,12 +148,14 @@ class JointStatePublisher(LeafSystem):
         self._places = {
             joint: (tuple(where), np.array([*where.values()], dtype=int)) for joint, where in places.items()
         }
+        self._remembered = self.DeclareAbstractState(AbstractValue.Make(_Efforts()))
         self._state = self.DeclareVectorInputPort("state", layout.size)
         self._net_actuation = self.DeclareVectorInputPort("net_actuation", layout.num_actuators)
         prerequisites = {
             self.time_ticket(),
             self.input_port_ticket(self._state.get_index()),
             self.input_port_ticket(self._net_actuation.get_index()),
+            self.abstract_state_ticket(self._remembered),
         }
         self._joint_states = self.DeclareAbstractOutputPort(
             "joint_states", lambda: AbstractValue.Make(None), weakly(self._calc_joint_states), prerequisites
@@ -173,8 +183,19 @@ class JointStatePublisher(LeafSystem):
         """The port ``dynamic_joint_states``."""
         return self._dynamic_joint_states
 
+    def remember_efforts(self, context: Context, efforts: np.ndarray) -> None:
+        """Efforts to publish at the present time, which a plant that has just been built does not know."""
+        context.SetAbstractState(int(self._remembered), _Efforts(context.get_time(), tuple(map(float, efforts))))
+
+    def efforts(self, context: Context) -> np.ndarray:
+        """The efforts that the robot's actuators applied in the last step (N·m or N)."""
+        remembered: _Efforts = context.get_abstract_state(int(self._remembered)).get_value()
+        if remembered.time == context.get_time():
+            return np.array(remembered.efforts)
+        return np.asarray(self._net_actuation.Eval(context))
+
     def _values(self, context: Context) -> np.ndarray:
-        return np.concatenate([self._state.Eval(context), self._net_actuation.Eval(context), [np.nan, 0.0]])
+        return np.concatenate([self._state.Eval(context), self.efforts(context), [np.nan, 0.0]])
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         values = self._values(context)[self._gather]

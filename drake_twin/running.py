@@ -1,0 +1,131 @@
+"""A diagram that runs: its simulator and context, and what becomes of them when the diagram is built anew.
+
+A plant cannot change once it is finalized. When a robot comes or goes, or the step changes, the diagram is built anew,
+and every state is carried over by name; the old one is let go of, so that its memory comes back.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import Meshcat
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, Diagram
+
+from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
+from drake_twin.errors import RunError
+from drake_twin.scenario import Scenario
+from drake_twin.systems.controller import PeriodicController
+from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
+
+# pydrake ties a simulator, its diagram and its systems to each other in here, and never lets go of any (drake#22515).
+_PEERS = "_pydrake_internal_ref_cycle_peers"
+
+
+class Running:
+    """A scenario's diagram with its simulator.
+
+    Args:
+        scenario: what to run.
+        meshcat: the page to draw on.
+        known: a diagram that was built before; what it shares with this one is not made again.
+
+    Attributes:
+        built: the diagram.
+        simulator: its simulator.
+        context: the root context.
+        plant_context: the plant's part of it.
+    """
+
+    def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None, known: TwinDiagram | None = None):
+        self.built = build_twin_diagram(scenario, meshcat, known)
+        self.simulator = Simulator(self.built.diagram)
+        self.context: Context = self.simulator.get_mutable_context()
+        self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
+
+    def initialize(self) -> None:
+        """Makes the simulator begin at the context's time and state.
+
+        Raises:
+            RunError: Drake cannot.
+        """
+        try:
+            self.simulator.Initialize()
+        except (RuntimeError, SystemExit) as error:
+            raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
+
+    def start_at_rest(self) -> None:
+        """Puts the context into its default state at time zero, with no command on any port."""
+        self.built.diagram.SetDefaultContext(self.context)
+        self.context.SetTime(0.0)
+        self.built.fix_commands(self.context)
+
+    def carry_over(self, old: "Running") -> None:
+        """Takes time and states from another diagram, by name: joints, bases, moving models, controllers, servos."""
+        self.context.SetTime(old.context.get_time())
+        self.built.fix_commands(self.context)
+        for name, parts in self.built.robots.items():
+            if name in old.built.robots:
+                self._carry_robot(name, old)
+                efforts = old.built.plant.get_net_actuation_output_port(old.built.robots[name].instance)
+                self.remember_efforts(name, efforts.Eval(old.plant_context))
+                assert parts.layout == old.built.robots[name].layout
+        for name, instances in self.built.world_models.items():
+            for new, before in zip(instances, old.built.world_models.get(name, ()), strict=False):
+                state = old.built.plant.GetPositionsAndVelocities(old.plant_context, before)
+                self.built.plant.SetPositionsAndVelocities(self.plant_context, new, state)
+
+    def remember_efforts(self, robot: str, efforts: np.ndarray) -> None:
+        """Efforts of the last step (N·m or N), which a new plant does not know until its first."""
+        publisher = self.built.parts[robot].joint_states
+        publisher.remember_efforts(publisher.GetMyMutableContextFromRoot(self.context), efforts)
+
+    def set_robot_state(self, robot: str, state: np.ndarray) -> None:
+        """Puts a robot's ``[q; v]`` where it belongs."""
+        self.built.plant.SetPositionsAndVelocities(self.plant_context, self.built.robots[robot].instance, state)
+
+    def robot_state(self, robot: str) -> np.ndarray:
+        """A robot's ``[q; v]``."""
+        instance = self.built.robots[robot].instance
+        return np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context, instance))
+
+    def samples(self, robot: str) -> dict[str, Any]:
+        """Controller → what it keeps from one update to the next."""
+        return {
+            name: controller.sample(controller.GetMyContextFromRoot(self.context))
+            for name, controller in self.built.parts[robot].controllers.items()
+            if isinstance(controller, PeriodicController | SensorBroadcaster)
+        }
+
+    def set_samples(self, robot: str, samples: Mapping[str, Any]) -> None:
+        """Puts back what controllers keep."""
+        for name, sample in samples.items():
+            controller = self.built.parts[robot].controllers[name]
+            controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
+
+    def discard(self) -> None:
+        """Lets go of the diagram, so that it can be freed."""
+        for item in (self.simulator, *_systems_and_ports_in(self.built.diagram)):
+            peers = getattr(item, _PEERS, None)
+            if peers is not None:
+                peers.clear()
+        del self.simulator, self.context, self.plant_context, self.built
+
+    def _carry_robot(self, name: str, old: "Running") -> None:
+        self.set_robot_state(name, old.robot_state(name))
+        self.set_samples(name, old.samples(name))
+        servo, before = self.built.parts[name].servo, old.built.parts[name].servo
+        if servo is not None and before is not None:
+            assignment = before.assignment(before.GetMyContextFromRoot(old.context))
+            servo.assign(servo.GetMyMutableContextFromRoot(self.context), assignment)
+
+
+def _systems_and_ports_in(diagram: Diagram) -> Iterator[Any]:
+    """A diagram, all systems in it, and their ports."""
+    for system in (diagram, *diagram.GetSystems()):
+        if isinstance(system, Diagram) and system is not diagram:
+            yield from _systems_and_ports_in(system)
+            continue
+        yield system
+        yield from map(system.get_input_port, range(system.num_input_ports()))
+        yield from map(system.get_output_port, range(system.num_output_ports()))

@@ -1,0 +1,209 @@
+"""Robots come and go, and the step changes, while all else goes on as it was."""
+
+import gc
+
+import numpy as np
+import pytest
+from conftest import ROVER, rovers
+from pydrake.systems.framework import LeafSystem
+
+from drake_twin.errors import InputError
+from drake_twin.scenario import Robot, ScenarioError
+
+NEW = Robot("new", ROVER, xyz=(-3.0, 0.0, 0.13))
+
+
+def wheels(robot):
+    return f"/{robot}/forward_velocity_controller/commands"
+
+
+@pytest.fixture
+def twin():
+    twin = rovers(3).build()
+    for index in range(1, 4):
+        twin.publish(wheels(f"robot_{index}"), [2, 3, 2, 3])
+    twin.advance_to(0.5)
+    return twin
+
+
+def states(twin, *robots):
+    return {robot: twin.robot_state(robot) for robot in robots or twin.robots}
+
+
+# Spawn and delete
+
+
+def test_a_spawn_changes_nobody_else_by_a_bit_and_all_drive_on(twin):
+    before, efforts = states(twin), twin.joint_states("robot_1").effort.tolist()
+    twin.spawn(NEW)
+    assert states(twin, *before) == before
+    assert twin.joint_states("robot_1").effort.tolist() == efforts
+    assert any(effort != 0 for effort in efforts)
+    twin.publish(wheels("new"), [4, 4, 4, 4])
+    twin.advance_to(1.5)
+    for robot in before:
+        assert twin.robot_state(robot).velocities == pytest.approx((2, 3, 2, 3), rel=0.01)
+    assert twin.robot_state("new").velocities == pytest.approx((4, 4, 4, 4), rel=0.01)
+    assert twin.time == 1.5
+
+
+def test_a_delete_changes_nobody_else_by_a_bit_and_takes_its_topics_along(twin):
+    before = states(twin, "robot_1", "robot_3")
+    twin.delete("robot_2")
+    assert twin.robots == ("robot_1", "robot_3")
+    assert states(twin) == before
+    assert not any(topic.startswith("/robot_2/") for topic in twin.topics())
+    assert not any("robot_2" in item.child_frame_id for item in twin.latest("/tf").transforms)
+    twin.advance_to(1.0)
+    assert twin.robot_state("robot_3").velocities == pytest.approx((2, 3, 2, 3), rel=0.01)
+
+
+def test_who_listens_goes_on_listening(twin):
+    seen = {"robot_1": [], "robot_2": []}
+    for robot, times in seen.items():
+        twin.subscribe(f"/{robot}/joint_states", lambda message, times=times: times.append(message.header.stamp), 10)
+    twin.advance_to(0.75)
+    twin.delete("robot_2")
+    twin.advance_to(1.05)
+    assert [len(times) for times in seen.values()] == [6, 3]
+    twin.spawn(Robot("robot_2", ROVER, xyz=(0, 2, 0.13)))
+    twin.advance_to(1.25)
+    assert [len(times) for times in seen.values()] == [8, 5]
+
+
+def test_claims_emergency_stops_and_goals_of_others_stay(twin):
+    manager = twin.controller_manager("robot_1")
+    manager.switch_controller(deactivate=["forward_velocity_controller"])
+    twin.emergency_stop("robot_2")
+    twin.spawn(NEW)
+    assert twin.controller_manager("robot_1") is manager
+    assert manager.active == ("joint_state_broadcaster",)
+    twin.advance_to(2.5)
+    assert twin.robot_state("robot_1").velocities == pytest.approx([0] * 4, abs=1e-3)
+    assert twin.robot_state("robot_2").velocities == pytest.approx([0] * 4, abs=1e-3)
+    assert manager.switch_controller(activate=["forward_velocity_controller"])
+    twin.publish(wheels("robot_1"), [1, 1, 1, 1])
+    twin.advance_to(3.0)
+    assert twin.robot_state("robot_1").velocities == pytest.approx([1] * 4, rel=0.01)
+
+
+def test_what_cannot_be_spawned_or_deleted_is_said_as_gazebo_says_it_and_nothing_changes(twin):
+    before = twin.state_sha256()
+    with pytest.raises(InputError, match=r"Entity \[robot_1\] already exists\."):
+        twin.spawn(Robot("robot_1", ROVER))
+    with pytest.raises(InputError, match=r"Entity \[robot_9\] does not exist\."):
+        twin.delete("robot_9")
+    with pytest.raises(ScenarioError, match="there is no such file"):
+        twin.spawn(Robot("new", "/nowhere/robot.urdf"))
+    with pytest.raises(InputError, match="'plant' is the name of another part"):
+        twin.spawn(Robot("plant", ROVER))
+    assert twin.state_sha256() == before
+    twin.delete("robot_1")
+    twin.delete("robot_2")
+    with pytest.raises(InputError, match="last one"):
+        twin.delete("robot_3")
+
+
+def test_nothing_spawns_inside_a_callback(twin):
+    refused = []
+
+    def spawn(message):
+        with pytest.raises(InputError, match="a callback cannot spawn"):
+            twin.spawn(NEW)
+        refused.append(True)
+
+    twin.subscribe("/clock", spawn, 10)
+    twin.advance_to(0.6)
+    assert refused
+
+
+def test_reset_keeps_who_is_there_and_begins_anew(twin):
+    twin.spawn(NEW)
+    twin.advance_to(1.0)
+    twin.reset()
+    twin.advance_to(0.2)
+    first = twin.state_sha256()
+    for _ in range(100):
+        twin.reset()
+    twin.advance_to(0.2)
+    assert twin.state_sha256() == first
+    assert twin.robots[-1] == "new"
+
+
+@pytest.mark.slow
+def test_two_hundred_spawns_and_deletes_leave_nothing_behind():
+    rng = np.random.default_rng(3)
+    twin = rovers(2).build()
+
+    def systems():
+        gc.collect()
+        return sum(isinstance(item, LeafSystem) for item in gc.get_objects())
+
+    def resident():
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1])
+
+    alone, others, sizes = systems(), 0, []
+    count = 0
+    for turn in range(200):
+        if others < 3 and (others == 0 or rng.random() < 0.5):
+            twin.spawn(Robot(f"r{count}", ROVER, xyz=(-3.0 - 2 * (count % 4), 0.0, 0.13)))
+            count, others = count + 1, others + 1
+        else:
+            twin.delete(str(rng.choice(twin.robots[2:])))
+            others -= 1
+        twin.step(2)
+        if turn >= 60:
+            sizes.append(resident())
+    for robot in twin.robots[2:]:
+        twin.delete(robot)
+    assert systems() == alone
+    assert max(sizes[-20:]) < 1.1 * max(sizes[:20])
+
+
+# The physics step
+
+
+def test_a_new_step_changes_no_state_and_drives_on(twin):
+    before = states(twin)
+    twin.set_time_step(0.01)
+    assert states(twin) == before
+    assert (twin.time, twin.time_step) == (0.5, 0.01)
+    steps = twin.step_count
+    twin.advance_to(1.0)
+    assert twin.step_count - steps == 50
+    assert twin.robot_state("robot_1").velocities == pytest.approx((2, 3, 2, 3), rel=0.01)
+
+
+def test_a_new_step_waits_for_its_next_multiple(twin):
+    twin.advance_to(0.503)
+    twin.set_time_step(0.01)
+    assert twin.time_step == 0.001
+    twin.step(7)
+    twin.step()
+    assert (twin.time_step, twin.time) == (0.01, pytest.approx(0.52))
+    twin.set_time_step(0.002)
+    twin.advance_to(0.6)
+    assert (twin.time_step, twin.step_count) == (0.002, 300)
+
+
+def test_commands_and_subscriptions_keep_their_times_across_a_new_step():
+    twin = (
+        rovers(1).command(wheels("robot_1"), [2] * 4, time=0.203).command(wheels("robot_1"), [4] * 4, time=0.6).build()
+    )
+    times = []
+    twin.subscribe("/clock", lambda message: times.append(round(twin.time, 9)), 20)
+    twin.advance_to(0.1)
+    twin.set_time_step(0.01)
+    twin.advance_to(0.5)
+    assert twin.robot_state("robot_1").velocities == pytest.approx([2] * 4, rel=0.01)
+    twin.advance_to(1.0)
+    assert twin.robot_state("robot_1").velocities == pytest.approx([4] * 4, rel=0.01)
+    assert times == pytest.approx(np.arange(20) * 0.05)
+
+
+@pytest.mark.parametrize("step", [0, -0.001, float("nan"), "fast", 1e-9, 5.0])
+def test_a_step_that_is_none_is_refused(twin, step):
+    with pytest.raises(InputError):
+        twin.set_time_step(step)
+    assert twin.time_step == 0.001
