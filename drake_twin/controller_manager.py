@@ -94,6 +94,17 @@ class ControllerManager:
         """Goes back to the states at the start, without telling anybody."""
         self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
 
+    def take_up(self, states: Mapping[str, str]) -> None:
+        """Goes back to states that were asked for before, without telling anybody.
+
+        Raises:
+            ValueError: a controller that the parameters files lack, or a state that is none.
+        """
+        for name, state in states.items():
+            if name not in self._plans or state not in (UNCONFIGURED, INACTIVE, ACTIVE):
+                raise ValueError(f"controller {name!r} cannot be {state!r}")
+        self._states = dict(states)
+
     @property
     def states(self) -> dict[str, str]:
         """Loaded controller → unconfigured, inactive or active, in the order of loading."""

@@ -16,7 +16,9 @@ from drake_twin.diagram.servo_assignment import assign, holds_after
 from drake_twin.diagram.servo_gains import set_gains
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
 from drake_twin.errors import CommandError
-from drake_twin.systems.controller import Controller
+from drake_twin.plain_data import from_plain, to_plain
+from drake_twin.systems.controller import Controller, PeriodicController
+from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
 _log = logging.getLogger(__name__)
 
@@ -121,6 +123,31 @@ class RobotControl:
             self.stopped = False
             active = tuple(name for name in self.manager.active)
             self._switch(active, active)
+
+    def snapshot(self) -> dict[str, Any]:
+        """What of the robot's controllers goes on from here: their states, what they keep, the servos' assignment."""
+        samples: dict[str, Any] = {}
+        for name, controller in self.controllers.items():
+            if isinstance(controller, PeriodicController | SensorBroadcaster):
+                samples[name] = to_plain(controller.sample(self.context_of(name)))
+        servo = self._parts.servo
+        return {
+            "controllers": self.manager.states,
+            "samples": samples,
+            "servo": None if servo is None else to_plain(servo.assignment(servo.GetMyContextFromRoot(self._context))),
+            "stopped": self.stopped,
+        }
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Goes back to what `snapshot` gave."""
+        self.manager.take_up(saved["controllers"])
+        self.stopped = bool(saved["stopped"])
+        for name, sample in saved["samples"].items():
+            self.context_of(name).SetAbstractState(0, from_plain(sample))
+        servo = self._parts.servo
+        if servo is not None and saved["servo"] is not None:
+            servo.assign(servo.GetMyMutableContextFromRoot(self._context), from_plain(saved["servo"]))
+        self._put_gains_in_force()
 
     def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:
         before = self._set_points()

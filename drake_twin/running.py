@@ -67,8 +67,7 @@ class Running:
         for name, parts in self.built.robots.items():
             if name in old.built.robots:
                 self._carry_robot(name, old)
-                efforts = old.built.plant.get_net_actuation_output_port(old.built.robots[name].instance)
-                self.remember_efforts(name, efforts.Eval(old.plant_context))
+                self.remember_efforts(name, old.efforts(name))
                 assert parts.layout == old.built.robots[name].layout
         for name, instances in self.built.world_models.items():
             for new, before in zip(instances, old.built.world_models.get(name, ()), strict=False):
@@ -88,6 +87,25 @@ class Running:
         """A robot's ``[q; v]``."""
         instance = self.built.robots[robot].instance
         return np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context, instance))
+
+    def efforts(self, robot: str) -> np.ndarray:
+        """The efforts that a robot's actuators applied in the last step (N·m or N)."""
+        publisher = self.built.parts[robot].joint_states
+        return publisher.efforts(publisher.GetMyContextFromRoot(self.context))
+
+    def model_states(self) -> dict[str, list[list[float]]]:
+        """What moves in the world and is no robot → ``[q; v]`` of each of its model instances."""
+        plant = self.built.plant
+        return {
+            name: [plant.GetPositionsAndVelocities(self.plant_context, instance).tolist() for instance in instances]
+            for name, instances in self.built.world_models.items()
+        }
+
+    def set_model_states(self, states: Mapping[str, list[list[float]]]) -> None:
+        """Puts them back."""
+        for name, vectors in states.items():
+            for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
+                self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
     def samples(self, robot: str) -> dict[str, Any]:
         """Controller → what it keeps from one update to the next."""

@@ -43,9 +43,9 @@ class Subscription:
         """Notes a delivery at a time (s), and moves on to the grid point after it."""
         self._next_point = self._last_point_before(time) + 1
 
-    def restart(self) -> None:
-        """Begins again at time zero."""
-        self._next_point = 0
+    def begin(self, time: float) -> None:
+        """Begins again at a time (s), as if it had been made then."""
+        self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
         """The last point of the grid that is not after a time."""

@@ -13,6 +13,7 @@ from math import floor, isfinite, lcm
 from numbers import Real
 from typing import Any
 
+import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
@@ -22,10 +23,12 @@ from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError, RunError
+from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.robot_control import RobotControl
 from drake_twin.running import Running
-from drake_twin.scenario import LONGEST_TIME, Robot, Scenario, ScenarioError
+from drake_twin.scenario import LONGEST_TIME, Robot, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
 from drake_twin.schedule import ScheduledCommand, Subscription, step_at
+from drake_twin.snapshot import Snapshot
 from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
 from drake_twin.systems.controller import Interface
 
@@ -193,6 +196,82 @@ class Twin:
         own = {topic for topic, item in self._built.commanded.items() if item.robot == robot}
         commands = tuple(command for command in self.scenario.commands if command.topic not in own)
         self._rebuild(replace(self.scenario, robots=kept, commands=commands))
+
+    def snapshot(self) -> Snapshot:
+        """The twin at this moment; `restore` goes back to it, in this process or another.
+
+        Goals on their way go on inside their controllers, but nobody is told of their end.
+
+        Raises:
+            InputError: called inside a callback.
+        """
+        self._refuse_inside_callback("take a snapshot of")
+        self._put_queued()
+        running = self._running
+        robots = {}
+        for name, control in self._controls.items():
+            state = self.robot_state(name)
+            robots[name] = {
+                "state": running.robot_state(name).tolist(),
+                "joints": {
+                    joint: [position, velocity]
+                    for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
+                },
+                "base_pose": list(state.base_pose),
+                "efforts": running.efforts(name).tolist(),
+                **control.snapshot(),
+            }
+        return Snapshot(
+            scenario=scenario_to_yaml(self.scenario),
+            time_step=self.time_step,
+            step=self._step,
+            robots=robots,
+            models=running.model_states(),
+            commands={topic: to_plain(value) for topic, value in self._commands.items()},
+            expiries=dict(self._expiries),
+            schedule=[item.published for item in self._schedule],
+            silenced=sorted(self._silenced),
+        )
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Goes back to a moment: robots, time, states, controllers and commands are as they were then.
+
+        Subscriptions stay. Commands published and not yet applied are dropped.
+
+        Raises:
+            InputError: the snapshot cannot be used; or called inside a callback.
+        """
+        self._refuse_inside_callback("restore")
+        scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
+        for goal in self._goals:
+            goal.drop()
+        self._goals.clear()
+        self._queue.clear()
+        self._next_time_step = None
+        if scenario != self.scenario:
+            self._rebuild(scenario)
+        self._start()
+        try:
+            self._step = int(snapshot.step)
+            self._context.SetTime(self.time)
+            self._running.set_model_states(snapshot.models)
+            for name, saved in snapshot.robots.items():
+                self._running.set_robot_state(name, np.array(saved["state"]))
+                self._running.remember_efforts(name, np.array(saved["efforts"]))
+                self._controls[name].restore(saved)
+            for topic, value in snapshot.commands.items():
+                self._set_command(topic, from_plain(value))
+            self._expiries = dict(snapshot.expiries)
+            for item, published in zip(self._schedule, snapshot.schedule, strict=True):
+                item.published = int(published)
+        except (KeyError, TypeError, ValueError, RuntimeError, InputError, SystemExit) as error:  # Drake's checks exit
+            self.reset()
+            reason = " ".join(str(error).split())
+            raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None
+        self._silenced = set(snapshot.silenced)
+        self._running.initialize()
+        for subscription in self._subscriptions:
+            subscription.begin(self.time)
 
     @property
     def time_step(self) -> float:
@@ -522,7 +601,7 @@ class Twin:
         self._silenced.clear()
         self._start()
         for subscription in self._subscriptions:
-            subscription.restart()
+            subscription.begin(0.0)
 
     def draw(self) -> None:
         """Draws the present state on the page, if there is one."""
@@ -697,12 +776,12 @@ class Twin:
             self._set_command(topic, value)
         self._queue = []
 
-    def _put_queued(self, action: CommandTopic) -> None:
-        """Puts what waits for an action's controller onto its ports, so that it comes before a goal."""
+    def _put_queued(self, action: CommandTopic | None = None) -> None:
+        """Puts what waits onto its ports, or only what waits for an action's controller, so that it precedes a goal."""
         waiting, self._queue = self._queue, []
         for topic, value in waiting:
             item = self._built.commanded[topic]
-            if (item.robot, item.controller) == (action.robot, action.controller):
+            if action is None or (item.robot, item.controller) == (action.robot, action.controller):
                 self._set_command(topic, value)
             else:
                 self._queue.append((topic, value))

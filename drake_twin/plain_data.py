@@ -1,0 +1,91 @@
+"""Frozen values as plain data that JSON holds without loss, and back: what controllers keep, messages on ports.
+
+A mapping with the key ``!`` stands for what JSON has no word for: a tuple, an array, a number that is not finite, a
+dataclass of this package, a ROS message. Numbers come back to the last bit.
+"""
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from importlib import import_module
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from drake_twin import messages
+from drake_twin.errors import InputError
+
+_PACKAGE = "drake_twin."
+
+
+def to_plain(value: Any) -> Any:
+    """A value as plain data.
+
+    Raises:
+        TypeError: a value of a kind that is none of those above.
+    """
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else {"!": "float", "value": repr(float(value))}
+    if isinstance(value, np.ndarray):
+        return {
+            "!": "array",
+            "type": value.dtype.str,
+            "shape": list(value.shape),
+            "data": to_plain(value.ravel().tolist()),
+        }
+    if isinstance(value, np.generic):
+        return to_plain(value.item())
+    if hasattr(value, "__msgtype__"):
+        return {"!": value.__msgtype__, **{item.name: to_plain(getattr(value, item.name)) for item in fields(value)}}
+    if is_dataclass(value) and not isinstance(value, type) and type(value).__module__.startswith(_PACKAGE):
+        kind = f"{type(value).__module__}:{type(value).__qualname__}"
+        return {"!": kind, **{item.name: to_plain(getattr(value, item.name)) for item in fields(value) if item.init}}
+    if isinstance(value, tuple):
+        if hasattr(value, "_fields"):
+            return {"!": f"{type(value).__module__}:{type(value).__qualname__}", "items": [to_plain(i) for i in value]}
+        return {"!": "tuple", "items": [to_plain(item) for item in value]}
+    if isinstance(value, list):
+        return [to_plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {"!": "mapping", "items": [[to_plain(key), to_plain(item)] for key, item in value.items()]}
+    raise TypeError(f"{type(value).__name__} has no plain form")
+
+
+def from_plain(data: Any) -> Any:
+    """The value that plain data stands for.
+
+    Raises:
+        InputError: the data is none that `to_plain` makes.
+    """
+    if isinstance(data, list):
+        return [from_plain(item) for item in data]
+    if not isinstance(data, dict):
+        return data
+    try:
+        return _special(data["!"], {key: item for key, item in data.items() if key != "!"})
+    except (KeyError, TypeError, ValueError, AttributeError, ImportError) as error:
+        raise InputError(f"{messages.shortened(data)} is no saved value ({error})") from None
+
+
+def _special(kind: str, data: dict[str, Any]) -> Any:
+    if kind == "float":
+        return float(data["value"])
+    if kind == "tuple":
+        return tuple(from_plain(item) for item in data["items"])
+    if kind == "mapping":
+        return {from_plain(key): from_plain(item) for key, item in data["items"]}
+    if kind == "array":
+        return np.array(from_plain(data["data"]), dtype=np.dtype(data["type"])).reshape(data["shape"])
+    if ":" not in kind:
+        return messages.type_store().types[kind](**{key: from_plain(item) for key, item in data.items()})
+    module, _, name = kind.partition(":")
+    if not module.startswith(_PACKAGE):
+        raise ValueError(f"{kind} is not the twin's")
+    found: Any = getattr(import_module(module), name)
+    if hasattr(found, "_fields"):
+        return found(*(from_plain(item) for item in data["items"]))
+    if not hasattr(found, "__dataclass_fields__"):
+        raise ValueError(f"{kind} is no plain class")
+    return found(**{key: from_plain(item) for key, item in data.items()})

@@ -1,0 +1,174 @@
+"""Going back to a moment: in memory, from a file, in another process."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import ARM, rovers
+
+from drake_twin import Twin, TwinBuilder
+from drake_twin.errors import InputError
+from drake_twin.plain_data import from_plain, to_plain
+from drake_twin.scenario import Robot
+from drake_twin.snapshot import Snapshot
+
+WHEELS = "/robot_1/forward_velocity_controller/commands"
+
+CONTROLLERS = """controller_manager:
+  ros__parameters:
+    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}
+    arm_controller: {type: joint_trajectory_controller/JointTrajectoryController}
+    gripper: {type: velocity_controllers/JointGroupVelocityController}
+arm_controller:
+  ros__parameters:
+    joints: [joint_1, joint_2, joint_3]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+gripper: {ros__parameters: {joints: [joint_4], command_timeout: 0.4}}
+"""
+
+
+@pytest.fixture
+def arm(tmp_path):
+    (tmp_path / "controllers.yaml").write_text(CONTROLLERS)
+    twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "controllers.yaml").build()
+    point = {"positions": [1.0, 0.5, -0.5], "time_from_start": 2.0}
+    goal = {"joint_names": ["joint_1", "joint_2", "joint_3"], "points": [point]}
+    twin.send_goal("/arm/arm_controller/follow_joint_trajectory", {"trajectory": goal})
+    twin.publish("/arm/gripper/commands", [0.3])
+    twin.advance_to(0.25)
+    return twin
+
+
+def on(twin, seconds):
+    twin.advance_to(twin.time + seconds)
+    return twin.state_sha256()
+
+
+def test_a_run_goes_on_from_a_snapshot_as_it_did_the_first_time(arm):
+    snapshot = arm.snapshot()
+    first = on(arm, 3.0)
+    arm.restore(snapshot)
+    assert arm.time == 0.25
+    assert on(arm, 3.0) == first
+
+
+def test_taking_a_snapshot_changes_nothing(arm):
+    twin = Twin(arm.scenario)
+    twin.restore(arm.snapshot())
+    twin.advance_to(0.5)
+    twin.snapshot()
+    assert on(twin, 0.5) == on(arm, 0.75)
+
+
+def test_what_is_published_and_not_yet_applied_is_in_it():
+    twin = rovers(1).build()
+    twin.publish(WHEELS, [2, 2, 2, 2])
+    snapshot = twin.snapshot()
+    first = on(twin, 0.5)
+    other = rovers(1).build()
+    other.restore(snapshot)
+    assert on(other, 0.5) == first
+    assert other.robot_state("robot_1").velocities == pytest.approx([2] * 4, rel=0.01)
+
+
+def test_a_file_takes_a_run_to_another_process_bit_for_bit(arm, tmp_path):
+    arm.snapshot().save(tmp_path / "state.json")
+    program = (
+        "import sys; from drake_twin import Twin; from drake_twin.snapshot import Snapshot;"
+        "from drake_twin.scenario import ScenarioFile;"
+        "saved = Snapshot.load(sys.argv[1]); twin = Twin(ScenarioFile(saved.scenario, 'x').scenario);"
+        "twin.restore(saved); twin.advance_to(twin.time + 5.0); print(twin.state_sha256())"
+    )
+    command = [sys.executable, "-c", program, str(tmp_path / "state.json")]
+    other = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+    assert other == on(arm, 5.0)
+
+
+def test_robots_that_came_and_went_since_are_put_right():
+    twin = rovers(2).build()
+    twin.publish(WHEELS, [2, 3, 2, 3])
+    twin.advance_to(0.3)
+    snapshot = twin.snapshot()
+    first = on(twin, 0.5)
+    twin.delete("robot_2")
+    twin.spawn(Robot("new", ARM, xyz=(3, 0, 0)))
+    twin.set_time_step(0.01)
+    twin.advance_to(1.0)
+    twin.restore(snapshot)
+    assert twin.robots == ("robot_1", "robot_2")
+    assert twin.time_step == 0.001
+    assert on(twin, 0.5) == first
+
+
+def test_a_switch_a_stop_and_a_timed_command_are_in_it():
+    twin = rovers(2).command(WHEELS, [3] * 4, time=0.5).build()
+    twin.publish("/robot_2/forward_velocity_controller/commands", [5] * 4)
+    twin.advance_to(0.2)
+    twin.emergency_stop("robot_2")
+    twin.controller_manager("robot_1").switch_controller(deactivate=["joint_state_broadcaster"])
+    snapshot = twin.snapshot()
+    first = on(twin, 1.0)
+    twin.clear_emergency_stop("robot_2")
+    twin.restore(snapshot)
+    assert twin.controller_manager("robot_1").active == ("forward_velocity_controller",)
+    assert on(twin, 1.0) == first
+
+
+def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
+    file = tmp_path / "state.json"
+    arm.snapshot().save(file)
+    data = json.loads(file.read_text())
+    assert (data["format"], data["version"]) == ("drake_twin snapshot", 1)
+    assert data["robots"]["arm"]["controllers"]["arm_controller"] == "active"
+    assert set(data["robots"]["arm"]["joints"]) >= {"joint_1", "joint_2"}
+    assert Snapshot.load(file) == arm.snapshot()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "no saved state can be read"),
+        ("[]", "this is no saved state of a twin"),
+        ('{"format": "drake_twin snapshot", "version": 7}', "saved in version 7, and only 1 can be read"),
+        ('{"format": "drake_twin snapshot", "version": 1}', "a saved state has the entries"),
+    ],
+)
+def test_a_file_that_is_none_is_refused_in_words(tmp_path, text, reason):
+    (tmp_path / "state.json").write_text(text)
+    with pytest.raises(InputError, match=reason):
+        Snapshot.load(tmp_path / "state.json")
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda data: data["robots"]["arm"].update(state=[0.0]),
+        lambda data: data["robots"]["arm"]["controllers"].update(nobody="active"),
+        lambda data: data["robots"]["arm"].pop("samples"),
+        lambda data: data["robots"]["arm"]["samples"].update(arm_controller={"!": "os:system", "command": "true"}),
+        lambda data: data["commands"].update({"/nobody": None}),
+    ],
+)
+def test_a_state_that_does_not_fit_is_refused_and_the_twin_can_be_used(arm, tmp_path, spoil):
+    file = tmp_path / "state.json"
+    arm.snapshot().save(file)
+    data = json.loads(file.read_text())
+    spoil(data)
+    file.write_text(json.dumps(data))
+    with pytest.raises(InputError):
+        arm.restore(Snapshot.load(file))
+    arm.advance_to(0.1)
+    assert np.isfinite(arm.robot_state("arm").positions).all()
+
+
+@pytest.mark.parametrize(
+    "value", [None, True, 3, 0.1, float("inf"), "x", (1, (2.5,)), [1, "a"], {"a": (1,)}, np.array([[1.5, np.nan]])]
+)
+def test_plain_data_comes_back_as_it_was(value):
+    again = from_plain(json.loads(json.dumps(to_plain(value), allow_nan=False)))
+    assert type(again) is type(value)
+    np.testing.assert_array_equal(again, value) if isinstance(value, np.ndarray) else None
+    assert isinstance(value, np.ndarray) or again == value
