@@ -73,7 +73,7 @@ class ActionGoal:
     def cancel(self) -> None:
         """Ends it; the joints hold where they are."""
         if not self.is_done and self._control is not None:
-            self._control.controllers[self._name].cancel(self._control.context_of(self._name))
+            self._control.cancel(self._name)
             self._look()
 
     def deliver(self) -> bool:

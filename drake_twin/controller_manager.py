@@ -81,12 +81,19 @@ class ControllerManager:
     Args:
         plan: the robot.
         switched: told of every change: the controllers activated, those deactivated before.
+        note: told of every call that may change something: the method and its arguments.
     """
 
-    def __init__(self, plan: RobotPlan, switched: Callable[[tuple[str, ...], tuple[str, ...]], None]):
+    def __init__(
+        self,
+        plan: RobotPlan,
+        switched: Callable[[tuple[str, ...], tuple[str, ...]], None],
+        note: Callable[..., None] = lambda *call: None,
+    ):
         self._plan = plan
         self._plans = {item.name: item for item in plan.controllers}
         self._switched = switched
+        self._note = note
         self._states: dict[str, str] = {}
         self.restart()
 
@@ -162,6 +169,7 @@ class ControllerManager:
     def load_controller(self, name: str) -> Response:
         """Loads a controller of the parameters files."""
         (name,) = _names([name])
+        self._note("load_controller", name)
         if name in self._states:
             return Response(False, f"a controller named {name!r} is already loaded")
         if name not in self._plans:
@@ -173,6 +181,7 @@ class ControllerManager:
     def configure_controller(self, name: str) -> Response:
         """Configures a controller that is loaded and not active."""
         (name,) = _names([name])
+        self._note("configure_controller", name)
         if name not in self._states:
             return Response(False, self._not_loaded(name))
         if self._states[name] == ACTIVE:
@@ -186,6 +195,7 @@ class ControllerManager:
     def unload_controller(self, name: str) -> Response:
         """Unloads a controller that is not active."""
         (name,) = _names([name])
+        self._note("unload_controller", name)
         if name not in self._states:
             return Response(False, self._not_loaded(name))
         if self._states[name] == ACTIVE:
@@ -214,6 +224,7 @@ class ControllerManager:
         """
         to_start = list(dict.fromkeys([*_names(activate), *_names(start)]))
         to_stop = list(dict.fromkeys([*_names(deactivate), *_names(stop)]))
+        self._note("switch_controller", tuple(to_start), tuple(to_stop), strictness)
         if strictness not in (0, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
             return Response(False, f"{strictness!r} is no strictness: 1 is BEST_EFFORT, 2 is STRICT")
         if strictness == FORCE_AUTO:

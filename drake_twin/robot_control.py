@@ -1,5 +1,6 @@
 """One robot's controllers in a running diagram: switched, commanded, looked after when they fail, stopped."""
 
+import functools
 import logging
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -29,6 +30,7 @@ class RobotControl:
     Args:
         plan: the robot.
         clear: is told of a controller whose topics' ports are to be cleared.
+        note: is told of what somebody does to the controllers.
 
     Attributes:
         manager: the controller manager.
@@ -40,10 +42,11 @@ class RobotControl:
     _in_plant: RobotInPlant
     _context: Context
 
-    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None]):
+    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., None]):
         self._plan = plan
         self._clear = clear
-        self.manager = ControllerManager(plan, self._switch)
+        self._note = note
+        self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
         self.stopped = False
 
     def use(self, built: TwinDiagram, context: Context) -> None:
@@ -93,6 +96,11 @@ class RobotControl:
     def accepts(self, topic: CommandTopic) -> bool:
         """Whether a message on a topic reaches its controller: one that is not active hears nothing."""
         return self.manager.states.get(topic.controller) == "active"
+
+    def cancel(self, controller: str) -> None:
+        """Ends the present goal of a controller's action."""
+        self._note("cancel", self._plan.name, controller)
+        self.controllers[controller].cancel(self.context_of(controller))
 
     def give_up_faulty(self) -> None:
         """Deactivates the controllers whose last update failed."""

@@ -4,6 +4,7 @@ Everything happens in the thread that calls `Twin.advance_to` or `Twin.run`, in 
 repeatable to the last bit.
 """
 
+import copy
 import logging
 import time as wall_clock
 from collections.abc import Callable, Mapping
@@ -24,6 +25,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.plain_data import from_plain, to_plain
+from drake_twin.recording import Call, Recording, recorded
 from drake_twin.robot_control import RobotControl
 from drake_twin.running import Running
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
@@ -64,6 +66,7 @@ class Twin:
         self._advancing = False
         self._real_time_rate = 1.0
         self._next_time_step: float | None = None
+        self._recorded: tuple[Snapshot, list[Call]] | None = None
         self._start()
         for index, command in enumerate(scenario.commands):
             try:
@@ -90,7 +93,7 @@ class Twin:
         self._plant_context = running.plant_context
         controls = {}
         for plan in self._built.plans:
-            controls[plan.name] = self._controls.get(plan.name) or RobotControl(plan, self._clear)
+            controls[plan.name] = self._controls.get(plan.name) or RobotControl(plan, self._clear, self.note)
             controls[plan.name].use(self._built, self._context)
         self._controls = controls
 
@@ -167,6 +170,7 @@ class Twin:
         """What the files ask for and the twin does not start, each with the reason."""
         return self._built.not_started
 
+    @recorded
     def spawn(self, robot: Robot) -> None:
         """Brings a robot into the world; all others go on as they were.
 
@@ -181,6 +185,7 @@ class Twin:
             raise InputError(f"Entity [{robot.name}] already exists.")
         self._rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
 
+    @recorded
     def delete(self, robot: str) -> None:
         """Takes a robot out of the world, and its topics with it; all others go on as they were.
 
@@ -273,11 +278,54 @@ class Twin:
         for subscription in self._subscriptions:
             subscription.begin(self.time)
 
+    def record(self) -> None:
+        """Begins a recording at this moment; `recording` gives what has been recorded.
+
+        Raises:
+            InputError: called inside a callback.
+        """
+        self._recorded = (self.snapshot(), [])
+
+    def recording(self) -> Recording:
+        """What has been done since `record`: it can be saved, and replayed to the same state.
+
+        Raises:
+            InputError: `record` has not been called.
+        """
+        if self._recorded is None:
+            raise InputError("nothing has been recorded: call record() first")
+        start, calls = self._recorded
+        return Recording(start, tuple(calls), self.time)
+
+    def note(self, name: str, *arguments: Any) -> None:
+        """Puts a call into the recording, if there is one."""
+        if self._recorded is not None:
+            plain = tuple(item for item in arguments if not callable(item) or hasattr(item, "__msgtype__"))
+            try:
+                to_plain(plain)
+            except TypeError:  # what no method takes; it is refused in a moment
+                return
+            self._recorded[1].append(Call(self.time, name, copy.deepcopy(plain)))
+
+    def cancel(self, robot: str, controller: str) -> None:
+        """Ends the present goal of a controller's action; the joints hold where they are.
+
+        Raises:
+            InputError: no such robot or controller.
+        """
+        control = self._controls[self._plan(robot).name]
+        if controller not in control.controllers:
+            raise InputError(
+                f"robot {robot!r} has no controller {controller!r}", value=str(controller), valid=control.controllers
+            )
+        control.cancel(controller)
+
     @property
     def time_step(self) -> float:
         """The physics step (s)."""
         return self.scenario.time_step
 
+    @recorded
     def set_time_step(self, time_step: float) -> None:
         """Changes the physics step; it takes effect at the next multiple of it, and changes no state.
 
@@ -351,6 +399,7 @@ class Twin:
         waiting = [command for queued_topic, command in self._queue if queued_topic == topic]
         return waiting[-1] if waiting else self._commands.get(topic)
 
+    @recorded
     def publish(self, topic: str, data: Any) -> None:
         """Publishes a command; it takes effect at the next step, also when called inside a callback.
 
@@ -366,6 +415,9 @@ class Twin:
                 then. Or the size is wrong: the controller is deactivated then, as ros2_control does. Or the robot's
                 emergency stop holds.
         """
+        self._publish(topic, data)
+
+    def _publish(self, topic: str, data: Any) -> None:
         item = self._command_topic(topic)
         control = self._controls[item.robot]
         if control.stopped:
@@ -383,6 +435,7 @@ class Twin:
             raise
         self._queue.append((topic, value))
 
+    @recorded
     def send_goal(self, action: str, goal: Any, on_result: Callable[[ActionGoal], None] | None = None) -> ActionGoal:
         """Sends a goal to an action; it is taken up at the controller's next update.
 
@@ -422,6 +475,7 @@ class Twin:
         """
         return self._controls[self._plan(robot).name].manager
 
+    @recorded
     def emergency_stop(self, robot: str) -> None:
         """Brings a robot's joints to rest within their effort limits and holds them, whatever controllers say.
 
@@ -432,6 +486,7 @@ class Twin:
         """
         self._controls[self._plan(robot).name].emergency_stop()
 
+    @recorded
     def clear_emergency_stop(self, robot: str) -> None:
         """Lets a robot's controllers command again; each begins anew, without a command.
 
@@ -440,6 +495,7 @@ class Twin:
         """
         self._controls[self._plan(robot).name].clear_emergency_stop()
 
+    @recorded
     def silence(self, topic: str) -> None:
         """Drops the scenario's own timed commands on a topic from now on, until the next reset.
 
@@ -514,6 +570,7 @@ class Twin:
         """
         return read_robot_state(self._built, self._context, self._plan(robot))
 
+    @recorded
     def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
         """Puts joints where they are told to be, at once and without forces; their velocities stay.
 
@@ -585,6 +642,7 @@ class Twin:
         """Lets time go on."""
         self.paused = False
 
+    @recorded
     def reset(self) -> None:
         """Goes back to the start: time zero, start positions, no commands, the scenario's commands ahead again.
 
@@ -769,7 +827,7 @@ class Twin:
         waiting, self._queue = self._queue, []
         for scheduled in due:
             try:
-                self.publish(scheduled.topic, scheduled.data)
+                self._publish(scheduled.topic, scheduled.data)
             except CommandError as error:
                 _log.warning("%s", error)
         for topic, value in (*self._queue, *waiting):

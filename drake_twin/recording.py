@@ -1,0 +1,124 @@
+"""What was done to a twin and when, so that it can be done again: the same calls at the same steps, the same state."""
+
+import functools
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from drake_twin.errors import InputError, RunError, TwinError
+from drake_twin.plain_data import from_plain, to_plain
+from drake_twin.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from pydrake.geometry import Meshcat
+
+    from drake_twin.twin import Twin
+
+_FORMAT, _VERSION = "drake_twin recording", 1
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Call:
+    """Something that was done to a twin.
+
+    Attributes:
+        time: when (simulated s).
+        name: the method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
+        arguments: what it was given.
+    """
+
+    time: float
+    name: str
+    arguments: tuple[Any, ...] = ()
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A run: how it began, what was done, and when it ended (simulated s)."""
+
+    start: Snapshot
+    calls: tuple[Call, ...]
+    end: float
+
+    def save(self, file: str | Path) -> None:
+        """Writes it as JSON.
+
+        Raises:
+            RunError: the file cannot be written.
+        """
+        data = {"format": _FORMAT, "version": _VERSION, "recording": to_plain(self)}
+        try:
+            Path(file).write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise RunError(f"the recording cannot be saved to {file} ({error.strerror})") from None
+
+    @classmethod
+    def load(cls, file: str | Path) -> "Recording":
+        """Reads what `save` wrote.
+
+        Raises:
+            InputError: the file cannot be read, or is no recording of this version.
+        """
+        try:
+            data = json.loads(Path(file).read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, ValueError) as error:
+            raise InputError(f"no recording can be read ({error})", file=file) from None
+        if not isinstance(data, dict) or (data.get("format"), data.get("version")) != (_FORMAT, _VERSION):
+            raise InputError(f"this is no recording of a twin in version {_VERSION}", file=file)
+        recording = from_plain(data.get("recording"))
+        if not isinstance(recording, cls):
+            raise InputError("this is no recording of a twin", file=file)
+        return recording
+
+
+def recorded(method: _Method) -> _Method:
+    """A method of `Twin` whose calls belong into a recording."""
+
+    @functools.wraps(method)
+    def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
+        twin.note(method.__name__, *arguments, *named.values())
+        return method(twin, *arguments, **named)
+
+    return call  # type: ignore[return-value]
+
+
+def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
+    """Does again what was recorded, as fast as it goes.
+
+    Args:
+        recording: the run.
+        meshcat: the page to draw on.
+
+    Returns:
+        The twin at the recording's end, in the same state to the last bit.
+
+    Raises:
+        InputError: the files that its robots are made of are not there.
+    """
+    from drake_twin.scenario import ScenarioFile
+    from drake_twin.twin import Twin
+
+    twin = Twin(ScenarioFile(recording.start.scenario, "recording").scenario, meshcat)
+    twin.restore(recording.start)
+    for call in recording.calls:
+        if call.time > twin.time:
+            twin.advance_to(call.time)
+        _do(twin, call)
+    if recording.end > twin.time:
+        twin.advance_to(recording.end)
+    return twin
+
+
+def _do(twin: "Twin", call: Call) -> None:
+    """Does what was done; what was refused then is refused now."""
+    try:
+        if call.name == "controller_manager":
+            robot, method, *arguments = call.arguments
+            getattr(twin.controller_manager(robot), method)(*arguments)
+        else:
+            getattr(twin, call.name)(*call.arguments)
+    except TwinError:
+        pass
