@@ -742,3 +742,18 @@ def test_an_edit_that_strict_refuses_keeps_the_last_good_twin(watching, capsys):
 def test_a_new_twin_echoes_the_topic_again(watching, capsys):
     watching(BETTER, arguments=["--echo", "/robot_description"])
     assert 'data: <robot name="better">' in capsys.readouterr().out
+
+
+def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(tmp_path):
+    from drake_twin import run as program
+    from drake_twin.target import build_twin, find_target
+
+    options = program._parser().parse_args([str(LAUNCH_ARM), "--headless"])
+    mesh = tmp_path / "read_once_and_cached.stl"
+    target = find_target(options)
+    twin = build_twin(target)
+    twin.paused, twin.real_time_rate = True, 3.0
+    new_twin, _, watch = program._again(twin, target, None, options, Watch({mesh: None}))
+    assert new_twin is not twin
+    assert (new_twin.paused, new_twin.real_time_rate) == (True, 3.0)
+    assert {mesh, LAUNCH_ARM} <= set(watch.files)
