@@ -40,7 +40,8 @@ def controllers_text(twin: Twin) -> str:
 
 def _plain(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
-        return {item.name: _plain(getattr(value, item.name)) for item in fields(value)}
+        # The message type that rosbags' classes carry along is no field of the message.
+        return {item.name: _plain(getattr(value, item.name)) for item in fields(value) if item.name != "__msgtype__"}
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, str):

@@ -116,7 +116,9 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     with files_read() as files:
         target = find_target(options)
         if options.show_scenario:
-            say(scenario_to_yaml(target.scenario), end="")
+            # What a launch file publishes where nobody listens is left out when the twin is built.
+            scenario = build_twin(target).scenario if target.launched_commands else target.scenario
+            say(scenario_to_yaml(scenario), end="")
             return 0
         meshcat = None
         if not options.headless and options.graphviz is None:
@@ -133,6 +135,8 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     _announce(twin, target, options)
     if target.paused and meshcat is not None:
         twin.pause()
+    if options.real_time_rate is not None:
+        twin.real_time_rate = options.real_time_rate
     page = None if meshcat is None else _Page(meshcat, open_browser=not options.no_browser)
     wall_time = 0.0
     watch = Watch(files) if options.watch else None
@@ -155,13 +159,13 @@ def _again(
         with files_read() as files:
             new_target = find_target(options)
             new_twin = build_twin(new_target, meshcat)
-    except TwinError as error:
+        _announce(new_twin, new_target, options)
+    except (TwinError, OSError) as error:
         say(f"error: {error}\nThe last good twin goes on.", sys.stderr)
         return twin, target, Watch(watch.files | files)
     new_twin.paused = twin.paused
     new_twin.real_time_rate = twin.real_time_rate
-    _announce(new_twin, new_target, options)
-    return new_twin, new_target, Watch(files)
+    return new_twin, new_target, Watch(watch.files | files)  # what is cached is not read again, and still counts
 
 
 def _show_arguments(options: argparse.Namespace) -> int:
@@ -230,8 +234,6 @@ def _simulate(
     watch: Watch | None,
 ) -> float:
     """Runs to the end, until stopped or until a file changes; returns the wall time it took (s)."""
-    if options.real_time_rate is not None:
-        twin.real_time_rate = options.real_time_rate
     status = _StatusLine(twin)
     obey = _nothing if page is None else page.show(twin, target)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 
 from drake_twin.errors import InputError
 from drake_twin.launch.launched import LaunchedProcess
@@ -35,15 +36,16 @@ class CommandLine:
         """An option that is a number; zero when it is not given.
 
         Raises:
-            InputError: it is no number.
+            InputError: it is no finite number.
         """
         text = self.text(*names)
-        if text is None:
-            return 0.0
         try:
-            return float(text)
+            number = 0.0 if text is None else float(text)
         except ValueError:
             raise self.error(f"-{names[0]} is {text!r}, which is not a number") from None
+        if not isfinite(number):
+            raise self.error(f"-{names[0]} is {text!r}, which is not a finite number")
+        return number
 
     def flag(self, *names: str) -> bool:
         """Whether an option is given, or is given as true."""
@@ -53,7 +55,7 @@ class CommandLine:
     def error(self, message: str) -> InputError:
         """An error at the place where the process was launched."""
         place = self.process.place
-        return InputError(f"{self.process.what}: {message}", file=place.file, line=place.line)
+        return InputError(message, file=place.file, line=place.line)
 
 
 def command_line(
@@ -62,6 +64,7 @@ def command_line(
     *,
     flags: Collection[str] = (),
     lists: Collection[str] = (),
+    verbatim: Collection[str] = (),
     defaults: Mapping[str, object] | None = None,
 ) -> CommandLine:
     """Takes a command line apart: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
@@ -69,8 +72,9 @@ def command_line(
     Args:
         process: whose command line it is.
         words: the words; the process's own arguments by default.
-        flags: options that never take the next word as their value.
+        flags: options that never take the next word as their value; ``-1`` may be one of them.
         lists: options that take all words up to the next option.
+        verbatim: options that take the next word as their value, also one that looks like an option.
         defaults: values from elsewhere, such as the node's parameters.
     """
     options: dict[str, list[str]] = {}
@@ -80,7 +84,7 @@ def command_line(
     while position < len(words):
         word = words[position]
         position += 1
-        if not _is_option(word):
+        if not _is_option(word) and not (word.startswith("-") and word.lstrip("-") in flags):
             rest.append(word)
             continue
         name, equals, value = word.lstrip("-").partition("=")
@@ -91,7 +95,7 @@ def command_line(
             while position < len(words) and not _is_option(words[position]):
                 values.append(words[position])
                 position += 1
-        elif name in flags or position >= len(words) or _is_option(words[position]):
+        elif name in flags or position >= len(words) or (_is_option(words[position]) and name not in verbatim):
             values.append("true")
         else:
             values.append(words[position])

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
-from drake_twin.launch.launched import WORLD, Launched, LaunchedProcess, ParameterText, WorldStart
+from drake_twin.launch.launched import WORLD, Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
 from drake_twin.launch.launched_controllers import (
     ControllerRequest,
-    as_node,
+    as_nodes,
     check_parameter_files,
     controller_requests,
-    published_command,
+    published_commands,
     words_of,
 )
 from drake_twin.launch.launched_robots import (
@@ -42,6 +43,7 @@ from drake_twin.scenario import (
 )
 
 if TYPE_CHECKING:
+    from drake_twin.diagram.robot_plan import RobotPlan
     from drake_twin.launch.entity import LaunchDescription
 
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
@@ -120,7 +122,7 @@ class _LaunchedScenario:
     def __init__(self, launched: Launched, file: Path, packages: PackageIndex):
         self._launched = launched
         self._file = file
-        self._processes = [as_node(process) for process in launched.processes]
+        self._processes = [command for process in launched.processes for command in as_nodes(process)]
         folders = [*map(str, packages.folders), *_folders_of(file, self._processes)]
         self._folders = tuple(dict.fromkeys(folders))
         self._packages = PackageIndex(self._folders)
@@ -128,8 +130,9 @@ class _LaunchedScenario:
         self._not_started: list[str] = []
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
-        self._frames: list[StaticTransform] = []
+        self._frames: list[tuple[StaticTransform, LaunchedProcess]] = []
         self._worlds: list[WorldStart] = []
+        self._plans: list[RobotPlan] = []
 
     def build(self, time_step: float | None) -> LaunchedTwin:
         """The scenario.
@@ -147,13 +150,14 @@ class _LaunchedScenario:
             raise self._no_robot()
         robots = self._robots(found)
         world, step = self._world(found)
+        step = time_step or step or 0.001
         scenario = Scenario(
             robots=tuple(robots),
-            time_step=time_step or step or 0.001,
+            time_step=step,
             world=world,
             package_paths=self._folders,
-            static_transforms=tuple(self._frames),
-            commands=tuple(self._commands),
+            static_transforms=tuple(self._usable_frames()),
+            commands=tuple(_not_faster(command, step) for command in self._commands),
             not_started=tuple(dict.fromkeys(self._not_started)),
         )
         paused = bool(self._worlds) and self._worlds[-1].paused
@@ -162,17 +166,15 @@ class _LaunchedScenario:
     def _sort(self, process: LaunchedProcess, found: LaunchedRobots) -> None:
         try:
             requests = controller_requests(process)
-            command = published_command(process)
+            commands = published_commands(process)
             if requests is not None:
                 self._requests += requests
-            elif command is not None:
-                self._commands.append(command)
+            elif commands is not None:
+                self._commands += commands
             elif process.executable == "static_transform_publisher":
-                self._add_frame(static_frame(process), process)
-            elif process.kind == WORLD and process.world is not None:
-                self._worlds.append(process.world)
-            elif (world := _world_of_command(process)) is not None:
-                self._worlds.append(world)
+                self._frames.append((static_frame(process), process))
+            elif (world := process.world if process.kind == WORLD else _world_of_command(process)) is not None:
+                self._worlds += [] if world.window_only else [world]
             elif not (
                 is_spawner(process)
                 or is_state_publisher(process)
@@ -183,20 +185,27 @@ class _LaunchedScenario:
         except InputError as error:
             self._not_started.append(f"{process.what}: {error}")
 
-    def _add_frame(self, frame: StaticTransform, process: LaunchedProcess) -> None:
-        parents = {item.child: item.parent for item in self._frames}
-        if frame.child in parents:
-            reason = "it would have two parents"
-        elif frame.child in _ancestors(frame.parent, parents):
-            reason = "it would hang on itself"
-        else:
-            self._frames.append(frame)
-            return
-        self._not_started.append(f"{process.what} (frame {frame.child!r}: {reason})")
+    def _usable_frames(self) -> Iterator[StaticTransform]:
+        """The static transforms that leave each frame, those of the robots included, one parent."""
+        parents = {
+            plan.frame_prefix + joint.child: plan.frame_prefix + joint.parent
+            for plan in self._plans
+            for joint in plan.description.joints
+        }
+        for frame, process in self._frames:
+            if frame.child in parents:
+                reason = f"it hangs on {parents[frame.child]!r} already"
+            elif frame.child in _ancestors(frame.parent, parents):
+                reason = "it would hang on itself"
+            else:
+                parents[frame.child] = frame.parent
+                yield frame
+                continue
+            self._not_started.append(f"{process.what} (frame {frame.child!r}: {reason})")
 
     def _robots(self, found: LaunchedRobots) -> list[Robot]:
         robots: list[Robot] = []
-        managers = _by_manager(found.robots, self._requests, self._not_started)
+        managers = _by_manager(found.robots, self._requests, self._not_started, self._log)
         links: dict[str, str] = {}
         taken: set[str] = set()
         for launched in found.robots:
@@ -227,11 +236,15 @@ class _LaunchedScenario:
                 active_controllers=tuple(dict.fromkeys(item.name for item in requests if item.active)),
                 inactive_controllers=_inactive(requests),
                 remappings={
-                    own: topic for own, topic in self._remappings(launched, namespace).items() if topic not in taken
+                    own: topic
+                    for own, topic in self._remappings(launched, requests, namespace).items()
+                    if topic not in taken
                 },
             )
-            taken.update(robot.remappings.values())
-            robots.append(self._with_known_controllers(robot, on_ground=pose is None and not found.only_displayed))
+            plan = self._planned(robot, only_displayed=found.only_displayed, on_ground=pose is None)
+            taken |= _topics_of(plan)
+            self._plans.append(plan)
+            robots.append(plan.robot)
         return robots
 
     def _parameter_files(self, launched: LaunchedRobot, requests: Sequence[ControllerRequest]) -> tuple[str, ...]:
@@ -253,9 +266,13 @@ class _LaunchedScenario:
         filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
         return str(file) if filled == text else parameter_file(ParameterText(file, filled))
 
-    def _with_known_controllers(self, robot: Robot, *, on_ground: bool) -> Robot:
-        """The robot without the controllers that its parameters files lack, which a spawner would wait for in vain."""
+    def _planned(self, robot: Robot, *, only_displayed: bool, on_ground: bool) -> RobotPlan:
+        """The robot without the controllers that its parameters files lack, which a spawner would wait for in vain.
+
+        One that is only displayed has its broadcaster of joint states in place of a joint_state_publisher.
+        """
         from drake_twin.diagram.controller_plan import ControllerError
+        from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
         from drake_twin.diagram.robot_plan import plan_robot
 
         while True:
@@ -268,6 +285,8 @@ class _LaunchedScenario:
                     name, reason = str(error.more.get("value")), error.reason
                 else:
                     raise
+                if name not in (*(robot.active_controllers or ()), *robot.inactive_controllers):
+                    raise
                 self._not_started.append(f"controller {name} of {robot.name}: {reason}")
                 robot = replace(
                     robot,
@@ -275,16 +294,33 @@ class _LaunchedScenario:
                     inactive_controllers=tuple(item for item in robot.inactive_controllers if item != name),
                 )
                 continue
-            if on_ground and not plan.model.is_fixed:
+            if only_displayed:
+                names = [item.name for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER]
+                robot = replace(robot, active_controllers=tuple(names[:1]))
+            elif on_ground and not plan.model.is_fixed:
                 from drake_twin.launch.robot_file import height_on_ground
 
                 robot = replace(robot, xyz=(0.0, 0.0, height_on_ground(plan)))
-            return robot
+            return replace(plan, robot=robot)
 
-    def _remappings(self, launched: LaunchedRobot, namespace: str) -> dict[str, str]:
-        """Topics that the launch file gives another name: the description's, and Gazebo's own through a bridge."""
+    def _remappings(
+        self, launched: LaunchedRobot, requests: Sequence[ControllerRequest], namespace: str
+    ) -> dict[str, str]:
+        """Topics that the launch file gives another name.
+
+        They are the controllers' by what their spawners or the ros2_control_node say, the description's, and Gazebo's
+        own through a bridge.
+        """
         found = {}
         own = namespace.rstrip("/")
+        for request in requests:
+            node = f"{own}/{request.name}"
+            for source, target in request.remappings:
+                found[absolute_name(source, namespace, node)] = absolute_name(target, namespace, node)
+        if launched.process.executable == "ros2_control_node":  # the controllers are nodes of its process
+            for source, target in launched.process.remappings:
+                if not source.startswith("~"):
+                    found[absolute_name(source, namespace)] = absolute_name(target, namespace)
         if launched.publisher is not None:
             topic = launched.publisher.resolve("robot_description")
             if topic != f"{own}/robot_description":
@@ -348,7 +384,7 @@ def _folders_of(file: Path, processes: Iterable[LaunchedProcess]) -> Iterable[st
 
 
 def _by_manager(
-    robots: Sequence[LaunchedRobot], requests: Sequence[ControllerRequest], not_started: list[str]
+    robots: Sequence[LaunchedRobot], requests: Sequence[ControllerRequest], not_started: list[str], log: list[str]
 ) -> dict[str, list[ControllerRequest]]:
     """Robot → the requests to its controller manager."""
     controlled = [robot for robot in robots if robot.controller_manager is not None]
@@ -365,6 +401,10 @@ def _by_manager(
                 f"controller {request.name} ({request.process.what}: there is no {request.manager}; there is {known})"
             )
             continue
+        manager = str(owners[0].controller_manager)
+        assumed = f"{request.process.what} waits for {request.manager}, and there is {manager}: it is taken"
+        if manager != request.manager and assumed not in log:
+            log.append(assumed)
         found.setdefault(owners[0].name, []).append(request)
     return {name: _settled(items) for name, items in found.items()}
 
@@ -378,8 +418,27 @@ def _settled(requests: Iterable[ControllerRequest]) -> list[ControllerRequest]:
         else:
             before = last.pop(request.name, None)
             files = (*(before.parameter_files if before else ()), *request.parameter_files)
-            last[request.name] = replace(request, parameter_files=files)
+            remappings = (*(before.remappings if before else ()), *request.remappings)
+            last[request.name] = replace(request, parameter_files=files, remappings=remappings)
     return list(last.values())
+
+
+def _not_faster(command: Command, step: float) -> Command:
+    """A command that is published at most once a step."""
+    return command if command.period is None else replace(command, period=max(command.period, step))
+
+
+def _topics_of(plan: RobotPlan) -> set[str]:
+    """The topics that a robot has, and another one cannot have too."""
+    from drake_twin.diagram.robot_diagram import PUBLISHED
+
+    robot, namespace = plan.robot, plan.robot.topic_namespace
+    names = [f"{namespace}/{name}" for name in PUBLISHED]
+    for item in plan.controllers:
+        names += [name for name in robot.remappings if name.startswith(f"{namespace}/{item.name}/")]
+        names += ["/" + name.format(model=robot.name).lstrip("/") for name in item.gz_topics.values()]
+        names += [absolute_name(name, namespace) for name in (item.topics or {}).values() if name]
+    return {robot.remapped(name) for name in names}
 
 
 def _inactive(requests: Sequence[ControllerRequest]) -> tuple[str, ...]:
@@ -425,12 +484,12 @@ def _world_of_command(process: LaunchedProcess) -> WorldStart | None:
 
     words = words_of(process)
     if words[:2] in (["gz", "sim"], ["ign", "gazebo"]):
-        return world_of_gz_args(" ".join(f"'{word}'" for word in words[2:]))
+        return world_of_gz_args(shlex.join(words[2:]))
     if words[0] in ("gzserver", "gazebo"):
         files = [word for word in words[1:] if word.endswith((".world", ".sdf"))]
         return WorldStart("classic", files[0] if files else None, paused="-u" in words or "--pause" in words)
     if words[0] == "gzclient" or words[:2] == ["gz", "client"]:
-        return WorldStart("classic")
+        return WorldStart("classic", window_only=True)
     return None
 
 

@@ -49,6 +49,7 @@ class WorldStart:
         paused: whether simulation time stands still at the start (gz without ``-r``, classic with ``pause``).
         verbosity: 0 (errors only) to 4.
         server_only: whether there is no window.
+        window_only: whether it is a window on another simulator.
         arguments: the stand-in launch file's arguments, or none for a command line.
     """
 
@@ -57,6 +58,7 @@ class WorldStart:
     paused: bool = False
     verbosity: int = 1
     server_only: bool = False
+    window_only: bool = False
     arguments: Mapping[str, str] = field(default_factory=dict)
 
 

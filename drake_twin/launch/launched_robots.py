@@ -128,8 +128,6 @@ class LaunchedRobots:
             apart = own_namespace is not None and own_namespace.strip("/") not in others
             if not apart and not line.flag("allow_renaming"):
                 raise line.error(f"Entity [{name}] already exists.")
-            taken = {robot.name for robot in self.robots}
-            name = next(f"{name}_{number}" for number in range(1, 10_000) if f"{name}_{number}" not in taken)
         pose = Pose(
             (line.number("x"), line.number("y"), line.number("z")),
             (line.number("R"), line.number("P"), line.number("Y")),
@@ -154,6 +152,8 @@ class LaunchedRobots:
 
     def _displayed(self, process: LaunchedProcess) -> None:
         source = self._text_source(_description_of(process, self._packages), process.namespace)
+        if any((robot.model, robot.namespace) == (source.model, process.namespace) for robot in self.robots):
+            return  # the same once more
         name = process.namespace.strip("/").replace("/", "_") or source.name
         self._add(name, source, process, None, process, process.namespace)
         self.robots[-1] = replace(self.robots[-1], controller_manager=None, namespace=process.namespace)
@@ -171,6 +171,8 @@ class LaunchedRobots:
         wanted = [plugin.namespace for plugin in (*control, *source.plugins) if plugin.namespace]
         namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
+        taken = {robot.name for robot in self.robots}
+        name = next(each for each in (name, *(f"{name}_{number}" for number in range(1, 10_000))) if each not in taken)
         if control or source.has_hardware:
             names = [_element(plugin, "controller_manager_name", "controller_manager_node_name") for plugin in control]
             manager = absolute_name(next(filter(None, names), "controller_manager"), namespace)

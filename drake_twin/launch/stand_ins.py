@@ -42,7 +42,7 @@ def world_of_gz_args(gz_args: str, arguments: Mapping[str, str] | None = None) -
         words = shlex.split(gz_args)
     except ValueError as error:
         raise InputError(f"gz_args is {gz_args!r}, which cannot be split into words ({error})") from None
-    world, running, server, verbosity = None, False, False, 1
+    world, running, server, window, verbosity = None, False, False, False, 1
     position = 0
     while position < len(words):
         word = words[position]
@@ -63,11 +63,17 @@ def world_of_gz_args(gz_args: str, arguments: Mapping[str, str] | None = None) -
             server = server or name == "--headless-rendering"
             running = running or name == "--run"
         elif name.startswith("-"):
-            running, server = running or "r" in name, server or "s" in name
+            running, server, window = running or "r" in name, server or "s" in name, window or "g" in name
         elif word not in ("gz", "ign", "sim", "gazebo"):
             world = world or word
     return WorldStart(
-        "gz", world, paused=not running, verbosity=verbosity, server_only=server, arguments=dict(arguments or {})
+        "gz",
+        world,
+        paused=not running,
+        verbosity=verbosity,
+        server_only=server,
+        window_only=window and not server,
+        arguments=dict(arguments or {}),
     )
 
 
@@ -133,9 +139,10 @@ _SPAWN_OPTIONS = {
 
 
 def _spawn_model(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
-    words = [
-        word for name, option in _SPAWN_OPTIONS.items() if arguments.get(name) for word in (option, arguments[name])
-    ]
+    given = {option: arguments[name] for name, option in _SPAWN_OPTIONS.items() if arguments.get(name)}
+    renaming = given.pop("-allow_renaming", "")  # a flag of gflags' takes no word after it
+    words = [word for pair in given.items() for word in pair]
+    words += [f"-allow_renaming={renaming.lower()}"] if renaming else []
     _start_node(context, process, package="ros_gz_sim", executable="create", arguments=tuple(words), ends=True)
 
 

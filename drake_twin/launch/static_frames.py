@@ -1,6 +1,6 @@
 """tf2_ros/static_transform_publisher's command line, in its old and its new form."""
 
-from math import asin, atan2, copysign, isfinite, pi
+from math import atan2, hypot, isfinite
 
 from drake_twin.description.robot_description import Vector3
 from drake_twin.launch.command_line import CommandLine, command_line
@@ -78,8 +78,10 @@ def _rpy(line: CommandLine, x: float, y: float, z: float, w: float) -> Vector3:
     if not norm > 0:
         raise line.error("the quaternion is zero")
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    sine = 2.0 * (w * y - z * x)
-    pitch = copysign(pi / 2, sine) if abs(sine) >= 1.0 else asin(sine)
-    roll = atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    yaw = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return roll, pitch, yaw
+    # The first and the third column's elements of the rotation matrix that roll, pitch and yaw are read from.
+    forward, left = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
+    level = hypot(forward, left)
+    pitch = atan2(2.0 * (w * y - x * z), level)
+    if level < 1e-7:  # looking straight up or down, roll and yaw turn about the same axis: all of it is yaw
+        return 0.0, pitch, atan2(2.0 * (w * z - x * y), 1.0 - 2.0 * (x * x + z * z))
+    return atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)), pitch, atan2(left, forward)

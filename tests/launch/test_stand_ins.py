@@ -69,7 +69,7 @@ def test_spawning_through_a_launch_file_is_a_create_node(tmp_path):
         tmp_path, "ros_gz_sim", "gz_spawn_model.launch.py", file="/r.sdf", entity_name="r", x="1.5", yaw="2"
     )
     assert process.what == "ros_gz_sim/create"
-    assert process.arguments == ("-file", "/r.sdf", "-name", "r", "-allow_renaming", "False", "-x", "1.5", "-Y", "2")
+    assert process.arguments == ("-file", "/r.sdf", "-name", "r", "-x", "1.5", "-Y", "2", "-allow_renaming=false")
     assert process.ends
 
 
