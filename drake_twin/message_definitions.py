@@ -1,6 +1,8 @@
 """ROS 2 message types that rosbags' type store lacks, by the text of their ``.msg`` files."""
 
 DEFINITIONS = {
+    "gazebo_msgs/msg/LinkStates": "string[] name\ngeometry_msgs/Pose[] pose\ngeometry_msgs/Twist[] twist\n",
+    "gazebo_msgs/msg/ModelStates": "string[] name\ngeometry_msgs/Pose[] pose\ngeometry_msgs/Twist[] twist\n",
     "control_msgs/action/FollowJointTrajectory_Feedback": (
         "std_msgs/Header header\nstring[] joint_names\n"
         "trajectory_msgs/JointTrajectoryPoint desired\n"

@@ -96,6 +96,11 @@ def _parser() -> ArgumentParser:
     launch.add_argument("--show-args", action="store_true", help="print the arguments that the launch file has and end")
     launch.add_argument("--strict", action="store_true", help="refuse to run when something of it is not started")
     launch.add_argument("--watch", action="store_true", help="start anew when a file that the twin is made of changes")
+    state = parser.add_argument_group("state")
+    state.add_argument("--save-state", type=Path, metavar="FILE", help="save the state at the end")
+    state.add_argument("--load-state", type=Path, metavar="FILE", help="go on from a saved state, with its robots")
+    state.add_argument("--record", type=Path, metavar="FILE", help="record what is done, to be replayed")
+    state.add_argument("--replay", type=Path, metavar="FILE", help="do again what was recorded, then go on from there")
     output = parser.add_argument_group("output")
     output.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
     output.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
@@ -140,11 +145,17 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     page = None if meshcat is None else _Page(meshcat, open_browser=not options.no_browser)
     wall_time = 0.0
     watch = Watch(files) if options.watch else None
+    if options.record is not None:
+        twin.record()
     while True:
         wall_time += _simulate(twin, target, page, options, stopped, watch)
         if watch is None or stopped or not watch.is_broken_off:
             break
         twin, target, watch = _again(twin, target, meshcat, options, watch)
+    if options.save_state is not None:
+        twin.snapshot().save(options.save_state)
+    if options.record is not None:
+        twin.recording().save(options.record)
     _report(twin, wall_time, options.summary)
     return 0
 
@@ -216,11 +227,13 @@ def _check(options: argparse.Namespace) -> None:
         if value is not None and not 0 < value <= LONGEST_TIME:
             bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"
             raise InputError(f"--{name.replace('_', '-')} {value:g}: {bounds}")
-    if options.summary is not None:
-        folder = options.summary.absolute().parent
-        target = options.summary if options.summary.exists() else folder
-        if not folder.is_dir() or options.summary.is_dir() or not os.access(target, os.W_OK):
-            raise InputError(f"--summary {options.summary}: no file can be written there")
+    for name in ("summary", "save_state", "record"):
+        file = getattr(options, name)
+        if file is not None:
+            folder = file.absolute().parent
+            place = file if file.exists() else folder
+            if not folder.is_dir() or file.is_dir() or not os.access(place, os.W_OK):
+                raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
     if options.port is not None and not 1024 <= options.port <= 65535:
         raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
 
@@ -245,7 +258,7 @@ def _simulate(
     start = time.perf_counter()
     try:
         twin.run(
-            options.duration,
+            None if options.duration is None else twin.time + options.duration,
             each_frame=each_frame,
             as_fast_as_possible=page is None and options.real_time_rate is None,
         )

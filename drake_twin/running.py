@@ -4,15 +4,18 @@ A plant cannot change once it is finalized. When a robot comes or goes, or the s
 and every state is carried over by name; the old one is let go of, so that its memory comes back.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, Diagram
 
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
+from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
 from drake_twin.scenario import Scenario
 from drake_twin.systems.controller import PeriodicController
@@ -120,6 +123,19 @@ class Running:
         for name, sample in samples.items():
             controller = self.built.parts[robot].controllers[name]
             controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
+
+    def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
+        """Lets forces and torques act on links, and no others."""
+        port = self.built.plant.get_applied_spatial_force_input_port()
+        if not wrenches and not port.HasValue(self.plant_context):
+            return  # a port that was never used costs nothing
+        forces = []
+        for wrench in wrenches:
+            force = ExternallyAppliedSpatialForce()
+            force.body_index = find_body(self.built, wrench.entity).index()
+            force.F_Bq_W = SpatialForce(tau=np.array(wrench.torque), f=np.array(wrench.force))
+            forces.append(force)
+        port.FixValue(self.plant_context, forces)
 
     def discard(self) -> None:
         """Lets go of the diagram, so that it can be freed."""

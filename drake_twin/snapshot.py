@@ -22,6 +22,7 @@ class Snapshot:
         models: what moves in the world and is no robot → its states.
         commands: topic → the message that holds, as it is on the port.
         expiries: topic → the time at which its message no longer holds (s).
+        wrenches: what pushes links.
         schedule: how often each of the scenario's commands has been published.
         silenced: topics whose scheduled commands are dropped.
     """
@@ -33,6 +34,7 @@ class Snapshot:
     models: dict[str, Any]
     commands: dict[str, Any]
     expiries: dict[str, float]
+    wrenches: Any
     schedule: list[int]
     silenced: list[str]
 

@@ -1,7 +1,7 @@
 """The state of a diagram's robots at one moment: read by name, checked, hashed."""
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
@@ -102,6 +102,7 @@ def hash_state(
     time: str,
     controllers: Mapping[str, Mapping[str, str]],
     commands: Mapping[str, Any],
+    wrenches: Sequence[Any] = (),
 ) -> str:
     """SHA-256 of all that makes two runs go on alike: time, states by name, controllers, commands.
 
@@ -111,6 +112,7 @@ def hash_state(
         time: the time, exactly, as text.
         controllers: robot → loaded controller → whether it is active.
         commands: topic → the message that holds.
+        wrenches: what pushes links.
     """
     digest = hashlib.sha256(f"{time}\n".encode())
     plant_context = built.plant.GetMyContextFromRoot(context)
@@ -129,7 +131,7 @@ def hash_state(
     for name, instances in sorted(built.world_models.items()):
         states = [built.plant.GetPositionsAndVelocities(plant_context, instance) for instance in instances]
         digest.update(f"model {name}\n".encode() + np.concatenate(states).astype("<f8").tobytes())
-    for part in _bytes_of(sorted(commands.items())):
+    for part in _bytes_of([sorted(commands.items()), *([list(wrenches)] if wrenches else [])]):
         digest.update(part)
     return digest.hexdigest()
 

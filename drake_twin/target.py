@@ -1,15 +1,21 @@
 """What the command line of ``drake_twin.run`` asks for: the twin's own robots, a scenario, a robot, a launch file."""
 
+from __future__ import annotations
+
 import argparse
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
 from drake_twin.scenario import LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError, ScenarioFile
+
+if TYPE_CHECKING:
+    from drake_twin.recording import Recording
+    from drake_twin.snapshot import Snapshot
 
 _LAUNCH_FILE = re.compile(r".*(\.launch|_launch|\.launch\.\w+|_launch\.\w+)$|.*\.py$")
 
@@ -22,6 +28,8 @@ class Target:
         scenario: the scenario.
         file: its file, if it was read from one.
         launched_commands: what the launch file publishes.
+        snapshot: the state to go on from.
+        recording: the run to do again.
         paused: whether a simulator would start paused.
         only_displayed: whether there is nothing to simulate, only robots to look at.
         log: what a launch file says.
@@ -30,6 +38,8 @@ class Target:
     scenario: Scenario
     file: ScenarioFile | None = None
     launched_commands: tuple[Command, ...] = ()
+    snapshot: Snapshot | None = None
+    recording: Recording | None = None
     paused: bool = False
     only_displayed: bool = False
     log: tuple[str, ...] = ()
@@ -55,8 +65,11 @@ def find_target(options: argparse.Namespace) -> Target:
     given = dict(item.split(":=", 1) for item in options.target if ":=" in item)
     words = [item for item in options.target if ":=" not in item]
     commands = tuple(_command(topic, data) for topic, data in options.pub)
-    launch_file = find_launch_file(words, package_paths(options))
-    if launch_file is not None:
+    saved = options.load_state or options.replay
+    launch_file = None if saved else find_launch_file(words, package_paths(options))
+    if saved:
+        target = _saved(options)
+    elif launch_file is not None:
         target = _launched(launch_file, options, given)
     elif len(words) > 1:
         raise InputError(f"one scenario or robot file can be run at a time, but there are {', '.join(words)}")
@@ -80,6 +93,23 @@ def find_target(options: argparse.Namespace) -> Target:
     return replace(target, scenario=scenario)
 
 
+def _saved(options: argparse.Namespace) -> Target:
+    """``--load-state`` and ``--replay`` bring their own robots."""
+    from drake_twin.recording import Recording
+    from drake_twin.snapshot import Snapshot
+
+    if options.load_state and options.replay:
+        raise InputError("--load-state and --replay do not go together")
+    option = "--load-state" if options.load_state else "--replay"
+    if options.target or options.robots is not None or options.robot or options.world or options.time_step is not None:
+        raise InputError(f"{option} says itself what is run: it goes without a target and options of robots and steps")
+    if options.load_state:
+        snapshot = Snapshot.load(options.load_state)
+        return Target(ScenarioFile(snapshot.scenario, options.load_state).scenario, snapshot=snapshot)
+    recording = Recording.load(options.replay)
+    return Target(ScenarioFile(recording.start.scenario, options.replay).scenario, recording=recording)
+
+
 def build_twin(target: Target, meshcat: Any = None) -> Any:
     """The twin of a target.
 
@@ -88,12 +118,18 @@ def build_twin(target: Target, meshcat: Any = None) -> Any:
     Raises:
         InputError: the scenario cannot be built, with the place of the value at fault.
     """
+    from drake_twin.recording import replay
     from drake_twin.twin import Twin
 
+    if target.recording is not None:
+        return replay(target.recording, meshcat)
     scenario = target.scenario
     while True:
         try:
-            return Twin(scenario, meshcat)
+            twin = Twin(scenario, meshcat)
+            if target.snapshot is not None:
+                twin.restore(target.snapshot)
+            return twin
         except ScenarioError as error:
             index = error.path[1] if error.path[0] == "commands" and len(error.path) > 1 else None
             if not isinstance(index, int) or scenario.commands[index] not in target.launched_commands:

@@ -7,7 +7,7 @@ repeatable to the last bit.
 import copy
 import logging
 import time as wall_clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from math import floor, isfinite, lcm
@@ -23,6 +23,7 @@ from drake_twin.action import ActionGoal
 from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
+from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.recording import Call, Recording, recorded
@@ -79,6 +80,8 @@ class Twin:
         self._running.start_at_rest()
         self._commands: dict[str, Any] = {}
         self._expiries: dict[str, float] = {}
+        self._wrenches: list[Wrench] = []
+        self._running.set_wrenches(())
         self._schedule = [ScheduledCommand(command) for command in self.scenario.commands]
         for control in self._controls.values():
             control.start()
@@ -117,6 +120,9 @@ class Twin:
             if topic in self._built.commanded or topic in self._built.actions:
                 self._set_command(topic, value)
         self._expiries = {topic: time for topic, time in expiries.items() if topic in self._commands}
+        names = {*self._controls, *self._built.world_models}
+        self._wrenches = [item for item in self._wrenches if item.entity.partition("::")[0] in names]
+        self._put_wrenches()
         self._queue = [entry for entry in self._queue if self._knows(entry[0])]
         self._schedule = [item for item in self._schedule if self._knows(item.topic)]
         running.initialize()
@@ -234,6 +240,7 @@ class Twin:
             models=running.model_states(),
             commands={topic: to_plain(value) for topic, value in self._commands.items()},
             expiries=dict(self._expiries),
+            wrenches=to_plain(tuple(self._wrenches)),
             schedule=[item.published for item in self._schedule],
             silenced=sorted(self._silenced),
         )
@@ -267,6 +274,8 @@ class Twin:
             for topic, value in snapshot.commands.items():
                 self._set_command(topic, from_plain(value))
             self._expiries = dict(snapshot.expiries)
+            self._wrenches = list(from_plain(snapshot.wrenches))
+            self._put_wrenches()
             for item, published in zip(self._schedule, snapshot.schedule, strict=True):
                 item.published = int(published)
         except (KeyError, TypeError, ValueError, RuntimeError, InputError, SystemExit) as error:  # Drake's checks exit
@@ -277,6 +286,85 @@ class Twin:
         self._running.initialize()
         for subscription in self._subscriptions:
             subscription.begin(self.time)
+
+    def entity_state(self, entity: str, reference: str = "world") -> EntityState:
+        """Pose and twist of a robot, a model of the world, or a link (``robot_1::base_link``).
+
+        Args:
+            entity: its name.
+            reference: ``world``, or the entity whose frame they are in.
+
+        Raises:
+            InputError: there is none of the name.
+        """
+        return entity_state(self._built, self._plant_context, entity, reference)
+
+    @recorded
+    def set_entity_state(
+        self,
+        entity: str,
+        position: Iterable[float] | None = None,
+        orientation: Iterable[float] | None = None,
+        linear: Iterable[float] | None = None,
+        angular: Iterable[float] | None = None,
+        reference: str = "world",
+    ) -> None:
+        """Puts a robot or a moving model of the world somewhere, at once and without forces; what is not given stays.
+
+        Args:
+            entity: its name.
+            position: x, y, z of its root link (m).
+            orientation: quaternion w, x, y, z.
+            linear: velocity (m/s).
+            angular: angular velocity (rad/s).
+            reference: ``world``, or the entity whose frame all of it is in.
+
+        Raises:
+            InputError: there is none of the name, it cannot be moved, or a value is none.
+        """
+        set_entity_state(
+            self._built,
+            self._plant_context,
+            entity,
+            position=position,
+            orientation=orientation,
+            linear=linear,
+            angular=angular,
+            reference=reference,
+        )
+
+    @recorded
+    def apply_wrench(
+        self,
+        entity: str,
+        force: Iterable[float] = (0.0, 0.0, 0.0),
+        torque: Iterable[float] = (0.0, 0.0, 0.0),
+        duration: float = 0.0,
+        reference: str = "world",
+    ) -> None:
+        """Pushes a link at its origin for a while.
+
+        Args:
+            entity: a link, or a robot or model for its root link.
+            force: N, in the axes that ``reference`` has now.
+            torque: N·m, likewise.
+            duration: how long (simulated s); one step at least.
+            reference: ``world``, or an entity.
+
+        Raises:
+            InputError: there is none of the name, or a value is none.
+        """
+        if not _is_number(duration) or duration < 0:
+            raise InputError(f"{duration!r} s is no duration")
+        until = self.time + max(float(duration), self.time_step)
+        wrench = make_wrench(self._built, self._plant_context, entity, force, torque, until, reference)
+        self._wrenches.append(wrench)
+        self._put_wrenches()
+
+    def _put_wrenches(self) -> None:
+        """Puts the wrenches that act onto the plant's port."""
+        self._wrenches = [item for item in self._wrenches if item.until > self.time + 1e-9]
+        self._running.set_wrenches(self._wrenches)
 
     def record(self) -> None:
         """Begins a recording at this moment; `recording` gives what has been recorded.
@@ -706,7 +794,7 @@ class Twin:
         """
         time = f"step {self._step} of {self.scenario.time_step.hex()}"
         states = {name: control.manager.states for name, control in self._controls.items()}
-        return hash_state(self._built, self._context, time, states, self._commands)
+        return hash_state(self._built, self._context, time, states, self._commands, self._wrenches)
 
     def _step_at(self, time: float) -> int:
         """The first step that is not before a time (s)."""
@@ -822,6 +910,8 @@ class Twin:
                     due.append(scheduled)
                 scheduled.pass_step()
         now = self.time + 1e-9
+        if any(item.until <= now for item in self._wrenches):
+            self._put_wrenches()
         for topic in [topic for topic, time in self._expiries.items() if time <= now]:
             self._set_command(topic, None)
         waiting, self._queue = self._queue, []
@@ -881,7 +971,8 @@ class Twin:
         time_step = self.scenario.time_step
         due = [item.due_step(time_step) for item in self._schedule]
         due += [item.due_step(time_step) for item in self._subscriptions]
-        due += [step_at(time, self.scenario.time_step) for time in self._expiries.values()]
+        due += [step_at(time, time_step) for time in self._expiries.values()]
+        due += [step_at(item.until, time_step) for item in self._wrenches]
         if self._next_time_step is not None:
             due.append(self._switching_step(self._next_time_step))
         return int(min([target, *(step for step in due if step > self._step)]))

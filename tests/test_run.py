@@ -757,3 +757,35 @@ def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(t
     assert new_twin is not twin
     assert (new_twin.paused, new_twin.real_time_rate) == (True, 3.0)
     assert {mesh, LAUNCH_ARM} <= set(watch.files)
+
+
+# --- saved states and recordings
+
+
+def test_a_saved_state_goes_on_as_if_it_had_not_been_saved(tmp_path):
+    whole = summary_of(tmp_path, "--robots", 2, "--duration", 2)
+    summary_of(tmp_path, "--robots", 2, "--duration", 0.7, "--save-state", tmp_path / "state.json")
+    rest = summary_of(tmp_path, "--load-state", tmp_path / "state.json", "--duration", 1.3)
+    assert rest["sim_time"] == pytest.approx(2.0)
+    assert rest["state_sha256"] == whole["state_sha256"]
+
+
+def test_a_recorded_run_is_replayed(tmp_path):
+    done = summary_of(tmp_path, "--robots", 1, "--duration", 1, "--record", tmp_path / "run.json")
+    again = summary_of(tmp_path, "--replay", tmp_path / "run.json", "--duration", 0.001)
+    assert again["sim_time"] == pytest.approx(1.001)
+    assert again["steps"] == done["steps"] + 1
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (["--load-state", "gone.json"], "no saved state can be read"),
+        (["--replay", "gone.json"], "no recording can be read"),
+        (["--load-state", "a.json", "--replay", "b.json"], "do not go together"),
+        (["--load-state", "a.json", "--robots", "2"], "it goes without a target"),
+        (["--robots", "1", "--save-state", "/nowhere/state.json"], "no file can be written there"),
+    ],
+)
+def test_saved_states_that_cannot_be_are_refused(capsys, options, reason):
+    assert reason in refused(capsys, *options)

@@ -75,6 +75,11 @@ def drake_link_name(link: str) -> str:
     return _WORLD_LINK_IN_DRAKE if link == "world" else link
 
 
+def urdf_link_name(body: str) -> str:
+    """The link of a body in the Drake model."""
+    return "world" if body == _WORLD_LINK_IN_DRAKE else body
+
+
 def prepare_urdf(
     reader: XmlReader,
     description: RobotDescription,

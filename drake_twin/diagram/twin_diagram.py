@@ -10,6 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
+from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
 from drake_twin.description.world_file import WorldFile, read_world
@@ -21,6 +22,7 @@ from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
+from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.transform_broadcaster import FixedFrame, TransformBroadcaster
 
 TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is no topic of its own
@@ -139,6 +141,7 @@ def build_twin_diagram(
     tf_type = "tf2_msgs/msg/TFMessage"
     topics.publish("/tf", broadcaster.get_tf_output_port(), tf_type, 20.0)
     topics.publish("/tf_static", broadcaster.get_tf_static_output_port(), tf_type, None)
+    _add_entity_states(builder, parts, plans, topics)
     visualizer = None
     if meshcat is not None:
         # The page is drawn when the run loop asks for it, in wall time: an event of its own would split CENIC's steps.
@@ -246,6 +249,25 @@ def _add_robot(
                 output = system.GetOutputPort(f"{name}/{own}")
                 topics.publish(published, output, kind, plans[name].update_rate, plan.name, name)
     return robot
+
+
+def _add_entity_states(
+    builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequence[RobotPlan], topics: _Topics
+) -> None:
+    plant = parts.plant
+    models: dict[str, int] = {}
+    links: dict[str, int] = {}
+    instances = {plan.name: (parts.robots[plan.name].instance,) for plan in plans} | parts.world_models
+    roots = {plan.name: plan.model.root_body for plan in plans}
+    for name, of_model in instances.items():
+        bodies = [plant.get_body(index) for instance in of_model for index in plant.GetBodyIndices(instance)]
+        models[name] = next(int(body.index()) for body in bodies if body.name() == roots.get(name, body.name()))
+        links |= {f"{name}::{urdf_link_name(body.name())}": int(body.index()) for body in bodies}
+    publisher = builder.AddNamedSystem("entity_states", EntityStatePublisher(models, links))
+    builder.Connect(plant.get_body_poses_output_port(), publisher.get_body_poses_input_port())
+    builder.Connect(plant.get_body_spatial_velocities_output_port(), publisher.get_body_spatial_velocities_input_port())
+    topics.publish("/model_states", publisher.get_model_states_output_port(), "gazebo_msgs/msg/ModelStates", 10.0)
+    topics.publish("/link_states", publisher.get_link_states_output_port(), "gazebo_msgs/msg/LinkStates", 10.0)
 
 
 def _controller_topic(robot: RobotPlan, plan: ControllerPlan, own: str) -> str | None:
