@@ -146,7 +146,7 @@ def set_entity_state(
     plant.SetFreeBodyPose(plant_context, body, X_WB)
     from pydrake.multibody.math import SpatialVelocity
 
-    plant.SetFreeBodySpatialVelocity(body, SpatialVelocity(w=angular_W, v=linear_W), plant_context)
+    plant.SetFreeBodySpatialVelocity(plant_context, body, SpatialVelocity(w=angular_W, v=linear_W))
 
 
 def make_wrench(

@@ -1,14 +1,14 @@
 """What was done to a twin and when, so that it can be done again: the same calls at the same steps, the same state."""
 
 import functools
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from drake_twin.errors import InputError, RunError, TwinError
+from drake_twin.errors import InputError, TwinError
 from drake_twin.plain_data import from_plain, to_plain
+from drake_twin.saved_file import read_saved, write_saved
 from drake_twin.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from drake_twin.twin import Twin
 
-_FORMAT, _VERSION = "drake_twin recording", 1
+_KIND, _VERSION = "recording", 1
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
@@ -49,11 +49,7 @@ class Recording:
         Raises:
             RunError: the file cannot be written.
         """
-        data = {"format": _FORMAT, "version": _VERSION, "recording": to_plain(self)}
-        try:
-            Path(file).write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise RunError(f"the recording cannot be saved to {file} ({error.strerror})") from None
+        write_saved(file, _KIND, _VERSION, {"recording": to_plain(self)})
 
     @classmethod
     def load(cls, file: str | Path) -> "Recording":
@@ -62,13 +58,7 @@ class Recording:
         Raises:
             InputError: the file cannot be read, or is no recording of this version.
         """
-        try:
-            data = json.loads(Path(file).read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, ValueError) as error:
-            raise InputError(f"no recording can be read ({error})", file=file) from None
-        if not isinstance(data, dict) or (data.get("format"), data.get("version")) != (_FORMAT, _VERSION):
-            raise InputError(f"this is no recording of a twin in version {_VERSION}", file=file)
-        recording = from_plain(data.get("recording"))
+        recording = from_plain(read_saved(file, _KIND, _VERSION).get("recording"))
         if not isinstance(recording, cls):
             raise InputError("this is no recording of a twin", file=file)
         return recording

@@ -1,13 +1,13 @@
 """A twin at one moment as plain data: kept in memory or in a file, and gone back to."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drake_twin.errors import InputError, RunError
+from drake_twin.errors import InputError
+from drake_twin.saved_file import read_saved, write_saved
 
-_FORMAT, _VERSION = "drake_twin snapshot", 1
+_KIND, _VERSION = "saved state", 1
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,7 @@ class Snapshot:
         Raises:
             RunError: the file cannot be written.
         """
-        data = {"format": _FORMAT, "version": _VERSION, **vars(self)}
-        try:
-            Path(file).write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise RunError(f"the state cannot be saved to {file} ({error.strerror})") from None
+        write_saved(file, _KIND, _VERSION, dict(vars(self)))
 
     @classmethod
     def load(cls, file: str | Path) -> "Snapshot":
@@ -57,15 +53,7 @@ class Snapshot:
         Raises:
             InputError: the file cannot be read, or is no snapshot of this version.
         """
-        try:
-            data = json.loads(Path(file).read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, ValueError) as error:
-            raise InputError(f"no saved state can be read ({error})", file=file) from None
-        if not isinstance(data, dict) or data.pop("format", None) != _FORMAT:
-            raise InputError("this is no saved state of a twin", file=file)
-        version = data.pop("version", None)
-        if version != _VERSION:
-            raise InputError(f"the state was saved in version {version!r}, and only {_VERSION} can be read", file=file)
+        data = read_saved(file, _KIND, _VERSION)
         names = set(cls.__dataclass_fields__)
         if set(data) != names:
             raise InputError(f"a saved state has the entries {', '.join(sorted(names))}", file=file)

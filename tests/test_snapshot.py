@@ -121,7 +121,7 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
     file = tmp_path / "state.json"
     arm.snapshot().save(file)
     data = json.loads(file.read_text())
-    assert (data["format"], data["version"]) == ("drake_twin snapshot", 1)
+    assert (data["format"], data["version"]) == ("drake_twin saved state", 1)
     assert data["robots"]["arm"]["controllers"]["arm_controller"] == "active"
     assert set(data["robots"]["arm"]["joints"]) >= {"joint_1", "joint_2"}
     assert Snapshot.load(file) == arm.snapshot()
@@ -132,8 +132,11 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
     [
         ("", "no saved state can be read"),
         ("[]", "this is no saved state of a twin"),
-        ('{"format": "drake_twin snapshot", "version": 7}', "saved in version 7, and only 1 can be read"),
-        ('{"format": "drake_twin snapshot", "version": 1}', "a saved state has the entries"),
+        (
+            '{"format": "drake_twin saved state", "version": 7}',
+            "saved state was saved in version 7, and only 1 can be read",
+        ),
+        ('{"format": "drake_twin saved state", "version": 1}', "a saved state has the entries"),
     ],
 )
 def test_a_file_that_is_none_is_refused_in_words(tmp_path, text, reason):
