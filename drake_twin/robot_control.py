@@ -174,8 +174,7 @@ class RobotControl:
         servo = self._parts.servo
         if servo is None:
             return np.zeros(0)
-        context = servo.GetMyContextFromRoot(self._context)
-        return np.array(servo.get_desired_state_output_port().Eval(context))[: len(self._parts.joints)]
+        return servo.set_points(servo.GetMyContextFromRoot(self._context))
 
     def _assign(self, set_points: np.ndarray) -> None:
         """Lets the joints follow the controllers that are active now."""

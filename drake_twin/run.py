@@ -82,6 +82,12 @@ def _parser() -> ArgumentParser:
     timing.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
     timing.add_argument("--time-step", type=float, metavar="S", help="physics step (default: 0.001)")
     timing.add_argument(
+        "--engine",
+        metavar="NAME",
+        help="discrete (default), or cenic: error control instead of fixed steps, much faster",
+    )
+    timing.add_argument("--accuracy", type=float, metavar="A", help="what cenic is asked for (default: 0.001)")
+    timing.add_argument(
         "--real-time-rate",
         type=float,
         metavar="R",

@@ -11,15 +11,17 @@ import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
-from pydrake.systems.analysis import Simulator
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context, Diagram
 
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
 from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
-from drake_twin.scenario import Scenario
+from drake_twin.scenario import CENIC, Scenario
 from drake_twin.systems.controller import PeriodicController
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
+
+_LONGEST_STEP_OF_CENIC = 0.1  # s
 
 # pydrake ties a simulator, its diagram and its systems to each other in here, and never lets go of any (drake#22515).
 _PEERS = "_pydrake_internal_ref_cycle_peers"
@@ -43,6 +45,11 @@ class Running:
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None, known: TwinDiagram | None = None):
         self.built = build_twin_diagram(scenario, meshcat, known)
         self.simulator = Simulator(self.built.diagram)
+        if scenario.engine == CENIC:
+            configuration = SimulatorConfig(
+                integration_scheme="cenic", accuracy=scenario.accuracy, max_step_size=_LONGEST_STEP_OF_CENIC
+            )
+            ApplySimulatorConfig(configuration, self.simulator)
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
 

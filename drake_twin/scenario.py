@@ -24,6 +24,10 @@ from drake_twin.errors import InputError
 # Drake's discrete solvers that honour joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
 
+# How physics goes on: Drake's discrete solvers, or its convex integrator with error control.
+DISCRETE, CENIC = "discrete", "cenic"
+ENGINES = (DISCRETE, CENIC)
+
 # Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
 SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
 
@@ -142,7 +146,11 @@ class Scenario:
 
     Attributes:
         robots: the robots, in a fixed order.
-        time_step: the physics step (s).
+        time_step: the physics step (s). With the engine ``cenic`` the grid on which commands and subscribers meet the
+            simulation; the engine chooses its own steps between.
+        engine: ``discrete`` (fixed steps, repeatable to the last bit), or ``cenic`` (Drake's convex integrator, which
+            controls its error).
+        accuracy: what ``cenic`` is asked for.
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
         world: the world.
         package_paths: folders of ROS packages to look in first.
@@ -156,6 +164,8 @@ class Scenario:
 
     robots: tuple[Robot, ...]
     time_step: float = 0.001
+    engine: str = "discrete"
+    accuracy: float = 1e-3
     contact_approximation: str = "lagged"
     world: World = World()
     package_paths: tuple[str, ...] = ()
@@ -190,6 +200,10 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:
         bounds = f"{SHORTEST_STEP:g} s to {LONGEST_STEP:g} s"
         yield ("time_step",), f"{scenario.time_step:g} s is no step that simulates robots: valid are {bounds}"
+    if scenario.engine not in ENGINES:
+        yield ("engine",), f"{scenario.engine!r} is none of {', '.join(ENGINES)}"
+    if not 1e-9 <= scenario.accuracy <= 1.0:
+        yield ("accuracy",), f"{scenario.accuracy:g} is no accuracy: valid are 1e-9 to 1"
     if scenario.contact_approximation not in CONTACT_APPROXIMATIONS:
         valid = ", ".join(CONTACT_APPROXIMATIONS)
         yield ("contact_approximation",), f"{scenario.contact_approximation!r} is none of {valid}"

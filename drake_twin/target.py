@@ -11,13 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
-from drake_twin.scenario import LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError, ScenarioFile
+from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError, ScenarioFile
 
 if TYPE_CHECKING:
     from drake_twin.recording import Recording
     from drake_twin.snapshot import Snapshot
 
 _LAUNCH_FILE = re.compile(r".*(\.launch|_launch|\.launch\.\w+|_launch\.\w+)$|.*\.py$")
+
+
+_GRID_OF_CENIC = 0.01  # s; a finer one would cut its steps short
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,12 @@ def find_target(options: argparse.Namespace) -> Target:
     if options.world is not None:
         own_step = target.file is None and options.time_step is None
         scenario = _in_world(scenario, options.world, own_step=own_step)
+    if options.engine is not None:
+        scenario = replace(scenario, engine=options.engine)
+        if options.engine == CENIC and target.file is None:
+            scenario = replace(scenario, time_step=max(scenario.time_step, _GRID_OF_CENIC))
+    if options.accuracy is not None:
+        scenario = replace(scenario, accuracy=options.accuracy)
     if options.time_step is not None:
         scenario = replace(scenario, time_step=options.time_step)
     if commands:

@@ -29,7 +29,7 @@ from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.recording import Call, Recording, recorded
 from drake_twin.robot_control import RobotControl
 from drake_twin.running import Running
-from drake_twin.scenario import LONGEST_TIME, Robot, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
+from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
 from drake_twin.schedule import ScheduledCommand, Subscription, step_at
 from drake_twin.snapshot import Snapshot
 from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
@@ -37,6 +37,7 @@ from drake_twin.systems.controller import Interface
 
 _FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
 _MOST_STEPS_A_FRAME = 10_000
+_INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
 _LONGEST_WAIT = 3600.0  # for two step lengths to meet (simulated s)
 
 _log = logging.getLogger(__name__)
@@ -848,14 +849,19 @@ class Twin:
                 target = step_at(target * time_step, self.scenario.time_step)
                 continue
             self._apply_commands()
-            next_step = self._next_stop(target)
+            # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.
+            next_step = self._step + 1 if self.scenario.engine == CENIC else self._next_stop(target)
             try:
                 status = self._simulator.AdvanceTo(next_step * time_step)
                 if status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition:
                     # A controller has something to say. All that happens at this time has happened, but Drake would do
                     # it again when it goes on from here, the plant's step too: so it goes on from between two steps.
-                    next_step = round(self._context.get_time() / time_step) + 1
-                    self._context.SetTime((next_step - 0.5) * time_step)
+                    if self.scenario.engine == CENIC:
+                        next_step = floor(self._context.get_time() / time_step + 1e-6) + 1
+                        self._context.SetTime(self._context.get_time() + _INSTANT)
+                    else:
+                        next_step = round(self._context.get_time() / time_step) + 1
+                        self._context.SetTime((next_step - 0.5) * time_step)
                     self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
                     self._simulator.AdvanceTo(next_step * time_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can

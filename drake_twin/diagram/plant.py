@@ -22,7 +22,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
-from drake_twin.scenario import Scenario
+from drake_twin.scenario import CENIC, Scenario
 from drake_twin.systems.state_layout import StateLayout
 
 
@@ -69,7 +69,8 @@ def add_plant(
         InputError: a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
     """
     config = MultibodyPlantConfig(
-        time_step=scenario.time_step, discrete_contact_approximation=scenario.contact_approximation
+        time_step=0.0 if scenario.engine == CENIC else scenario.time_step,
+        discrete_contact_approximation=scenario.contact_approximation,
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
     warnings: list[str] = []

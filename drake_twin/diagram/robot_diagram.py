@@ -1,6 +1,6 @@
 """One robot's sub-diagram: its controllers, its joint servo and its publishers, behind ports named as in ROS."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
@@ -13,8 +13,10 @@ from pydrake.systems.primitives import ConstantVectorSource
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.controller_plan import ACTIVE, ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
+from drake_twin.diagram.servo_gains import MODES, ServoGains
 from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
 from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher
@@ -58,7 +60,7 @@ class RobotDiagram:
 
 
 def build_robot_diagram(
-    plan: RobotPlan, plant: MultibodyPlant, instance: ModelInstanceIndex, layout: StateLayout
+    plan: RobotPlan, plant: MultibodyPlant, in_plant: RobotInPlant, time_step: float
 ) -> RobotDiagram:
     """Builds a robot's sub-diagram.
 
@@ -69,14 +71,19 @@ def build_robot_diagram(
     Args:
         plan: the robot.
         plant: the finalized plant.
-        instance: the robot in it.
-        layout: where its joints stand in the plant's ports.
+        in_plant: the robot in it.
+        time_step: the physics step, or the grid of a continuous plant (s).
     """
+    instance, layout = in_plant.instance, in_plant.layout
     builder = DiagramBuilder()
     description = plan.description
-    controllers, warnings = _add_controllers(builder, plan, layout, plant.time_step())
+    controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
     joints = _joints_of_actuators(layout)
-    servo = _add_servo(builder, plan, joints, controllers) if joints else None
+    servo = (
+        _add_servo(builder, plan, joints, controllers, in_plant.gains if plant.time_step() == 0.0 else None)
+        if joints
+        else None
+    )
     joint_states = builder.AddNamedSystem(
         _free_name(builder, "joint_state_publisher"),
         JointStatePublisher(_state_interfaces(description), layout, *_broadcaster(plan, description)),
@@ -114,7 +121,7 @@ def _free_name(builder: DiagramBuilder, name: str) -> str:
 
 
 def _add_controllers(
-    builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float
+    builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float, *, continuous: bool
 ) -> tuple[dict[str, Controller], tuple[str, ...]]:
     """Adds a system for each controller that could be activated, now or later."""
     usable = {
@@ -148,7 +155,7 @@ def _add_controllers(
                 for other, indices in _upstream(item, usable).items()
             },
             true_odometry=item.true_odometry,
-            physics_step=time_step,
+            physics_step=0.0 if continuous else time_step,
         )
         controllers[name] = builder.AddNamedSystem(name, kind(setup))
         warnings += [f"{plan.name}: controller {name}: {warning}" for warning in controllers[name].warnings]
@@ -178,7 +185,11 @@ def _joints_of_actuators(layout: StateLayout) -> tuple[str | None, ...]:
 
 
 def _add_servo(
-    builder: DiagramBuilder, plan: RobotPlan, joints: tuple[str | None, ...], controllers: Mapping[str, Controller]
+    builder: DiagramBuilder,
+    plan: RobotPlan,
+    joints: tuple[str | None, ...],
+    controllers: Mapping[str, Controller],
+    gains: Sequence[ServoGains | None] | None,
 ) -> JointServo:
     description = plan.description
     limits = np.full((3, len(joints), 2), [-np.inf, np.inf])
@@ -191,9 +202,14 @@ def _add_servo(
     active = {item.name for item in plan.controllers if item.state == ACTIVE}
     holds = [plan.start_positions.get(joint or "", 0.0) for joint in joints]
     assignment = assign(joints, driving, active, holds, hold_joints=plan.hold_joints)
+    as_position = None
+    if gains is not None:
+        as_position = {
+            mode: [0.0 if servo is None else servo.velocity_as_position(mode) for servo in gains] for mode in MODES
+        }
     sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
-        _free_name(builder, "joint_servo"), JointServo(sizes, assignment, limits[..., 0], limits[..., 1])
+        _free_name(builder, "joint_servo"), JointServo(sizes, assignment, limits[..., 0], limits[..., 1], as_position)
     )
     for name, controller in driving.items():
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))

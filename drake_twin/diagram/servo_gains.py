@@ -52,15 +52,21 @@ class JointLoad:
     damping: float = 0.0
 
 
-def velocity_gains(load: JointLoad) -> PdControllerGains:
-    """Gains of a joint that follows a velocity."""
+def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdControllerGains:
+    """Gains of a joint that follows a velocity.
+
+    Args:
+        load: what resists the joint.
+        continuous: whether the engine is ``cenic``, which takes a velocity target with the wrong sign: the velocity
+            then comes as a position far away, with a stiffness that does next to nothing itself.
+    """
     damping = max(
         load.inertia / _VELOCITY_TIME_CONSTANT,
         load.gravity / _VELOCITY_ERROR_UNDER_GRAVITY,
         load.contact / _VELOCITY_ERROR_UNDER_CONTACT,
         load.damping / _RELATIVE_ERROR_UNDER_DAMPING,
     )
-    return PdControllerGains(p=0.0, d=damping)
+    return PdControllerGains(p=damping / VELOCITY_AS_POSITION if continuous else 0.0, d=damping)
 
 
 def position_gains(load: JointLoad, time_constant: float | None = None) -> PdControllerGains:
@@ -78,8 +84,12 @@ def position_gains(load: JointLoad, time_constant: float | None = None) -> PdCon
     return PdControllerGains(p=stiffness, d=stiffness * T)
 
 
+# In a continuous plant a velocity v is commanded as the position v · this (s).
+VELOCITY_AS_POSITION = 1e7
+
 # What drives a joint: its position is held, one of its command interfaces is written, or nothing holds it.
 HOLD, POSITION, VELOCITY, EFFORT, FREE = "hold", "position", "velocity", "effort", "free"
+MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE)
 
 # Drake ends the process when both gains are zero. This damping does nothing.
 _NO_GAINS = PdControllerGains(p=0.0, d=1e-9)
@@ -96,6 +106,11 @@ class ServoGains:
 
     position: PdControllerGains
     velocity: PdControllerGains
+
+    def velocity_as_position(self, mode: str) -> float:
+        """How far ahead a position stands for a velocity (s): damping over stiffness; 0 where there is no stiffness."""
+        gains = self.of(mode)
+        return float(gains.d / gains.p) if gains.p > 0 else 0.0
 
     @property
     def stopping_time(self) -> float:
@@ -130,8 +145,11 @@ def servo_gains(
             elif plan.name not in known:
                 servos.append((plan, actuator))
     new = [robot for robot in robots if robot[0].name not in known]
+    continuous = plant.time_step() == 0.0
     gains = {
-        actuator.index(): ServoGains(position_gains(load, plan.position_time_constant), velocity_gains(load))
+        actuator.index(): ServoGains(
+            position_gains(load, plan.position_time_constant), velocity_gains(load, continuous=continuous)
+        )
         for (plan, actuator), load in zip(servos, _joint_loads(plant, new, servos), strict=True)
     }
     return {

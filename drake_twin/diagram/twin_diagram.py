@@ -134,7 +134,7 @@ def build_twin_diagram(
         world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
     parts = add_plant(builder, scenario, plans, world_file, known_gains)
     topics = _Topics(builder)
-    robots = {plan.name: _add_robot(builder, parts, plan, topics) for plan in plans}
+    robots = {plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step) for plan in plans}
     broadcaster = _add_transform_broadcaster(builder, scenario, plans, robots)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
@@ -212,9 +212,11 @@ def _add_robot(
     parts: PlantOfTwin,
     plan: RobotPlan,
     topics: _Topics,
+    time_step: float,
 ) -> RobotDiagram:
-    plant, (instance, layout) = parts.plant, (parts.robots[plan.name].instance, parts.robots[plan.name].layout)
-    robot = build_robot_diagram(plan, plant, instance, layout)
+    plant, in_plant = parts.plant, parts.robots[plan.name]
+    instance, layout = in_plant.instance, in_plant.layout
+    robot = build_robot_diagram(plan, plant, in_plant, time_step)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     builder.Connect(plant.get_state_output_port(instance), system.GetInputPort("state"))
     builder.Connect(plant.get_net_actuation_output_port(instance), system.GetInputPort("net_actuation"))

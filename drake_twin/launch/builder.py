@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
-from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
+from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
     from drake_twin.launch.entity import LaunchDescription
@@ -33,10 +33,20 @@ class TwinBuilder:
     Args:
         time_step: the physics step (s).
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
+        engine: ``discrete``, or ``cenic`` for Drake's convex integrator with error control.
+        accuracy: what ``cenic`` is asked for.
         world: gravity, ground, and a world file.
     """
 
-    def __init__(self, time_step: float = 0.001, contact_approximation: str = "lagged", world: World | None = None):
+    def __init__(
+        self,
+        time_step: float = 0.001,
+        contact_approximation: str = "lagged",
+        world: World | None = None,
+        engine: str = DISCRETE,
+        accuracy: float = 1e-3,
+    ):
+        self._engine, self._accuracy = engine, float(accuracy)
         self._time_step = float(time_step)
         self._contact_approximation = contact_approximation
         self._world = world or World()
@@ -151,6 +161,8 @@ class TwinBuilder:
         return Scenario(
             robots=tuple(self._robots),
             time_step=self._time_step,
+            engine=self._engine,
+            accuracy=self._accuracy,
             contact_approximation=self._contact_approximation,
             world=self._world,
             package_paths=tuple(self._package_paths),

@@ -66,14 +66,23 @@ class JointServo(LeafSystem):
     Args:
         controllers: controller name → the number of its values.
         assignment: the one at the start.
+        as_position: for a continuous plant, the seconds by which a velocity is ahead of its position, for each mode and
+            each actuator: Drake's CENIC takes velocity targets with the wrong sign, so they come as positions. None for
+            a discrete plant.
         lower: three rows (position, velocity, effort) of the lowest command for each actuator.
         upper: of the highest.
     """
 
     def __init__(
-        self, controllers: Mapping[str, int], assignment: ServoAssignment, lower: np.ndarray, upper: np.ndarray
+        self,
+        controllers: Mapping[str, int],
+        assignment: ServoAssignment,
+        lower: np.ndarray,
+        upper: np.ndarray,
+        as_position: Mapping[str, Sequence[float]] | None = None,
     ):
         super().__init__()
+        self._as_position = as_position
         self._lower, self._upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
         self._ports = [self.DeclareVectorInputPort(name, size) for name, size in controllers.items()]
         self._assignment: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(assignment))
@@ -111,14 +120,24 @@ class JointServo(LeafSystem):
         values = np.concatenate([*(port.Eval(context) for port in self._ports), [np.nan]])
         return np.asarray(np.clip(values[list(sources)], self._lower[row], self._upper[row]))
 
-    def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
+    def set_points(self, context: Context) -> np.ndarray:
+        """The positions that are commanded or held at present (rad or m), an element for each actuator."""
         assignment = self.assignment(context)
         positions = self._commands(context, 0, assignment.positions)
+        return np.where(np.isnan(positions), assignment.holds, positions)
+
+    def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
+        assignment = self.assignment(context)
+        positions = self.set_points(context)
         velocities = self._commands(context, 1, assignment.velocities)
         # At the end of its range a joint does not go on at the velocity that goes with a position beyond.
-        at_end = (positions <= self._lower[0]) | (positions >= self._upper[0])
+        is_commanded = np.array(assignment.positions, dtype=int) >= 0
+        at_end = is_commanded & ((positions <= self._lower[0]) | (positions >= self._upper[0]))
         velocities[np.isnan(velocities) | at_end] = 0.0
-        positions = np.where(np.isnan(positions), assignment.holds, positions)
+        if self._as_position is not None:
+            ahead = [self._as_position[mode][index] for index, mode in enumerate(assignment.modes)]
+            positions = positions + velocities * np.array(ahead)
+            velocities = np.zeros_like(velocities)
         output.SetFromVector(np.concatenate([positions, velocities]))
 
     def _calc_actuation(self, context: Context, output: BasicVector) -> None:

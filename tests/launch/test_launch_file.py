@@ -20,7 +20,7 @@ def rovers():
 
 def test_the_rovers_topics_are_what_ros_would_name_them(rovers):
     topics = Twin(rovers.scenario).topics()
-    expected = {"/clock", "/tf", "/tf_static"}
+    expected = {"/clock", "/tf", "/tf_static", "/model_states", "/link_states"}
     for name in ("/robot_1", "/robot_2"):
         expected |= {
             f"{name}/joint_states",
@@ -197,7 +197,7 @@ def test_one_bridge_names_the_topics_of_two_robots(tmp_path):
     launch = launched(tmp_path, *carts, node("ros_gz_bridge", "parameter_bridge", *words, remappings=remappings))
     topics = Twin(launch.scenario).topics()
     assert {"/a/cmd_vel", "/a/odom", "/b/cmd_vel", "/b/odom"} <= set(topics)
-    assert not [topic for topic in topics if "model" in topic]
+    assert not [topic for topic in topics if topic.startswith("/model/")]
     assert launch.scenario.not_started == ()
 
 

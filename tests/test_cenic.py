@@ -1,0 +1,113 @@
+"""CENIC as the engine: the same robots, the same commands, steps that the engine chooses."""
+
+import numpy as np
+import pytest
+from conftest import ARM, ROVER, rovers
+
+from drake_twin import TwinBuilder
+from drake_twin.errors import InputError
+from drake_twin.scenario import Robot, World
+from drake_twin.snapshot import Snapshot
+
+WHEELS = "/robot_1/forward_velocity_controller/commands"
+
+
+def cenic(count=1, **options):
+    return rovers(count, engine="cenic", time_step=0.01, **options)
+
+
+def test_a_commanded_velocity_has_its_sign_and_its_size():
+    """Drake's CENIC turns velocity targets round (trap of Drake 1.51); ours come as positions."""
+    twin = cenic().build()
+    twin.publish(WHEELS, [0.3, 2.0, 0.3, 2.0])
+    twin.advance_to(1.0)
+    assert twin.robot_state("robot_1").velocities == pytest.approx(
+        [0.3, 2.0, 0.3, 2.0], rel=0.01
+    )  # they slip in a turn
+    twin.publish(WHEELS, [-1.0] * 4)
+    twin.advance_to(2.0)
+    assert twin.robot_state("robot_1").velocities == pytest.approx([-1.0] * 4, rel=1e-3)
+
+
+def test_a_rover_drives_where_the_discrete_engine_drives_it():
+    ends = []
+    for twin in (cenic().build(), rovers(1).build()):
+        twin.publish(WHEELS, [2.0, 3.0, 2.0, 3.0])
+        twin.advance_to(3.0)
+        ends.append(twin.robot_state("robot_1").base_pose[:3])
+    assert ends[0] == pytest.approx(ends[1], abs=0.02)
+
+
+def test_positions_velocities_and_holds_of_an_arm(tmp_path):
+    controllers = tmp_path / "controllers.yaml"
+    controllers.write_text(
+        "controller_manager: {ros__parameters: {arm: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        "arm: {ros__parameters: {joints: [joint_1, joint_2], command_interfaces: [position],"
+        " state_interfaces: [position, velocity]}}\n"
+    )
+    twin = TwinBuilder(engine="cenic", time_step=0.01).robot("arm", ARM, controllers=controllers).build()
+    done = []
+    point = {"positions": [1.0, 0.5], "velocities": [0, 0], "time_from_start": 2.0}
+    goal = {"trajectory": {"joint_names": ["joint_1", "joint_2"], "points": [point]}}
+    twin.send_goal("/arm/arm/follow_joint_trajectory", goal, done.append)
+    errors = []
+
+    def look(message):
+        s = min(twin.time / 2.0, 1.0)
+        wanted = np.array([1.0, 0.5]) * (3 * s**2 - 2 * s**3)
+        errors.append(np.abs(np.array(twin.robot_state("arm").positions[:2]) - wanted).max())
+
+    twin.subscribe("/clock", look, 50)
+    twin.advance_to(4.0)
+    assert [goal.status for goal in done] == ["succeeded"]
+    assert max(errors) < 0.01
+    assert twin.robot_state("arm").positions[2] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_efforts_and_limits_are_the_joints(tmp_path):
+    robot = tmp_path / "robot.urdf"
+    robot.write_text("""<robot name="r"><link name="world"/><link name="bar"><inertial><mass value="1"/>
+      <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="turn" type="revolute"><parent link="world"/><child link="bar"/><axis xyz="0 0 1"/>
+      <limit lower="-1" upper="1" velocity="50" effort="0.2"/></joint>
+      <ros2_control name="s" type="system"><joint name="turn"><command_interface name="effort"/></joint>
+      </ros2_control></robot>""")
+    twin = TwinBuilder(engine="cenic", time_step=0.01, world=World(ground=False)).robot("r", robot).build()
+    twin.publish("/r/forward_effort_controller/commands", [5.0])
+    twin.advance_to(0.5)
+    assert twin.robot_state("r").velocities[0] == pytest.approx(0.2 / 0.1 * 0.5, rel=1e-3)
+    twin.advance_to(4.0)
+    assert twin.robot_state("r").positions[0] == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_run_repeats_whoever_listens_and_whatever_the_calls():
+    hashes = []
+    for rate, slices in ((None, 1), (33.0, 1), (None, 7)):
+        twin = cenic(2).build()
+        twin.publish(WHEELS, [2.0, 3.0, 2.0, 3.0])
+        if rate:
+            twin.subscribe("/robot_1/joint_states", lambda message: None, rate)
+        for part in range(slices):
+            twin.advance_to(1.4 * (part + 1) / slices)
+        hashes.append(twin.state_sha256())
+    assert len(set(hashes)) == 1
+
+
+def test_robots_come_and_go_and_snapshots_hold_to_the_accuracy(tmp_path):
+    twin = cenic().build()
+    twin.publish(WHEELS, [2.0] * 4)
+    twin.advance_to(0.5)
+    twin.snapshot().save(tmp_path / "state.json")
+    twin.spawn(Robot("new", ROVER, xyz=(-3, 0, 0.13)))
+    twin.advance_to(1.5)
+    end = twin.robot_state("robot_1")
+    twin.restore(Snapshot.load(tmp_path / "state.json"))
+    assert twin.robots == ("robot_1",)
+    twin.advance_to(1.5)
+    assert twin.robot_state("robot_1").base_pose == pytest.approx(end.base_pose, abs=2e-3)
+
+
+@pytest.mark.parametrize(("option", "value"), [("engine", "magic"), ("accuracy", 0.0), ("accuracy", 5.0)])
+def test_what_is_no_engine_is_refused(option, value):
+    with pytest.raises(InputError, match=option):
+        rovers(1, **{option: value}).build()
