@@ -1,7 +1,9 @@
 """What of a twin a viewer outside this process draws: the bodies' illustration geometry, and the bodies' poses."""
 
 import weakref
+from collections.abc import Container
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -52,7 +54,7 @@ class SharedScene:
         inspector = _scene_graph(twin).model_inspector()
         world = inspector.world_frame_id()
         bodies: dict[FrameId, str] = {}
-        geometries = []
+        geometries: dict[str, DrawnGeometry] = {}
         for geometry in inspector.GetAllGeometryIds(Role.kIllustration):
             if inspector.IsDeformableGeometry(geometry):
                 continue
@@ -63,19 +65,19 @@ class SharedScene:
             name = inspector.GetName(geometry).rpartition("::")[2].replace("/", "_")
             properties = inspector.GetIllustrationProperties(geometry)
             color = properties.GetPropertyOrDefault("phong", "diffuse", _DEFAULT_COLOR)
-            geometries.append(
-                DrawnGeometry(
-                    path=_unused(f"{body}/{name}", geometries),
-                    shape=inspector.GetShape(geometry).Clone(),
-                    color=(color.r(), color.g(), color.b(), color.a()),
-                    X_BG=inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
-                )
+            path = _unused(f"{body}/{name}", geometries)
+            geometries[path] = DrawnGeometry(
+                path=path,
+                shape=inspector.GetShape(geometry).Clone(),
+                color=(color.r(), color.g(), color.b(), color.a()),
+                X_BG=inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
             )
         if twin.scenario.world.has_own_ground:
-            geometries.append(_ground())
+            path = _unused(f"{WORLD}/ground", geometries)
+            geometries[path] = _ground(path)
         self._frames = tuple(bodies)
         self.bodies = tuple(bodies.values())
-        self.geometries = tuple(geometries)
+        self.geometries = tuple(geometries.values())
 
     def shows(self, twin: Twin) -> bool:
         """Whether this is still the twin's scene: a robot that comes or goes makes another."""
@@ -100,14 +102,14 @@ def _body_path(frame: str) -> str:
     return f"{model.replace('::', '.') or WORLD}/{body}"
 
 
-def _unused(path: str, geometries: list[DrawnGeometry]) -> str:
-    taken = {geometry.path for geometry in geometries}
-    return path if path not in taken else next(p for n in range(2, len(taken) + 3) if (p := f"{path}_{n}") not in taken)
+def _unused(path: str, taken: Container[str]) -> str:
+    numbered = (f"{path}_{number}" for number in count(2))
+    return path if path not in taken else next(other for other in numbered if other not in taken)
 
 
-def _ground() -> DrawnGeometry:
+def _ground(path: str) -> DrawnGeometry:
     """The ground of a world that has no picture of it."""
     height = -_GROUND_THICKNESS / 2 - _BELOW_THE_GRID
     color = (_GROUND_COLOR.r(), _GROUND_COLOR.g(), _GROUND_COLOR.b(), _GROUND_COLOR.a())
     shape = Box(_GROUND_SIDE, _GROUND_SIDE, _GROUND_THICKNESS)
-    return DrawnGeometry(f"{WORLD}/ground", shape, color, RigidTransform([0, 0, height]).GetAsMatrix4())
+    return DrawnGeometry(path, shape, color, RigidTransform([0, 0, height]).GetAsMatrix4())

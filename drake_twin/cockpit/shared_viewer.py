@@ -8,7 +8,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from drake_twin.cockpit.meshcat_client import Frame, FrameCounts, MeshcatClient
+from drake_twin.cockpit.frame_sender import Frame
+from drake_twin.cockpit.meshcat_client import FrameCounts, MeshcatClient
 from drake_twin.cockpit.shared_scene import SharedScene
 from drake_twin.errors import InputError
 from drake_twin.twin import Twin
@@ -48,9 +49,7 @@ class SharedViewer:
         InputError: the address or the name cannot be used.
     """
 
-    def __init__(
-        self, url: str, name: str, on_page: Callable[[str], None] = lambda _: None, *, patience: float = 5.0
-    ):
+    def __init__(self, url: str, name: str, on_page: Callable[[str], None] = lambda _: None, *, patience: float = 5.0):
         check_viewer_address(url)
         check_viewer_name(name)
         self.cost = ViewerCost()

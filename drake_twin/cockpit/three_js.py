@@ -109,7 +109,9 @@ def _raised(matrix: np.ndarray, height: float) -> np.ndarray:
 def _hull(shape: Any) -> MeshPart:
     """The faces of a convex hull, flat: each has vertices of its own."""
     hull = shape.GetConvexHull()
-    vertices, normals, faces = [], [], []
+    vertices: list[Any] = []
+    normals: list[Any] = []
+    faces: list[tuple[int, int, int]] = []
     data, start = np.asarray(hull.face_data()), 0
     for face in range(hull.num_faces()):
         corners = data[start + 1 : start + 1 + data[start]]
@@ -144,9 +146,7 @@ class _Writer:
             "matrix": matrix.T.ravel().tolist(),
         }
 
-    def triangles(
-        self, part: MeshPart, color: tuple[float, float, float, float], matrix: np.ndarray
-    ) -> dict[str, Any]:
+    def triangles(self, part: MeshPart, color: tuple[float, float, float, float], matrix: np.ndarray) -> dict[str, Any]:
         attributes = {"position": _array(part.vertices, _FLOAT32), "normal": _array(part.normals, _FLOAT32)}
         if part.uv is not None:
             attributes["uv"] = _array(part.uv, _FLOAT32)
