@@ -183,6 +183,8 @@ class MeshcatClient:
                 if command is not None:
                     connection.send(command)
                     unanswered += 1
+            if not unanswered:
+                break
             for answer in connection.answers():
                 unanswered -= 1
                 heard = time.monotonic()

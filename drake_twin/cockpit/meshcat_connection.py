@@ -32,7 +32,7 @@ class MeshcatConnection:
         self._socket = context.socket(zmq.DEALER)
         self._socket.linger = 0
         self._socket.reconnect_ivl = RETRY
-        self._socket.reconnect_ivl_max = __LONGEST_RETRY
+        self._socket.reconnect_ivl_max = _LONGEST_RETRY
         self._socket.heartbeat_ivl = _HEARTBEAT
         self._socket.heartbeat_timeout = _HEARTBEAT_TIMEOUT
         self._monitor = self._socket.get_monitor_socket()

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import umsgpack
 
-OK = b"ok"
 ASK_FOR_PAGE = (b"url",)  # the answer is the address of the page
 
 Command = tuple[bytes, ...]
