@@ -3,7 +3,6 @@
 The page outlives the twins. The stock server is started with ``meshcat-server --zmq-url tcp://127.0.0.1:6000``.
 """
 
-import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,11 +10,10 @@ from dataclasses import dataclass
 from drake_twin.cockpit.frame_sender import Frame
 from drake_twin.cockpit.meshcat_client import FrameCounts, MeshcatClient
 from drake_twin.cockpit.shared_scene import SharedScene
-from drake_twin.errors import InputError
+from drake_twin.cockpit.viewer_address import check_viewer_address, check_viewer_name
 from drake_twin.twin import Twin
 
 _FOLDER = "/twins"
-_ADDRESS = re.compile(r"tcp://(\[[0-9a-fA-F:.]+\]|[^\s/:\[\]*]+):(\d{1,5})|ipc://\S+")
 
 
 @dataclass(frozen=True)
@@ -90,27 +88,3 @@ class SharedViewer:
             timeout: the longest wait for a server that is there (s).
         """
         self._client.close(timeout)
-
-
-def check_viewer_address(url: str) -> None:
-    """Refuses what is no ZeroMQ address.
-
-    Raises:
-        InputError: it is none.
-    """
-    match = _ADDRESS.fullmatch(url)
-    if match is None or (match[2] is not None and not 1 <= int(match[2]) <= 65535):
-        raise InputError(
-            f"{url!r} is no address of a meshcat-server: it reads tcp://HOST:PORT, for example tcp://127.0.0.1:6000"
-            " (what the server prints as zmq_url)"
-        )
-
-
-def check_viewer_name(name: str) -> None:
-    """Refuses what cannot be the name of one folder.
-
-    Raises:
-        InputError: it cannot.
-    """
-    if not name or "/" in name or name != name.strip() or not name.isprintable() or name == "<object>":
-        raise InputError(f"{name!r} cannot be a folder on the shared page: a name without slashes is needed")
