@@ -37,6 +37,7 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
     log = logging.getLogger("drake_twin")
     if not any(isinstance(handler, _LogHandler) for handler in log.handlers):
         log.addHandler(_LogHandler(logging.WARNING))
+        logging.getLogger().addHandler(_OthersLogHandler(logging.WARNING))
     try:
         return program(arguments)
     except TwinError as error:
@@ -59,6 +60,14 @@ class _LogHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         text = f"{record.levelname.lower()}: {record.getMessage()}"
         say(f"\r\033[K{text}" if sys.stdout is not None and sys.stdout.isatty() else text, sys.stderr)
+
+
+class _OthersLogHandler(_LogHandler):
+    """Shows what libraries have to say. Drake would put a handler there that repeats the twin's own lines."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.name.partition(".")[0] != "drake_twin":
+            super().emit(record)
 
 
 def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:

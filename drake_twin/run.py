@@ -12,7 +12,7 @@ from typing import Any
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.program import ArgumentParser, announce_page, run_program, say, stop_signals
 from drake_twin.scenario import LONGEST_TIME, scenario_to_yaml
-from drake_twin.target import Target, build_twin, find_launch_file, find_target, package_paths
+from drake_twin.target import Target, build_twin, find_launch_file, find_target, package_paths, target_name
 from drake_twin.watched_files import Watch, files_read
 
 _DESCRIPTION = """\
@@ -30,9 +30,12 @@ examples:
   python -m drake_twin.run PACKAGE gazebo.launch.py --workspace path/to/ws
   python -m drake_twin.run diagrams/two_rovers.yaml
   python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3
-  python -m drake_twin.run --robots 2 --world path/to/some.world"""
+  python -m drake_twin.run --robots 2 --world path/to/some.world
+  python -m drake_twin.run --robots 2 --duration 10 --plot run.png
+  python -m drake_twin.run --robots 2 --viewer tcp://127.0.0.1:6000"""
 
 _STATUS_PERIOD = 0.2  # s
+_END_WAIT, _STOPPED_WAIT = 10.0, 0.5  # s: for a shared page to take a run's last state
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -98,6 +101,15 @@ def _parser() -> ArgumentParser:
     page.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
     page.add_argument("--host", default="127.0.0.1", help="the address the page is served at (default: 127.0.0.1)")
     page.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    page.add_argument(
+        "--viewer",
+        metavar="URL",
+        help="show it on the page of a meshcat-server too, which several twins share: its zmq_url, for example"
+        " tcp://127.0.0.1:6000",
+    )
+    page.add_argument(
+        "--viewer-name", metavar="NAME", help="the twin's folder there (default: the target's name and the process id)"
+    )
     launch = parser.add_argument_group("launch files")
     launch.add_argument("--show-args", action="store_true", help="print the arguments that the launch file has and end")
     launch.add_argument("--strict", action="store_true", help="refuse to run when something of it is not started")
@@ -114,6 +126,9 @@ def _parser() -> ArgumentParser:
         "--echo", action="append", default=[], metavar="TOPIC", help="print a topic's messages (may be repeated)"
     )
     output.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
+    output.add_argument(
+        "--plot", type=Path, metavar="FILE", help="draw joints and real-time factor over time (.png, .svg or .pdf)"
+    )
     output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
     output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
     output.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -153,11 +168,12 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     watch = Watch(files) if options.watch else None
     if options.record is not None:
         twin.record()
-    while True:
-        wall_time += _simulate(twin, target, page, options, stopped, watch)
-        if watch is None or stopped or not watch.is_broken_off:
-            break
-        twin, target, watch = _again(twin, target, meshcat, options, watch)
+    with _Observers(options, stopped) as observers:
+        while True:
+            wall_time += _simulate(twin, target, page, options, stopped, watch, observers)
+            if watch is None or stopped or not watch.is_broken_off:
+                break
+            twin, target, watch = _again(twin, target, meshcat, options, watch)
     if options.save_state is not None:
         twin.snapshot().save(options.save_state)
     if options.record is not None:
@@ -233,15 +249,31 @@ def _check(options: argparse.Namespace) -> None:
         if value is not None and not 0 < value <= LONGEST_TIME:
             bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"
             raise InputError(f"--{name.replace('_', '-')} {value:g}: {bounds}")
-    for name in ("summary", "save_state", "record"):
+    if options.plot is not None:
+        from drake_twin.plot import check_plot_file
+
+        check_plot_file(options.plot)
+    for name in ("summary", "plot", "save_state", "record"):
         file = getattr(options, name)
-        if file is not None:
-            folder = file.absolute().parent
-            place = file if file.exists() else folder
-            if not folder.is_dir() or file.is_dir() or not os.access(place, os.W_OK):
-                raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
+        if file is not None and not _is_writable(file):
+            raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
+    if options.viewer is not None:
+        from drake_twin.cockpit.viewer_address import check_viewer_address
+
+        check_viewer_address(options.viewer)
+    if options.viewer_name is not None:
+        from drake_twin.cockpit.viewer_address import check_viewer_name
+
+        check_viewer_name(options.viewer_name)
+        if options.viewer is None:
+            raise InputError("--viewer-name names the twin on a shared page: --viewer URL says which")
     if options.port is not None and not 1024 <= options.port <= 65535:
         raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
+
+
+def _is_writable(file: Path) -> bool:
+    folder = file.absolute().parent
+    return folder.is_dir() and not file.is_dir() and os.access(file if file.exists() else folder, os.W_OK)
 
 
 def _simulate(
@@ -251,13 +283,16 @@ def _simulate(
     options: argparse.Namespace,
     stopped: Sequence[int],
     watch: Watch | None,
+    observers: "_Observers",
 ) -> float:
     """Runs to the end, until stopped or until a file changes; returns the wall time it took (s)."""
     status = _StatusLine(twin)
     obey = _nothing if page is None else page.show(twin, target)
+    observe = observers.show(twin)
 
     def each_frame() -> bool:
         obey()
+        observe()
         status.show()
         return not stopped and (watch is None or not watch.breaks_off())
 
@@ -266,10 +301,11 @@ def _simulate(
         twin.run(
             None if options.duration is None else twin.time + options.duration,
             each_frame=each_frame,
-            as_fast_as_possible=page is None and options.real_time_rate is None,
+            as_fast_as_possible=page is None and options.viewer is None and options.real_time_rate is None,
         )
     finally:
         status.end()
+    observe()
     return time.perf_counter() - start
 
 
@@ -305,6 +341,45 @@ class _Page:
             announce_page(self._meshcat.web_url(), open_browser=self._open_browser)
         self._shown, self._obey = twin, panel.obey
         return self._obey
+
+
+class _Observers:
+    """The shared page and the plot, which take note of a run and change nothing in it."""
+
+    def __init__(self, options: argparse.Namespace, stopped: Sequence[int]):
+        self._options = options
+        self._stopped = stopped
+        self._viewer: Any = None
+        self._recorder: Any = None
+
+    def __enter__(self) -> "_Observers":
+        options = self._options
+        if options.viewer is not None:
+            from drake_twin.cockpit.shared_viewer import SharedViewer
+
+            name = options.viewer_name or f"{target_name(options)}-{os.getpid()}"
+            self._viewer = SharedViewer(
+                options.viewer, name, lambda url: say(f"shared page: {url} (folder twins/{name})")
+            )
+        if options.plot is not None:
+            from drake_twin.run_history import HistoryRecorder
+
+            self._recorder = HistoryRecorder()
+        return self
+
+    def show(self, twin: Any) -> Callable[[], None]:
+        """Observes a twin from now on; returns what is to be called each frame."""
+        if self._recorder is not None:
+            self._recorder.record(twin)
+        return _nothing if self._viewer is None else lambda: self._viewer.draw(twin)
+
+    def __exit__(self, *_: object) -> None:
+        if self._viewer is not None:
+            self._viewer.close(_STOPPED_WAIT if self._stopped else _END_WAIT)
+        if self._recorder is not None:
+            from drake_twin.plot import write_plot
+
+            write_plot(self._recorder.history(), self._options.plot)
 
 
 class _StatusLine:

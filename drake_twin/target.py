@@ -119,6 +119,15 @@ def _saved(options: argparse.Namespace) -> Target:
     return Target(ScenarioFile(recording.start.scenario, options.replay).scenario, recording=recording)
 
 
+def target_name(options: argparse.Namespace) -> str:
+    """A short name for what the command line asks for: of a file without its endings, or of the twin's own robot."""
+    words = [item for item in options.target if ":=" not in item]
+    if not words:
+        return options.robot or "rover"
+    name = Path(words[-1]).name.split(".")[0].strip()
+    return "".join(letter if letter.isprintable() else "_" for letter in name) or "twin"
+
+
 def build_twin(target: Target, meshcat: Any = None) -> Any:
     """The twin of a target.
 
