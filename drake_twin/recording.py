@@ -1,8 +1,8 @@
 """What was done to a twin and when, so that it can be done again: the same calls at the same steps, the same state."""
 
 import functools
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -28,11 +28,13 @@ class Call:
         time: when (simulated s).
         name: the method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
         arguments: what it was given.
+        named: what it was given by name.
     """
 
     time: float
     name: str
     arguments: tuple[Any, ...] = ()
+    named: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ def recorded(method: _Method) -> _Method:
 
     @functools.wraps(method)
     def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
-        twin.note(method.__name__, *arguments, *named.values())
+        twin.note(method.__name__, *arguments, **named)
         return method(twin, *arguments, **named)
 
     return call  # type: ignore[return-value]
@@ -109,6 +111,6 @@ def _do(twin: "Twin", call: Call) -> None:
             robot, method, *arguments = call.arguments
             getattr(twin.controller_manager(robot), method)(*arguments)
         else:
-            getattr(twin, call.name)(*call.arguments)
+            getattr(twin, call.name)(*call.arguments, **call.named)
     except TwinError:
         pass

@@ -386,15 +386,17 @@ class Twin:
         start, calls = self._recorded
         return Recording(start, tuple(calls), self.time)
 
-    def note(self, name: str, *arguments: Any) -> None:
-        """Puts a call into the recording, if there is one."""
-        if self._recorded is not None:
-            plain = tuple(item for item in arguments if not callable(item) or hasattr(item, "__msgtype__"))
-            try:
-                to_plain(plain)
-            except TypeError:  # what no method takes; it is refused in a moment
-                return
-            self._recorded[1].append(Call(self.time, name, copy.deepcopy(plain)))
+    def note(self, name: str, *arguments: Any, **named: Any) -> None:
+        """Puts a call into the recording, if there is one; whom a result is told to is left out."""
+        if self._recorded is None:
+            return
+        plain = tuple(item for item in arguments if not callable(item))
+        plain_named = {key: item for key, item in named.items() if not callable(item)}
+        try:
+            to_plain((plain, plain_named))
+        except TypeError:  # what no method takes; it is refused in a moment
+            return
+        self._recorded[1].append(Call(self.time, name, copy.deepcopy(plain), copy.deepcopy(plain_named)))
 
     def cancel(self, robot: str, controller: str) -> None:
         """Ends the present goal of a controller's action; the joints hold where they are.

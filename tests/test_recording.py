@@ -102,6 +102,20 @@ def test_refused_calls_messages_goals_and_joint_positions_are_done_again(tmp_pat
     assert replay(twin.recording()).state_sha256() == twin.state_sha256()
 
 
+def test_what_is_given_by_name_is_done_again_by_name():
+    twin = rovers(2).build()
+    twin.record()
+    twin.spawn(robot=Robot("new", ROVER, xyz=(-3, 0, 0.13)))
+    twin.apply_wrench("new", force=(20, 0, 0), duration=0.5)
+    twin.advance_to(0.7)
+    twin.set_entity_state("robot_2", linear=(0.5, 0, 0))
+    twin.controller_manager("robot_1").switch_controller(deactivate=["joint_state_broadcaster"], strictness=2)
+    twin.advance_to(1.0)
+    again = replay(twin.recording())
+    assert again.state_sha256() == twin.state_sha256()
+    assert again.robot_state("new").base_pose[0] != -3.0
+
+
 def test_a_recording_may_begin_in_the_middle_and_hold_a_reset():
     twin = rovers(1).build()
     twin.publish(wheels("robot_1"), [2, 3, 2, 3])
