@@ -8,7 +8,7 @@ def test_the_python_of_the_readme_runs_and_its_assertions_hold(capsys):
     program = "\n".join(re.findall(r"```python\n(.*?)```", README, re.DOTALL))
     exec(compile(program, "README.md", "exec"), {})
     printed = capsys.readouterr().out
-    assert printed.count("[") == 50  # ten joint states a second for five seconds
+    assert printed.count("[") == 60  # ten joint states a second for five seconds
     assert re.search(r"^[0-9a-f]{64}$", printed, re.MULTILINE)
 
 
