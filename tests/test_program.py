@@ -64,3 +64,14 @@ def test_say_goes_on_when_nobody_reads():
     with open(write, "w", closefd=True) as stream:
         say("hello", stream)
         say("again", stream)
+
+
+def test_a_warning_while_running_is_shown_once(tmp_path):
+    """Drake gives Python's root logger a handler of its own once it has something to log."""
+    program = (
+        "import logging, sys; from drake_twin.run import main; main(sys.argv[1:]);"
+        " logging.getLogger('drake_twin.any').warning('careful'); logging.getLogger('other').warning('mind')"
+    )
+    command = [sys.executable, "-c", program, "--headless", "--duration", "0.01"]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert result.stderr == "warning: careful\nwarning: mind\n"

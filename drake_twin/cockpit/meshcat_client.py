@@ -79,18 +79,23 @@ class MeshcatClient:
             self._offered += 1
             self._changed.notify_all()
 
-    def flush(self, timeout: float) -> bool:
+    def flush(self, timeout: float, *, wait_for_server: bool = False) -> bool:
         """Waits until the server has the latest frame.
 
         Args:
             timeout: the longest wait (s).
+            wait_for_server: whether to wait for one that is absent, too.
 
         Returns:
-            Whether it has; False at once where there is no server.
+            Whether it has.
         """
         with self._changed:
-            self._changed.wait_for(lambda: self._delivered == self._offered or self._absent, timeout)
-            return self._delivered == self._offered
+            self._changed.wait_for(lambda: self._has_latest or (self._absent and not wait_for_server), timeout)
+            return self._has_latest
+
+    @property
+    def _has_latest(self) -> bool:
+        return not self._absent and self._delivered == self._offered
 
     def close(self, timeout: float) -> None:
         """Sends the latest frame if a server takes it, and ends; what is on the page stays.
@@ -126,7 +131,7 @@ class MeshcatClient:
         with self._changed:
             if self._end is None:
                 return False
-            return self._absent or self._delivered == self._offered or time.monotonic() > self._end
+            return self._absent or self._has_latest or time.monotonic() > self._end
 
     def _serve(self, connection: MeshcatConnection) -> None:
         """Connects and sends frames until the client is closed.

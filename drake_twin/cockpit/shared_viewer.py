@@ -70,16 +70,17 @@ class SharedViewer:
         slowest = max(cost.slowest, spent) if is_known else cost.slowest
         self.cost = ViewerCost(cost.frames + 1, cost.wall_time + spent, slowest)
 
-    def flush(self, timeout: float) -> bool:
+    def flush(self, timeout: float, *, wait_for_server: bool = False) -> bool:
         """Waits until the page has the latest state.
 
         Args:
             timeout: the longest wait (s).
+            wait_for_server: whether to wait for a server that is absent, too.
 
         Returns:
-            Whether it has; False at once where there is no server.
+            Whether it has; False at once where there is no server, unless one is waited for.
         """
-        return self._client.flush(timeout)
+        return self._client.flush(timeout, wait_for_server=wait_for_server)
 
     def close(self, timeout: float = 1.5) -> None:
         """Sends the latest state and ends; what is on the page stays there.
