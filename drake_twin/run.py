@@ -103,6 +103,9 @@ def _parser() -> ArgumentParser:
         "--echo", action="append", default=[], metavar="TOPIC", help="print a topic's messages (may be repeated)"
     )
     output.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
+    output.add_argument(
+        "--save-html", type=Path, metavar="FILE", help="record the run as one page that plays back offline"
+    )
     output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
     output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
     output.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -118,11 +121,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
         if options.show_scenario:
             say(scenario_to_yaml(target.scenario), end="")
             return 0
-        meshcat = None
-        if not options.headless and options.graphviz is None:
-            from drake_twin.cockpit.page import open_meshcat
-
-            meshcat = open_meshcat(options.port, options.host)
+        page, meshcat = _open_page(options)
         twin = build_twin(target, meshcat)
     if options.graphviz is not None:
         from drake_twin.diagram.picture import write_picture
@@ -131,9 +130,13 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
         say(f"wrote {options.graphviz}")
         return 0
     _announce(twin, target, options)
-    if target.paused and meshcat is not None:
+    if target.paused and page is not None:
         twin.pause()
-    page = None if meshcat is None else _Page(meshcat, open_browser=not options.no_browser)
+    recording = None
+    if options.save_html is not None:
+        from drake_twin.cockpit.html_recording import HtmlRecording
+
+        recording = HtmlRecording(meshcat, twin)
     wall_time = 0.0
     watch = Watch(files) if options.watch else None
     while True:
@@ -142,7 +145,23 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
             break
         twin, target, watch = _again(twin, target, meshcat, options, watch)
     _report(twin, wall_time, options.summary)
+    if recording is not None:
+        _write("page", options.save_html, recording.finish())
     return 0
+
+
+def _open_page(options: argparse.Namespace) -> tuple["_Page | None", Any]:
+    """The page, if one is wanted, and the Meshcat to draw on, if that is."""
+    if options.graphviz is not None:
+        return None, None
+    if not options.headless:
+        page = _Page(options)
+        return page, page.meshcat
+    if options.save_html is None:
+        return None, None
+    from drake_twin.cockpit.page import open_meshcat
+
+    return None, open_meshcat()
 
 
 def _again(
@@ -212,11 +231,14 @@ def _check(options: argparse.Namespace) -> None:
         if value is not None and not 0 < value <= LONGEST_TIME:
             bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"
             raise InputError(f"--{name.replace('_', '-')} {value:g}: {bounds}")
-    if options.summary is not None:
-        folder = options.summary.absolute().parent
-        target = options.summary if options.summary.exists() else folder
-        if not folder.is_dir() or options.summary.is_dir() or not os.access(target, os.W_OK):
-            raise InputError(f"--summary {options.summary}: no file can be written there")
+    for option, file in (("--summary", options.summary), ("--save-html", options.save_html)):
+        if file is None:
+            continue
+        folder = file.absolute().parent
+        if not folder.is_dir() or file.is_dir() or not os.access(file if file.exists() else folder, os.W_OK):
+            raise InputError(f"{option} {file}: no file can be written there")
+    if options.save_html is not None and options.watch:
+        raise InputError("--save-html records one run: it does not go with --watch")
     if options.port is not None and not 1024 <= options.port <= 65535:
         raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
 
@@ -257,32 +279,25 @@ def _nothing() -> None:
 
 
 class _Page:
-    """The page in the browser, which outlives a twin that is made anew."""
+    """The page in the browser, announced when it has something to show."""
 
-    def __init__(self, meshcat: Any, *, open_browser: bool):
-        self._meshcat = meshcat
-        self._open_browser = open_browser
+    def __init__(self, options: argparse.Namespace):
+        from drake_twin.cockpit.served_page import ServedPage
+
+        self._page = ServedPage(options.port, options.host)
+        self._open_browser = not options.no_browser
         self._shown: Any = None
         self._obey: Callable[[], None] = _nothing
+        self.meshcat = self._page.meshcat
 
     def show(self, twin: Any, target: Target) -> Callable[[], None]:
         """Shows a twin; returns what does as the page's controls say."""
-        from drake_twin.cockpit.joint_viewer import JointViewer
-        from drake_twin.cockpit.page import set_scene
-        from drake_twin.cockpit.panel import Panel
-
         if twin is self._shown:
             return self._obey
+        self._obey = self._page.show(twin, only_displayed=target.only_displayed).obey
         if self._shown is None:
-            set_scene(self._meshcat, twin)
-        self._meshcat.DeleteAddedControls()
-        panel = (JointViewer if target.only_displayed else Panel)(self._meshcat, twin)
-        if target.only_displayed:
-            twin.pause()
-        twin.draw()
-        if self._shown is None:
-            announce_page(self._meshcat.web_url(), open_browser=self._open_browser)
-        self._shown, self._obey = twin, panel.obey
+            announce_page(self._page.url, open_browser=self._open_browser)
+        self._shown = twin
         return self._obey
 
 
@@ -319,10 +334,14 @@ def _report(twin: Any, wall_time: float, file: Path | None) -> None:
         f" (real-time factor {result['real_time_factor']:.2f}), state {result['state_sha256'][:12]}"
     )
     if file is not None:
-        try:
-            file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise RunError(f"the summary {file} cannot be written ({error.strerror})") from None
+        _write("summary", file, json.dumps(result, indent=2) + "\n")
+
+
+def _write(what: str, file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
 
 
 def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:
