@@ -20,7 +20,7 @@ from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import state, structure
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.controller_manager import STRICT
-from drake_twin.errors import InputError, TwinError
+from drake_twin.errors import InputError
 from drake_twin.scenario import Robot
 from drake_twin.twin import Twin
 

@@ -8,7 +8,7 @@ from functools import cache
 from math import isfinite
 from typing import Any
 
-from drake_twin.scenario import Vector3
+from drake_twin.description.robot_description import Vector3
 
 _LONGEST_TEXT = 1000
 _MOST_STEPS = 10_000

@@ -200,7 +200,7 @@ class PageServer:
         return web.Response(body=content, status=status, content_type=kind, headers=headers)
 
     async def _web_socket(self, request: web.Request) -> web.WebSocketResponse:
-        web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT)
+        web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
         await web_socket.prepare(request)
         self._count += 1
         number, client = self._count, _Client(web_socket, dict(self._latest))

@@ -27,8 +27,7 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
             {
                 "name": plan.name,
                 "controllers": [
-                    {"name": item.name, "type": item.type, "problem": item.problem}
-                    for item in plan.controllers
+                    {"name": item.name, "type": item.type, "problem": item.problem} for item in plan.controllers
                 ],
                 "groups": [
                     {
@@ -45,7 +44,11 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
                     if robot == plan.name and not only_displayed
                 ],
                 "joints": [
-                    {"slides": joint.type == "prismatic", "follows": joint.mimic is not None, **asdict(joint_slider(joint))}
+                    {
+                        "slides": joint.type == "prismatic",
+                        "follows": joint.mimic is not None,
+                        **asdict(joint_slider(joint)),
+                    }
                     for joint in plan.description.movable_joints
                 ],
             }

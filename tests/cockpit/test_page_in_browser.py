@@ -5,11 +5,11 @@ import shutil
 
 import numpy as np
 import pytest
+from drake_twin.cockpit.panel import PLAY_PAUSE, RESET, STEP, Panel
 from PIL import Image
 
 from drake_twin import Twin
 from drake_twin.cockpit.page import open_meshcat, set_scene
-from drake_twin.cockpit.panel import PLAY_PAUSE, RESET, STEP, Panel
 from drake_twin.launch.demo import demo_scenario
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

@@ -7,7 +7,7 @@ from pydrake.multibody.meshcat import ContactVisualizer, ContactVisualizerParams
 from drake_twin.cockpit.overlays import PATH
 from drake_twin.twin import Twin
 
-_NEWTONS_PER_METER = 50.0  # a rover's wheel that carries 10 N has an arrow of 0.2 m
+_NEWTONS_PER_METER = 100.0  # a rover's wheel that carries 20 N has an arrow of 0.2 m
 
 
 class ContactForces:

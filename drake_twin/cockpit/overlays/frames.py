@@ -24,7 +24,9 @@ class Frames:
 
     def draw(self) -> None:
         """Draws the frames that are connected with ``world``."""
-        links = {link.child_frame_id: link for topic in ("/tf_static", "/tf") for link in _transforms(self._twin, topic)}
+        links = {
+            link.child_frame_id: link for topic in ("/tf_static", "/tf") for link in _transforms(self._twin, topic)
+        }
         known: dict[str, RigidTransform] = {"world": RigidTransform()}
         for name in links:
             pose = _in_world(name, links, known)

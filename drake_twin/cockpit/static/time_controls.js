@@ -61,7 +61,9 @@ export class TimeControls {
     setIcon($("play"), state.paused ? "play" : "pause");
     $("play").setAttribute("aria-label", state.paused ? "Play" : "Pause");
     setText($("time"), `${state.time.toFixed(3)} s`);
-    setText($("factor"), state.paused ? "paused" : state.real_time_factor === null ? "–" : state.real_time_factor.toFixed(2));
+    const factor = state.paused ? "paused" : (state.real_time_factor?.toFixed(2) ?? "–");
+    setText($("factor"), factor);
+    setText($("factor-beside"), factor);
     this.rate.show(state.rate);
     this.timeStep.show(1000 * state.time_step);
   }
