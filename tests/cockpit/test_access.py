@@ -12,7 +12,8 @@ def test_the_page_itself_may_pass():
 
 
 @pytest.mark.parametrize(
-    "host", [None, "", "127.0.0.1", "127.0.0.1:7001", "evil.example:7000", "127.0.0.1.evil.example:7000", "10.0.0.1:7000"]
+    "host",
+    [None, "", "127.0.0.1", "127.0.0.1:7001", "evil.example:7000", "127.0.0.1.evil.example:7000", "10.0.0.1:7000"],
 )
 def test_another_host_is_refused(host):
     assert "does not go by that name" in OWN.refusal(host, None, "/secret/")

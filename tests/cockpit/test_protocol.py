@@ -71,6 +71,8 @@ JSON = st.recursive(
 )
 
 
-@given(st.sampled_from(sorted(protocol._KINDS)), st.dictionaries(st.sampled_from(["robot", "count", "xyz", "on"]), JSON))
+@given(
+    st.sampled_from(sorted(protocol._KINDS)), st.dictionaries(st.sampled_from(["robot", "count", "xyz", "on"]), JSON)
+)
 def test_no_message_raises(kind, fields):
     parse(json.dumps({"do": kind, **fields}))
