@@ -1,11 +1,12 @@
 """``python -m drake_twin.run``: robots in one Drake simulation, seen in the browser."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -132,22 +133,31 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     _announce(twin, target, options)
     if target.paused and page is not None:
         twin.pause()
-    recording = None
-    if options.save_html is not None:
-        from drake_twin.cockpit.html_recording import HtmlRecording
-
-        recording = HtmlRecording(meshcat, twin)
     wall_time = 0.0
     watch = Watch(files) if options.watch else None
-    while True:
-        wall_time += _simulate(twin, target, page, options, stopped, watch)
-        if watch is None or stopped or not watch.is_broken_off:
-            break
-        twin, target, watch = _again(twin, target, meshcat, options, watch)
-    _report(twin, wall_time, options.summary)
-    if recording is not None:
-        _write("page", options.save_html, recording.finish())
+    with _recorded(twin, meshcat, options.save_html):
+        while True:
+            wall_time += _simulate(twin, target, page, options, stopped, watch)
+            if watch is None or stopped or not watch.is_broken_off:
+                break
+            twin, target, watch = _again(twin, target, meshcat, options, watch)
+        _report(twin, wall_time, options.summary)
     return 0
+
+
+@contextlib.contextmanager
+def _recorded(twin: Any, meshcat: Any, file: Path | None) -> Iterator[None]:
+    """Writes what happens meanwhile as a page that plays back offline, also when it ends in an error."""
+    if file is None:
+        yield
+        return
+    from drake_twin.cockpit.html_recording import HtmlRecording
+
+    recording = HtmlRecording(meshcat, twin)
+    try:
+        yield
+    finally:
+        _write("page", file, recording.finish())
 
 
 def _open_page(options: argparse.Namespace) -> tuple["_Page | None", Any]:

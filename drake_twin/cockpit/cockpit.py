@@ -56,6 +56,7 @@ class Cockpit:
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._end_run_to: Callable[[], None] | None = None
+        self._log_told = -1
         self._look_at_robots()
 
     def close(self) -> None:
@@ -70,10 +71,10 @@ class Cockpit:
     def obey(self) -> None:
         """Does what was asked for since the last call, draws what is to be drawn, and tells browsers how things are."""
         self._log.time = self._twin.time
-        if self._plans is not self._twin.plans:
-            self._look_at_robots()
+        self._look_at_newcomers()
         for client, request in self._server.requests():
             self._try(self._do, client, request)
+            self._look_at_newcomers()
         self._try(self._teleop.publish)
         for overlay in self._overlays.values():
             overlay.draw()
@@ -81,6 +82,10 @@ class Cockpit:
         self._frame += 1
         factor = self._factor.note(wall_clock.perf_counter(), self._twin.time, paused=self._twin.paused)
         self._tell(factor)
+
+    def _look_at_newcomers(self) -> None:
+        if self._plans is not self._twin.plans:
+            self._look_at_robots()
 
     def _look_at_robots(self) -> None:
         """Begins anew with the robots that there are now."""
@@ -220,8 +225,6 @@ class Cockpit:
         }
         texts["state"] = _json(state(self._twin, self._commands, more))
         self._server.publish(texts)
-
-    _log_told = -1
 
 
 def _json(value: Any) -> str:

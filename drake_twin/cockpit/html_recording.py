@@ -43,7 +43,6 @@ class HtmlRecording:
             The page's HTML.
         """
         self._end_subscription()
-        self._draw()
         self._meshcat.StopRecording()
         self._meshcat.PublishRecording()
         html: str = self._meshcat.StaticHtml()
