@@ -175,7 +175,7 @@ def _program(arguments: Sequence[str]) -> int:
         report = check(options.file, xacro_args, paths)
         say(json.dumps(vars(report), indent=2) if options.json else "\n".join(_lines(report)))
         if options.view and report.ok:
-            from drake_twin.cockpit.joint_viewer import view_joints
+            from drake_twin.cockpit.served_page import view_joints
 
             view_joints(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
     return 0 if report.ok and not (options.strict and report.repairs) else 1

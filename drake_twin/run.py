@@ -1,11 +1,12 @@
 """``python -m drake_twin.run``: robots in one Drake simulation, seen in the browser."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -129,6 +130,9 @@ def _parser() -> ArgumentParser:
     output.add_argument(
         "--plot", type=Path, metavar="FILE", help="draw joints and real-time factor over time (.png, .svg or .pdf)"
     )
+    output.add_argument(
+        "--save-html", type=Path, metavar="FILE", help="record the run as one page that plays back offline"
+    )
     output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
     output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
     output.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -146,11 +150,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
             scenario = build_twin(target).scenario if target.launched_commands else target.scenario
             say(scenario_to_yaml(scenario), end="")
             return 0
-        meshcat = None
-        if not options.headless and options.graphviz is None:
-            from drake_twin.cockpit.page import open_meshcat
-
-            meshcat = open_meshcat(options.port, options.host)
+        page, meshcat = _open_page(options)
         twin = build_twin(target, meshcat)
     if options.graphviz is not None:
         from drake_twin.diagram.picture import write_picture
@@ -159,27 +159,55 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
         say(f"wrote {options.graphviz}")
         return 0
     _announce(twin, target, options)
-    if target.paused and meshcat is not None:
+    if target.paused and page is not None:
         twin.pause()
     if options.real_time_rate is not None:
         twin.real_time_rate = options.real_time_rate
-    page = None if meshcat is None else _Page(meshcat, open_browser=not options.no_browser)
     wall_time = 0.0
     watch = Watch(files) if options.watch else None
     if options.record is not None:
         twin.record()
-    with _Observers(options, stopped) as observers:
+    with _recorded(twin, meshcat, options.save_html), _Observers(options, stopped) as observers:
         while True:
             wall_time += _simulate(twin, target, page, options, stopped, watch, observers)
             if watch is None or stopped or not watch.is_broken_off:
                 break
             twin, target, watch = _again(twin, target, meshcat, options, watch)
-    if options.save_state is not None:
-        twin.snapshot().save(options.save_state)
-    if options.record is not None:
-        twin.recording().save(options.record)
-    _report(twin, wall_time, options.summary)
+        if options.save_state is not None:
+            twin.snapshot().save(options.save_state)
+        if options.record is not None:
+            twin.recording().save(options.record)
+        _report(twin, wall_time, options.summary)
     return 0
+
+
+@contextlib.contextmanager
+def _recorded(twin: Any, meshcat: Any, file: Path | None) -> Iterator[None]:
+    """Writes what happens meanwhile as a page that plays back offline, also when it ends in an error."""
+    if file is None:
+        yield
+        return
+    from drake_twin.cockpit.html_recording import HtmlRecording
+
+    recording = HtmlRecording(meshcat, twin)
+    try:
+        yield
+    finally:
+        _write("page", file, recording.finish())
+
+
+def _open_page(options: argparse.Namespace) -> tuple["_Page | None", Any]:
+    """The page, if one is wanted, and the Meshcat to draw on, if that is."""
+    if options.graphviz is not None:
+        return None, None
+    if not options.headless:
+        page = _Page(options)
+        return page, page.meshcat
+    if options.save_html is None:
+        return None, None
+    from drake_twin.cockpit.page import open_meshcat
+
+    return None, open_meshcat()
 
 
 def _again(
@@ -253,7 +281,7 @@ def _check(options: argparse.Namespace) -> None:
         from drake_twin.plot import check_plot_file
 
         check_plot_file(options.plot)
-    for name in ("summary", "plot", "save_state", "record"):
+    for name in ("summary", "plot", "save_state", "record", "save_html"):
         file = getattr(options, name)
         if file is not None and not _is_writable(file):
             raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
@@ -267,6 +295,8 @@ def _check(options: argparse.Namespace) -> None:
         check_viewer_name(options.viewer_name)
         if options.viewer is None:
             raise InputError("--viewer-name names the twin on a shared page: --viewer URL says which")
+    if options.save_html is not None and options.watch:
+        raise InputError("--save-html records one run: it does not go with --watch")
     if options.port is not None and not 1024 <= options.port <= 65535:
         raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
 
@@ -314,32 +344,25 @@ def _nothing() -> None:
 
 
 class _Page:
-    """The page in the browser, which outlives a twin that is made anew."""
+    """The page in the browser, announced when it has something to show."""
 
-    def __init__(self, meshcat: Any, *, open_browser: bool):
-        self._meshcat = meshcat
-        self._open_browser = open_browser
+    def __init__(self, options: argparse.Namespace):
+        from drake_twin.cockpit.served_page import ServedPage
+
+        self._page = ServedPage(options.port, options.host)
+        self._open_browser = not options.no_browser
         self._shown: Any = None
         self._obey: Callable[[], None] = _nothing
+        self.meshcat = self._page.meshcat
 
     def show(self, twin: Any, target: Target) -> Callable[[], None]:
         """Shows a twin; returns what does as the page's controls say."""
-        from drake_twin.cockpit.joint_viewer import JointViewer
-        from drake_twin.cockpit.page import set_scene
-        from drake_twin.cockpit.panel import Panel
-
         if twin is self._shown:
             return self._obey
+        self._obey = self._page.show(twin, only_displayed=target.only_displayed).obey
         if self._shown is None:
-            set_scene(self._meshcat, twin)
-        self._meshcat.DeleteAddedControls()
-        panel = (JointViewer if target.only_displayed else Panel)(self._meshcat, twin)
-        if target.only_displayed:
-            twin.pause()
-        twin.draw()
-        if self._shown is None:
-            announce_page(self._meshcat.web_url(), open_browser=self._open_browser)
-        self._shown, self._obey = twin, panel.obey
+            announce_page(self._page.url, open_browser=self._open_browser)
+        self._shown = twin
         return self._obey
 
 
@@ -415,10 +438,14 @@ def _report(twin: Any, wall_time: float, file: Path | None) -> None:
         f" (real-time factor {result['real_time_factor']:.2f}), state {result['state_sha256'][:12]}"
     )
     if file is not None:
-        try:
-            file.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise RunError(f"the summary {file} cannot be written ({error.strerror})") from None
+        _write("summary", file, json.dumps(result, indent=2) + "\n")
+
+
+def _write(what: str, file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
 
 
 def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:

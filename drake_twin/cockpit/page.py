@@ -31,7 +31,7 @@ def open_meshcat(port: int | None = None, host: str = "127.0.0.1") -> Meshcat:
     except (OSError, UnicodeError):
         raise InputError(f"no page can be served at {host!r}: it is no address of this machine") from None
     try:
-        return Meshcat(MeshcatParams(host=host, port=port, show_stats_plot=True))
+        return Meshcat(MeshcatParams(host=host, port=port, show_stats_plot=False))
     except RuntimeError as error:
         if port is None:
             raise InputError(f"no page can be served at {host}: {error}") from None
@@ -49,9 +49,9 @@ def set_scene(meshcat: Meshcat, twin: Twin) -> None:
     if twin.scenario.world.has_own_ground:
         side = max(20.0, 4.0 * reach)
         thickness = 0.01
-        meshcat.SetObject("/ground", Box(side, side, thickness), _GROUND)
+        meshcat.SetObject("/ground/plane", Box(side, side, thickness), _GROUND)
         # Just below zero, where Meshcat draws its grid.
-        meshcat.SetTransform("/ground", RigidTransform([center[0], center[1], -thickness / 2 - 0.004]))
+        meshcat.SetTransform("/ground/plane", RigidTransform([center[0], center[1], -thickness / 2 - 0.004]))
     meshcat.SetProperty("/Background/<object>", "top_color", _SKY_TOP)
     meshcat.SetProperty("/Background/<object>", "bottom_color", _SKY_BOTTOM)
     meshcat.SetProperty("/Axes/<object>", "visible", False)

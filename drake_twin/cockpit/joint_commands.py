@@ -1,0 +1,174 @@
+"""Sliders for commanded joints: what each command topic's numbers drive, what they are now, and one of them changed."""
+
+from dataclasses import dataclass
+from math import isfinite, pi
+from typing import Any
+
+import numpy as np
+
+from drake_twin.description.robot_description import Joint
+from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.twin import Twin
+
+_NUMBERS, _TRAJECTORY = "std_msgs/msg/Float64MultiArray", "trajectory_msgs/msg/JointTrajectory"
+_UNITS = {
+    "position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "effort": ("N·m", "N"),
+}
+_WIDEST = {"position": 2 * pi, "velocity": 20.0, "effort": 200.0}  # joints may have no limit, or a very large one
+_SHORTEST_MOVE = 0.2  # s
+_PART_OF_VELOCITY_LIMIT = 0.5
+_UNLIMITED_VELOCITY = 1.0  # rad/s or m/s, where a joint has no limit
+
+
+@dataclass(frozen=True)
+class Slider:
+    """One number of a command.
+
+    Attributes:
+        joint: the joint, or the reference of another controller.
+        interface: position, velocity or effort.
+        unit: its unit.
+        lower: the lowest value (in the unit).
+        upper: the highest.
+    """
+
+    joint: str
+    interface: str
+    unit: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class SliderGroup:
+    """A command topic and its sliders.
+
+    Attributes:
+        topic: the topic.
+        type: its ROS message type.
+        robot: whose it is.
+        controller: who listens.
+        sliders: one for each number, in order; for a trajectory one for each joint.
+    """
+
+    topic: str
+    type: str
+    robot: str
+    controller: str
+    sliders: tuple[Slider, ...]
+
+
+def slider_groups(twin: Twin) -> tuple[SliderGroup, ...]:
+    """The command topics that sliders can drive."""
+    plans = {plan.name: plan for plan in twin.plans}
+    groups = []
+    for topic, item in twin.commanded.items():
+        plan = plans[item.robot]
+        if item.type == _NUMBERS:
+            sliders = [
+                _slider(plan, interface.joint, interface.name, *bounds)
+                for interface, bounds in twin.command_limits(topic).items()
+            ]
+        elif item.type == _TRAJECTORY:
+            claims = next(each.claims for each in plan.controllers if each.name == item.controller)
+            joints = dict.fromkeys(claim.joint for claim in claims if claim.joint in plan.description.joints_by_name)
+            limits = {joint: plan.description.joints_by_name[joint].limits for joint in joints}
+            sliders = [_slider(plan, name, "position", item.lower, item.upper) for name, item in limits.items()]
+        else:
+            continue
+        if sliders:
+            groups.append(SliderGroup(topic, item.type, item.robot, item.controller, tuple(sliders)))
+    return tuple(groups)
+
+
+def joint_slider(joint: Joint) -> Slider:
+    """A slider for a joint's position."""
+    return _bounded(joint, joint.name, "position", joint.limits.lower, joint.limits.upper)
+
+
+class JointCommands:
+    """The numbers of every slider, read from and published to a twin.
+
+    Args:
+        twin: the twin.
+    """
+
+    def __init__(self, twin: Twin):
+        self._twin = twin
+        self.groups = {group.topic: group for group in slider_groups(twin)}
+        self._targets: dict[str, np.ndarray] = {}
+
+    def values(self, topic: str) -> np.ndarray:
+        """What is commanded now; where nothing is, what leaves the joints as they are."""
+        group = self.groups[topic]
+        if group.type == _TRAJECTORY:
+            return self._targets.get(topic, self._at_rest(group))
+        command = self._twin.command(topic)
+        return self._at_rest(group) if command is None else np.asarray(command.data, dtype=float)
+
+    def move(self, topic: str, index: int, value: float) -> None:
+        """Commands one number and leaves the others; the scenario's own commands on the topic end.
+
+        Raises:
+            InputError: there is no such slider, or the twin refuses the command.
+        """
+        from drake_twin.errors import InputError
+
+        if topic not in self.groups:
+            raise InputError(f"{topic!r} has no sliders", value=topic, valid=self.groups)
+        group = self.groups[topic]
+        if not 0 <= index < len(group.sliders):
+            raise InputError(f"{topic}: there is no number {index}, the command has {len(group.sliders)}")
+        values = self.values(topic).copy()
+        values[index] = min(max(value, group.sliders[index].lower), group.sliders[index].upper)
+        self._twin.silence(topic)
+        if group.type == _TRAJECTORY:
+            self._twin.publish(topic, self._trajectory(group, values))
+            self._targets[topic] = values
+        else:
+            self._twin.publish(topic, values)
+
+    def forget(self) -> None:
+        """Begins anew, after a reset or a switch: what a trajectory led to counts no more."""
+        self._targets.clear()
+
+    def _at_rest(self, group: SliderGroup) -> np.ndarray:
+        state = self._twin.robot_state(group.robot)
+        positions = dict(zip(state.joints, state.positions, strict=True))
+        return np.array(
+            [
+                min(max(positions.get(slider.joint, 0.0), slider.lower), slider.upper)
+                if slider.interface == "position"
+                else min(max(0.0, slider.lower), slider.upper)
+                for slider in group.sliders
+            ]
+        )
+
+    def _trajectory(self, group: SliderGroup, values: np.ndarray) -> dict[str, Any]:
+        """A trajectory of one point, at half of the joints' velocity limits."""
+        plan = next(plan for plan in self._twin.plans if plan.name == group.robot)
+        limits = [plan.description.joints_by_name[slider.joint].limits.velocity for slider in group.sliders]
+        fastest = np.array([limit if isfinite(limit) and limit > 0 else _UNLIMITED_VELOCITY for limit in limits])
+        distance = np.abs(values - self._at_rest(group))
+        duration = max(_SHORTEST_MOVE, float(np.max(distance / (_PART_OF_VELOCITY_LIMIT * fastest))))
+        return {
+            "joint_names": [slider.joint for slider in group.sliders],
+            "points": [{"positions": values.tolist(), "time_from_start": duration}],
+        }
+
+
+def _slider(plan: RobotPlan, joint: str, interface: str, lower: float, upper: float) -> Slider:
+    known = plan.description.joints_by_name.get(joint.rpartition("/")[2])
+    return _bounded(known, joint, interface, lower, upper)
+
+
+def _bounded(joint: Joint | None, name: str, interface: str, lower: float, upper: float) -> Slider:
+    slides = joint is not None and joint.type == "prismatic"
+    widest = 1.0 if slides and interface == "position" else _WIDEST[interface]
+    if not isfinite(lower) or interface != "position":
+        lower = max(lower, -widest)
+    if not isfinite(upper) or interface != "position":
+        upper = min(upper, widest)
+    return Slider(name, interface, _UNITS[interface][slides], lower, max(lower, upper))

@@ -1,0 +1,58 @@
+"""Shapes that go along with bodies of the plant."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from pydrake.geometry import Meshcat, Rgba, Shape
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import BodyIndex
+
+from drake_twin.twin import Twin
+
+
+class BodyShape(NamedTuple):
+    """A shape on a body.
+
+    Attributes:
+        body: the body B.
+        X_BS: the shape in it.
+        shape: the shape.
+        color: its colour.
+    """
+
+    body: BodyIndex
+    X_BS: RigidTransform
+    shape: Shape
+    color: Rgba
+
+
+class BodyShapes:
+    """Draws shapes on bodies.
+
+    Args:
+        meshcat: the page.
+        twin: whose plant has the bodies.
+        path: where in Meshcat's tree.
+        shapes: the shapes.
+    """
+
+    def __init__(self, meshcat: Meshcat, twin: Twin, path: str, shapes: Iterable[BodyShape]):
+        self._meshcat = meshcat
+        self._twin = twin
+        self._path = path
+        self._bodies: dict[int, str] = {}
+        for number, item in enumerate(shapes):
+            body = self._bodies.setdefault(int(item.body), f"{path}/{int(item.body)}")
+            meshcat.SetObject(f"{body}/{number}", item.shape, item.color)
+            meshcat.SetTransform(f"{body}/{number}", item.X_BS)
+
+    def draw(self) -> None:
+        """Puts the shapes where their bodies are."""
+        plant = self._twin.plant
+        poses = plant.get_body_poses_output_port().Eval(plant.GetMyContextFromRoot(self._twin.context))
+        for body, path in self._bodies.items():
+            self._meshcat.SetTransform(path, poses[body])
+
+    def remove(self) -> None:
+        """Takes them off the page."""
+        self._meshcat.Delete(self._path)

@@ -1,0 +1,74 @@
+"""The frames of ``/tf`` and ``/tf_static`` as red, green and blue axes."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.geometry import Cylinder, Meshcat, Rgba
+from pydrake.math import RigidTransform, RotationMatrix
+
+from drake_twin.cockpit.overlays import PATH
+from drake_twin.twin import Twin
+
+_LENGTH, _RADIUS = 0.15, 0.004  # m
+_COLORS = (Rgba(0.86, 0.2, 0.2), Rgba(0.2, 0.66, 0.26), Rgba(0.2, 0.4, 0.88))
+
+
+class Frames:
+    """Axes for each frame, placed as a listener of tf would place them in ``world``."""
+
+    def __init__(self, meshcat: Meshcat, twin: Twin):
+        self._meshcat = meshcat
+        self._twin = twin
+        self._drawn: dict[str, str] = {}
+
+    def draw(self) -> None:
+        """Draws the frames that are connected with ``world``."""
+        links = {
+            link.child_frame_id: link for topic in ("/tf_static", "/tf") for link in _transforms(self._twin, topic)
+        }
+        known: dict[str, RigidTransform] = {"world": RigidTransform()}
+        for name in links:
+            pose = _in_world(name, links, known)
+            if pose is not None:
+                self._meshcat.SetTransform(self._axes(name), pose)
+
+    def remove(self) -> None:
+        """Takes them off the page."""
+        self._meshcat.Delete(f"{PATH}/frames")
+        self._drawn.clear()
+
+    def _axes(self, frame: str) -> str:
+        if frame not in self._drawn:
+            path = f"{PATH}/frames/{len(self._drawn)}"
+            for axis, color in enumerate(_COLORS):
+                direction = np.eye(3)[axis]
+                self._meshcat.SetObject(f"{path}/{axis}", Cylinder(_RADIUS, _LENGTH), color)
+                turned = RotationMatrix.MakeFromOneVector(direction, 2)
+                self._meshcat.SetTransform(f"{path}/{axis}", RigidTransform(turned, 0.5 * _LENGTH * direction))
+            self._drawn[frame] = path
+        return self._drawn[frame]
+
+
+def _transforms(twin: Twin, topic: str) -> list[Any]:
+    message = twin.latest(topic)
+    return [] if message is None else list(message.transforms)
+
+
+def _in_world(name: str, links: dict[str, Any], known: dict[str, RigidTransform]) -> RigidTransform | None:
+    """A frame's pose in ``world``; None when no chain of transforms leads there."""
+    chain = []
+    while name not in known:
+        if name not in links or name in chain:
+            return None
+        chain.append(name)
+        name = links[name].header.frame_id
+    for child in reversed(chain):
+        known[child] = known[name] @ _pose(links[child].transform)
+        name = child
+    return known[name]
+
+
+def _pose(transform: Any) -> RigidTransform:
+    q, p = transform.rotation, transform.translation
+    return RigidTransform(Quaternion(np.array([q.w, q.x, q.y, q.z])), [p.x, p.y, p.z])

@@ -1,0 +1,34 @@
+"""How fast simulation time goes, measured over the last moment."""
+
+from collections import deque
+
+_WINDOW = 0.5  # s of wall time
+
+
+class RealTimeFactor:
+    """Simulated seconds a second, over about the last half second in which time went on."""
+
+    def __init__(self) -> None:
+        self._samples: deque[tuple[float, float]] = deque()
+
+    def note(self, wall_time: float, sim_time: float, *, paused: bool) -> float | None:
+        """Takes a measurement.
+
+        Args:
+            wall_time: a clock of wall time (s).
+            sim_time: simulation time (s).
+            paused: whether time stands still on purpose.
+
+        Returns:
+            The factor; None while paused and until two measurements lie far enough apart.
+        """
+        samples = self._samples
+        if paused or (samples and sim_time < samples[-1][1]):  # it was reset
+            samples.clear()
+        if paused:
+            return None
+        samples.append((wall_time, sim_time))
+        while len(samples) > 2 and samples[1][0] <= wall_time - _WINDOW:
+            samples.popleft()
+        elapsed = wall_time - samples[0][0]
+        return (sim_time - samples[0][1]) / elapsed if elapsed > 0.2 * _WINDOW else None

@@ -1,0 +1,98 @@
+"""The page of a program: its server and its scene, which outlive a twin that is made anew."""
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pydrake.geometry import Meshcat
+
+from drake_twin.cockpit.cockpit import Cockpit
+from drake_twin.cockpit.page import open_meshcat, set_scene
+from drake_twin.cockpit.server import PageServer, bind
+from drake_twin.launch.robot_file import robot_file_scenario
+from drake_twin.program import announce_page
+from drake_twin.twin import Twin
+
+_FRAME = 1 / 30  # s
+
+
+class ServedPage:
+    """A page that shows and steers a twin.
+
+    Args:
+        port: its port; by default the first free one from 7000 on.
+        host: the address to listen at.
+
+    Attributes:
+        meshcat: the scene, which twins are to draw on.
+        server: the page's server.
+
+    Raises:
+        InputError: the port or the address cannot be used.
+    """
+
+    def __init__(self, port: int | None = None, host: str = "127.0.0.1"):
+        listening = bind(port, host)
+        self.meshcat: Meshcat = open_meshcat(host=host)
+        self.server = PageServer(listening, host, self.meshcat.port())
+        self._cockpit: Cockpit | None = None
+
+    @property
+    def url(self) -> str:
+        """Its address, with the token of this run."""
+        return self.server.url
+
+    def show(self, twin: Twin, *, only_displayed: bool = False) -> Cockpit:
+        """Shows a twin instead of the one before.
+
+        Args:
+            twin: the twin, built on `meshcat`.
+            only_displayed: whether its time stands still and its joints go where the page puts them.
+
+        Returns:
+            What does as the page says; its ``obey`` is to be called between steps.
+        """
+        if self._cockpit is None:
+            set_scene(self.meshcat, twin)
+        else:
+            self._cockpit.close()
+        if only_displayed:
+            twin.pause()
+        self._cockpit = Cockpit(self.server, self.meshcat, twin, only_displayed=only_displayed)
+        twin.draw()
+        return self._cockpit
+
+    def close(self) -> None:
+        """Ends the page."""
+        if self._cockpit is not None:
+            self._cockpit.close()
+        self.server.close()
+
+
+def view_joints(
+    file: Path,
+    xacro_args: Mapping[str, str],
+    package_paths: Sequence[str],
+    stopped: Sequence[int],
+    *,
+    open_browser: bool,
+) -> None:
+    """Shows a robot file with a slider for each joint, without physics, until a signal arrives.
+
+    Args:
+        file: the robot file.
+        xacro_args: values for its ``<xacro:arg>``s.
+        package_paths: folders of ROS packages to look in first.
+        stopped: not empty once the program is to end.
+        open_browser: whether to open the page.
+    """
+    page = ServedPage()
+    scenario = robot_file_scenario(file, xacro_args=xacro_args, package_paths=package_paths)
+    twin = Twin(scenario, page.meshcat)
+    cockpit = page.show(twin, only_displayed=True)
+    announce_page(page.url, open_browser=open_browser)
+    while not stopped:
+        cockpit.obey()
+        twin.draw()
+        time.sleep(_FRAME)
+    page.close()

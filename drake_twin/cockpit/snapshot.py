@@ -1,0 +1,97 @@
+"""What the page shows of a twin, as plain data: what it is made of, and how it is at the moment."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from drake_twin.cockpit.joint_commands import JointCommands, joint_slider
+from drake_twin.cockpit.teleop import Teleop
+from drake_twin.twin import Twin
+
+_DIGITS = 6
+
+
+def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displayed: bool) -> dict[str, Any]:
+    """What changes only when robots come and go: robots, controllers, sliders, drives, what the twin can do.
+
+    Args:
+        twin: the twin.
+        commands: its sliders.
+        teleop: its drives.
+        only_displayed: whether there is no physics to show.
+    """
+    return {
+        "display_only": only_displayed,
+        "can": {name: hasattr(twin, name) for name in ("set_time_step", "spawn", "delete")},
+        "robots": [
+            {
+                "name": plan.name,
+                "controllers": [
+                    {"name": item.name, "type": item.type, "problem": item.problem} for item in plan.controllers
+                ],
+                "groups": [
+                    {
+                        "topic": group.topic,
+                        "controller": group.controller,
+                        "sliders": [asdict(slider) for slider in group.sliders],
+                    }
+                    for group in commands.groups.values()
+                    if group.robot == plan.name and not only_displayed
+                ],
+                "drives": [
+                    {"topic": topic, "controller": controller}
+                    for topic, (robot, controller) in teleop.topics.items()
+                    if robot == plan.name and not only_displayed
+                ],
+                "joints": [
+                    {
+                        "slides": joint.type == "prismatic",
+                        "follows": joint.mimic is not None,
+                        **asdict(joint_slider(joint)),
+                    }
+                    for joint in plan.description.movable_joints
+                ],
+            }
+            for plan in twin.plans
+        ],
+    }
+
+
+def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[str, Any]:
+    """What changes with time.
+
+    Args:
+        twin: the twin.
+        commands: its sliders.
+        more: what others have to add at the top level.
+    """
+    robots = {}
+    for plan in twin.plans:
+        at = twin.robot_state(plan.name)
+        robots[plan.name] = {
+            "stopped": is_stopped(twin, plan.name),
+            "controllers": twin.controller_manager(plan.name).states,
+            "positions": _rounded(at.positions),
+            "velocities": _rounded(at.velocities),
+            "efforts": _rounded(at.efforts),
+            "pose": _rounded(at.base_pose),
+        }
+    return {
+        "time": round(twin.time, 9),
+        "steps": twin.step_count,
+        "paused": twin.paused,
+        "rate": twin.real_time_rate,
+        "time_step": twin.scenario.time_step,
+        "robots": robots,
+        "commands": {topic: _rounded(commands.values(topic)) for topic in commands.groups},
+        **more,
+    }
+
+
+def is_stopped(twin: Twin, robot: str) -> bool:
+    """Whether a robot's emergency stop holds."""
+    return twin._controls[robot].stopped
+
+
+def _rounded(values: Any) -> list[float]:
+    return [round(float(value), _DIGITS) for value in values]

@@ -1,0 +1,70 @@
+"""A page without a browser: what it asks for is put into a list, and what it is told is kept."""
+
+import json
+
+from drake_twin.cockpit.cockpit import Cockpit
+from drake_twin.cockpit.page import open_meshcat
+
+
+class FakeServer:
+    def __init__(self):
+        self.clients = (1,)
+        self.told = {}
+        self.files = {}
+        self._asked = []
+
+    def ask(self, request, client=1):
+        self._asked.append((client, request))
+
+    def requests(self):
+        asked, self._asked = self._asked, []
+        return asked
+
+    def publish(self, texts):
+        self.told |= {channel: json.loads(text) for channel, text in texts.items()}
+
+    def offer(self, name, content):
+        self.files[name] = content
+
+
+class FakePage:
+    """A cockpit and the page in front of it."""
+
+    def __init__(self, twin, meshcat=None, **options):
+        self.twin = twin
+        self.server = FakeServer()
+        self.cockpit = Cockpit(self.server, meshcat or open_meshcat(), twin, **options)
+
+    def ask(self, *requests, client=1):
+        """Asks, and lets the twin's thread obey."""
+        for request in requests:
+            self.server.ask(request, client)
+        self.cockpit.obey()
+
+    def frames(self, until, most=600):
+        """Runs frame by frame, as the program does, until something holds."""
+        count = 0
+
+        def each_frame():
+            nonlocal count
+            count += 1
+            self.cockpit.obey()
+            return not until() and count < most
+
+        self.twin.run(each_frame=each_frame, as_fast_as_possible=not self.twin.paused)
+        assert until(), f"not within {most} frames"
+
+    @property
+    def state(self):
+        """The last snapshot; two frames make sure of one."""
+        self.cockpit.obey()
+        self.cockpit.obey()
+        return self.server.told["state"]
+
+    @property
+    def robots(self):
+        return {robot["name"]: robot for robot in self.server.told["robots"]["robots"]}
+
+    @property
+    def messages(self):
+        return [(line["level"], line["text"]) for line in self.server.told["messages"]]

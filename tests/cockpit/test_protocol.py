@@ -1,0 +1,78 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drake_twin.cockpit import protocol
+from drake_twin.cockpit.protocol import parse
+
+
+@pytest.mark.parametrize(
+    ("message", "request_"),
+    [
+        ({"do": "Play"}, protocol.Play()),
+        ({"do": "Step", "count": 5}, protocol.Step(5)),
+        ({"do": "RunTo", "time": 2}, protocol.RunTo(2.0)),
+        ({"do": "Switch", "robot": "r", "controller": "c", "active": True}, protocol.Switch("r", "c", True)),
+        ({"do": "MoveJoint", "topic": "/t", "index": 1, "value": 0.5}, protocol.MoveJoint("/t", 1, 0.5)),
+        (
+            {"do": "Spawn", "file": "f", "name": "n", "xyz": [1, 2, 3], "rpy": [0, 0, 0.5]},
+            protocol.Spawn("f", "n", (1.0, 2.0, 3.0), (0.0, 0.0, 0.5)),
+        ),
+        ({"do": "Follow", "robot": ""}, protocol.Follow("")),
+    ],
+)
+def test_a_request_reads_as_what_it_asks_for(message, request_):
+    assert parse(json.dumps(message)) == request_
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "null",
+        "[]",
+        "{}",
+        '"Play"',
+        "{",
+        '{"do": "play"}',
+        '{"do": "Gone"}',  # the server's word, not a browser's
+        '{"do": "__class__"}',
+        '{"do": ["Play"]}',
+        '{"do": "Play", "more": 1}',
+        '{"do": "Step"}',
+        '{"do": "Step", "count": 0}',
+        '{"do": "Step", "count": 10001}',
+        '{"do": "Step", "count": 1.5}',
+        '{"do": "Step", "count": true}',
+        '{"do": "Step", "count": "1"}',
+        '{"do": "SetRate", "rate": NaN}',
+        '{"do": "SetRate", "rate": Infinity}',
+        '{"do": "SetRate", "rate": null}',
+        '{"do": "SetRate", "rate": 1e999}',
+        '{"do": "SetRate", "rate": ' + "9" * 400 + "}",
+        '{"do": "SetRate", "rate": ' + "9" * 5000 + "}",
+        '{"do": "Delete", "robot": 1}',
+        '{"do": "Delete", "robot": "a\\u0000"}',
+        json.dumps({"do": "Delete", "robot": "x" * 1001}),
+        '{"do": "Spawn", "file": "f", "name": "n", "xyz": [1, 2], "rpy": [0, 0, 0]}',
+        '{"do": "Spawn", "file": "f", "name": "n", "xyz": [1, 2, "3"], "rpy": [0, 0, 0]}',
+        "[" * 100_000,
+    ],
+)
+def test_whatever_does_not_read_as_a_request_is_nothing(text):
+    assert parse(text) is None
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+    lambda below: st.lists(below) | st.dictionaries(st.text(), below),
+)
+
+
+@given(
+    st.sampled_from(sorted(protocol._KINDS)), st.dictionaries(st.sampled_from(["robot", "count", "xyz", "on"]), JSON)
+)
+def test_no_message_raises(kind, fields):
+    parse(json.dumps({"do": kind, **fields}))
