@@ -398,7 +398,10 @@ class _Observers:
 
     def __exit__(self, *_: object) -> None:
         if self._viewer is not None:
-            self._viewer.close(_STOPPED_WAIT if self._stopped else _END_WAIT)
+            end = time.monotonic() + _END_WAIT
+            while self._viewer.is_behind and not self._stopped and time.monotonic() < end:
+                self._viewer.flush(_STATUS_PERIOD)
+            self._viewer.close(_STOPPED_WAIT)
         if self._recorder is not None:
             from drake_twin.plot import write_plot
 

@@ -94,6 +94,12 @@ class MeshcatClient:
             return self._has_latest
 
     @property
+    def is_behind(self) -> bool:
+        """Whether there is a server, or may be one, that has not got the latest frame."""
+        with self._changed:
+            return not self._absent and not self._has_latest
+
+    @property
     def _has_latest(self) -> bool:
         return not self._absent and self._delivered == self._offered
 

@@ -82,6 +82,11 @@ class SharedViewer:
         """
         return self._client.flush(timeout, wait_for_server=wait_for_server)
 
+    @property
+    def is_behind(self) -> bool:
+        """Whether there is a server, or may be one, that has not got the latest state."""
+        return self._client.is_behind
+
     def close(self, timeout: float = 1.5) -> None:
         """Sends the latest state and ends; what is on the page stays there.
 
