@@ -231,8 +231,8 @@ def _again(
 
 def _show_arguments(options: argparse.Namespace) -> int:
     from drake_twin.description.package_index import PackageIndex
-    from drake_twin.launch.evaluate import declared_arguments
-    from drake_twin.launch.show_arguments import arguments_text
+    from drake_twin.ros_launch.evaluate import declared_arguments
+    from drake_twin.ros_launch.show_arguments import arguments_text
 
     words = [item for item in options.target if ":=" not in item]
     file = find_launch_file(words, package_paths(options))

@@ -13,7 +13,7 @@ from drake_twin.errors import InputError
 from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
-    from drake_twin.launch.entity import LaunchDescription
+    from drake_twin.ros_launch.entity import LaunchDescription
     from drake_twin.twin import Twin
 
 

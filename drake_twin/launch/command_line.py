@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 
 from drake_twin.errors import InputError
-from drake_twin.launch.launched import LaunchedProcess
+from drake_twin.ros_launch.launched import LaunchedProcess
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
-from drake_twin.launch.launched import WORLD, Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
 from drake_twin.launch.launched_controllers import (
     ControllerRequest,
     as_nodes,
@@ -31,6 +30,7 @@ from drake_twin.launch.launched_robots import (
 )
 from drake_twin.launch.not_started import why_not_started
 from drake_twin.launch.static_frames import static_frame
+from drake_twin.ros_launch.launched import WORLD, Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
 from drake_twin.scenario import (
     LONGEST_STEP,
     SHORTEST_STEP,
@@ -44,7 +44,7 @@ from drake_twin.scenario import (
 
 if TYPE_CHECKING:
     from drake_twin.diagram.robot_plan import RobotPlan
-    from drake_twin.launch.entity import LaunchDescription
+    from drake_twin.ros_launch.entity import LaunchDescription
 
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
 
@@ -91,7 +91,7 @@ def launch_file_scenario(
     Raises:
         InputError: the file cannot be used, or starts no robot; the text names all that is missing.
     """
-    from drake_twin.launch.evaluate import evaluate
+    from drake_twin.ros_launch.evaluate import evaluate
 
     packages = PackageIndex(package_paths)
     return _scenario(evaluate(file, arguments, packages), Path(file), packages, time_step)
@@ -105,7 +105,7 @@ def launch_description_scenario(
     time_step: float | None = None,
 ) -> LaunchedTwin:
     """The same for a launch description made in Python; see `launch_file_scenario`."""
-    from drake_twin.launch.evaluate import evaluate_description
+    from drake_twin.ros_launch.evaluate import evaluate_description
 
     packages = PackageIndex(package_paths)
     file = Path("launch description" if description.place is None else description.place.file)
@@ -480,7 +480,7 @@ def _bridge_file(file: Path, process: LaunchedProcess) -> dict[str, str]:
 
 def _world_of_command(process: LaunchedProcess) -> WorldStart | None:
     """The simulator that a command starts: ``gz sim …``, ``ign gazebo …``, ``gzserver …``, ``gazebo …``."""
-    from drake_twin.launch.stand_ins import world_of_gz_args
+    from drake_twin.ros_launch.stand_ins import world_of_gz_args
 
     words = words_of(process)
     if words[:2] in (["gz", "sim"], ["ign", "gazebo"]):

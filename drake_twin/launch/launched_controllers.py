@@ -11,8 +11,8 @@ import yaml
 
 from drake_twin.errors import InputError
 from drake_twin.launch.command_line import CommandLine, command_line
-from drake_twin.launch.launched import NODE, PROCESS, LaunchedProcess, absolute_name, joined_namespace
-from drake_twin.launch.ros_arguments import split_ros_arguments
+from drake_twin.ros_launch.launched import NODE, PROCESS, LaunchedProcess, absolute_name, joined_namespace
+from drake_twin.ros_launch.ros_arguments import split_ros_arguments
 from drake_twin.scenario import Command
 
 _SPAWNER_FLAGS = (

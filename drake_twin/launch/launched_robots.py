@@ -13,8 +13,8 @@ from drake_twin.description.robot_description import GazeboPlugin, Pose
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.launch.command_line import CommandLine, command_line
-from drake_twin.launch.launched import LaunchedProcess, ParameterText, absolute_name
-from drake_twin.launch.packages import lasting_folder
+from drake_twin.ros_launch.launched import LaunchedProcess, ParameterText, absolute_name
+from drake_twin.ros_launch.packages import lasting_folder
 
 _SPAWNERS = {
     ("ros_gz_sim", "create"),

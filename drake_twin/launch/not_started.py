@@ -1,6 +1,6 @@
 """Why a node of a launch file is not started."""
 
-from drake_twin.launch.launched import LaunchedProcess
+from drake_twin.ros_launch.launched import LaunchedProcess
 
 # Part of "package/executable" → the reason; the first that fits.
 _REASONS = (

@@ -4,7 +4,7 @@ from math import atan2, hypot, isfinite
 
 from drake_twin.description.robot_description import Vector3
 from drake_twin.launch.command_line import CommandLine, command_line
-from drake_twin.launch.launched import LaunchedProcess
+from drake_twin.ros_launch.launched import LaunchedProcess
 from drake_twin.scenario import StaticTransform
 
 _NUMBERS = ("x", "y", "z", "roll", "pitch", "yaw", "qx", "qy", "qz", "qw")
