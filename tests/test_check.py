@@ -1,4 +1,8 @@
 import json
+import signal
+import subprocess
+import sys
+import urllib.request
 
 import pytest
 from conftest import ROVER
@@ -80,3 +84,19 @@ def test_a_package_folder_that_does_not_exist_is_a_wrong_argument(capsys):
     assert main([str(ARM), "--package-path", "/nowhere"]) == 2
     assert main([str(ARM), "--package-path", "~nobody/there"]) == 2
     assert "the package folder does not exist" in capsys.readouterr().err
+
+
+def test_view_shows_the_robot_in_a_page_until_it_is_told_to_end():
+    process = subprocess.Popen(
+        [sys.executable, "-m", "drake_twin.check", str(ARM), "--view", "--no-browser"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    url = next(line for line in process.stdout if line.startswith("page: ")).removeprefix("page: ").strip()
+    with urllib.request.urlopen(url) as answer:
+        assert answer.status == 200
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode in (0, 1), err
+    assert "Traceback" not in err

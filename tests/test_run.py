@@ -4,6 +4,9 @@ import signal
 import socket
 import subprocess
 import sys
+import urllib.error
+import urllib.parse
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -166,6 +169,45 @@ def test_ctrl_c_ends_with_a_summary_and_success(tmp_path, number):
     assert json.loads(file.read_text())["robots"]
 
 
+def test_the_printed_address_opens_the_page_and_without_its_token_nothing_is_served():
+    process = subprocess.Popen(
+        [sys.executable, "-m", "drake_twin.run", "--no-browser"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    url = process.stdout.readline().removeprefix("page: ").strip()
+    with urllib.request.urlopen(url) as answer:
+        assert "<title>drake_twin" in answer.read().decode()
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(urllib.parse.urljoin(url, "/"))
+    process.send_signal(signal.SIGTERM)
+    _, err = process.communicate(timeout=20)
+    assert process.returncode == 0, err
+
+
+def test_a_run_is_saved_as_a_page_and_goes_as_it_would_without(tmp_path):
+    page = tmp_path / "run.html"
+    recorded = summary_of(tmp_path, "--robots", 2, "--duration", 0.5, "--save-html", page)
+    plain = summary_of(tmp_path, "--robots", 2, "--duration", 0.5)
+    assert recorded["state_sha256"] == plain["state_sha256"]
+    text = page.read_text()
+    assert text.startswith("<!DOCTYPE html>")
+    assert len(text) > 1_000_000  # with everything that it needs
+    assert 'src="http' not in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        (["--save-html", "/nowhere/run.html"], "--save-html /nowhere/run.html: no file can be written there"),
+        (["--save-html", "run.html", "--watch"], "--save-html records one run: it does not go with --watch"),
+    ],
+)
+def test_a_page_that_cannot_be_saved_is_refused_before_the_run(capsys, arguments, match):
+    assert match in refused(capsys, *arguments)
+
+
 def test_help_shows_every_option(capsys):
     with pytest.raises(SystemExit) as end:
         main(["--help"])
@@ -185,15 +227,17 @@ def test_the_console_script_runs_the_same_program(tmp_path):
 
 
 def test_the_page_listens_at_this_machine_only():
-    from drake_twin.cockpit.page import open_meshcat
+    from drake_twin.cockpit.served_page import ServedPage
 
-    meshcat = open_meshcat()
+    page = ServedPage()
     own = subprocess.run(["ss", "-ltn"], capture_output=True, text=True, check=False)
-    if own.returncode == 0:
-        lines = [line for line in own.stdout.splitlines() if f":{meshcat.port()} " in line]
-        assert lines
-        assert all(f"127.0.0.1:{meshcat.port()}" in line for line in lines)
-    assert meshcat.web_url().startswith("http://127.0.0.1:")
+    for port in (page.server.access.port, page.meshcat.port()):
+        if own.returncode == 0:
+            lines = [line for line in own.stdout.splitlines() if f":{port} " in line]
+            assert lines
+            assert all(f"127.0.0.1:{port}" in line for line in lines)
+    assert page.url.startswith("http://127.0.0.1:")
+    page.close()
 
 
 # --- bad input: one paragraph, exit code 2, no traceback

@@ -1,5 +1,6 @@
 """A run as one self-contained page, which plays back in a browser without a network."""
 
+import contextlib
 from collections.abc import Callable
 
 from pydrake.geometry import Meshcat, MeshcatAnimation
@@ -43,6 +44,8 @@ class HtmlRecording:
             The page's HTML.
         """
         self._end_subscription()
+        with contextlib.suppress(RuntimeError):  # a twin that has failed may be nowhere
+            self._twin.draw()
         self._meshcat.StopRecording()
         self._meshcat.PublishRecording()
         html: str = self._meshcat.StaticHtml()

@@ -367,7 +367,7 @@ def test_keys_drive_the_chosen_robot_and_letting_go_stops_it(driven):
     it.for_frames(10)
     assert it.twin.command(CMD_VEL) is None  # no robot is chosen
     tab.keyboard.up("w")
-    folder(tab).get_by_role("button", name="Drive with keys or gamepad").click()
+    folder(tab).get_by_role("button", name="Keys and gamepad").click()
     tab.keyboard.down("w")
     it.frames(lambda: it.twin.robot_state("robot_1").base_pose[0] > 0.2)
     assert forward_speed(it) == 0.5
@@ -403,7 +403,7 @@ def test_a_gamepad_drives(driven):
     tab.evaluate(
         "() => { window.axes = [0, 0, 0, 0]; navigator.getGamepads = () => [{connected: true, axes: window.axes}]; }"
     )
-    folder(tab).get_by_role("button", name="Drive with keys or gamepad").click()
+    folder(tab).get_by_role("button", name="Keys and gamepad").click()
     tab.evaluate("window.axes = [0, -1, 0.5, 0]")
     it.frames(lambda: forward_speed(it) == 0.5 and it.twin.command(CMD_VEL).angular_z == -0.5)
     tab.evaluate("window.axes = [0, 0.05, 0, 0]")
@@ -412,7 +412,7 @@ def test_a_gamepad_drives(driven):
 
 def test_closing_the_drivers_tab_stops_the_robot_and_not_the_twin(driven):
     it, tab = driven
-    folder(tab).get_by_role("button", name="Drive with keys or gamepad").click()
+    folder(tab).get_by_role("button", name="Keys and gamepad").click()
     tab.keyboard.down("w")
     it.frames(lambda: forward_speed(it) == 0.5)
     tab.close()
@@ -506,6 +506,7 @@ def test_messages_are_on_a_line_and_all_of_them_in_a_list(page):
 
 def test_what_is_refused_is_said(page):
     it, tab = page
+    it.frames(lambda: it.twin.time > 0.1)
     tab.get_by_label("Run to time in seconds").fill("0.0001")
     tab.get_by_role("button", name="Go").click()
     it.frames(lambda: "lies in the past" in tab.locator("#message-text").inner_text())

@@ -112,6 +112,7 @@ class RobotFolder {
     setText(this.stop, state.stopped ? "Release" : "Stop");
     this.stop.setAttribute("aria-label", `${state.stopped ? "Clear emergency stop" : "Emergency stop"} of ${this.name}`);
     this.node.classList.toggle("stopped", state.stopped);
+    if (!this.node.open) return;
     for (const pose of this.poses ?? []) pose?.slider.show(state.positions[pose.index]);
     for (const { topic, controller, sliders } of this.groups ?? []) {
       const active = state.controllers[controller] === "active" && !state.stopped;

@@ -17,12 +17,12 @@ const KEYS = {
   KeyE: [0, -1, 0],
 };
 const PAD = [
-  ["KeyQ", "↖", "Sideways left"],
+  ["KeyQ", "◀", "Sideways left"],
   ["KeyW", "▲", "Forwards"],
-  ["KeyE", "↗", "Sideways right"],
-  ["KeyA", "◀", "Turn left"],
+  ["KeyE", "▶", "Sideways right"],
+  ["KeyA", "↺", "Turn left"],
   ["KeyS", "▼", "Backwards"],
-  ["KeyD", "▶", "Turn right"],
+  ["KeyD", "↻", "Turn right"],
 ];
 
 export class Teleop {
@@ -45,12 +45,12 @@ export class Teleop {
     pad.button = element("button", {
       class: "drive",
       "aria-pressed": "false",
-      text: "Drive with keys or gamepad",
+      text: "Keys and gamepad",
       title: "WASD or arrows drive, Q and E go sideways, Esc ends it",
       onclick: () => this.choose(this.driven === pad ? null : pad),
     });
     const buttons = PAD.map(([code, text, name]) => {
-      const button = element("button", { text, "aria-label": `${robot} ${name}`, "data-code": code });
+      const button = element("button", { text, "aria-label": `${robot} ${name}`, title: `${name} (${code.slice(3)})` });
       const press = (event) => {
         this.choose(pad);
         this.held.add(code);

@@ -1,0 +1,113 @@
+"""What is drawn besides the robots: present while it is shown, gone afterwards, at the right place."""
+
+import numpy as np
+import pytest
+from conftest import ARM, rovers
+from pydrake.math import RigidTransform
+
+from drake_twin import TwinBuilder
+from drake_twin.cockpit.overlays import PATH, overlay_types
+from drake_twin.cockpit.overlays.frames import _in_world, _transforms
+from drake_twin.cockpit.page import open_meshcat
+
+
+class Drawn:
+    """What Meshcat would be told."""
+
+    def __init__(self):
+        self.objects = {}
+        self.transforms = {}
+        self.deleted = []
+
+    def SetObject(self, path, shape, *color):
+        self.objects[path] = shape
+
+    def SetTransform(self, path, pose):
+        self.transforms[path] = pose
+
+    def Delete(self, path):
+        self.deleted.append(path)
+
+
+@pytest.fixture(scope="module")
+def twin():
+    twin = rovers(2).static_transform("world", "robot_1_odom").build()
+    twin.advance_to(0.5)
+    return twin
+
+
+@pytest.mark.parametrize("name", ["frames", "contacts", "collision", "inertia"])
+def test_an_overlay_is_there_while_it_is_shown_and_leaves_nothing(twin, name):
+    meshcat = open_meshcat()
+    overlay = overlay_types()[name](meshcat, twin)
+    overlay.draw()
+    assert meshcat.HasPath(PATH)
+    overlay.remove()
+    assert not any(meshcat.HasPath(f"{PATH}/{below}") for below in ("frames", "contact", "collision", "inertia"))
+
+
+def test_collision_shapes_are_those_of_contact_and_go_along_with_their_links(twin):
+    drawn = Drawn()
+    shapes = overlay_types()["collision"](drawn, twin)
+    shapes.draw()
+    base = twin.plant.GetBodyByName("robot_2_base_link", twin.plant.GetModelInstanceByName("robot_2"))
+    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
+    own = twin.plant.GetCollisionGeometriesForBody(base)
+    path = f"{PATH}/collision/{int(base.index())}"
+    shapes_of_base = [shape for name, shape in drawn.objects.items() if name.startswith(f"{path}/")]
+    assert [type(shape) for shape in shapes_of_base] == [type(inspector.GetShape(geometry)) for geometry in own]
+    assert own
+    pose = twin.plant.EvalBodyPoseInWorld(twin.plant.GetMyContextFromRoot(twin.context), base)
+    assert drawn.transforms[path].IsNearlyEqualTo(pose, 1e-12)
+
+
+def test_an_inertia_ellipsoid_has_the_bodys_moments(tmp_path):
+    file = tmp_path / "plate.urdf"
+    file.write_text(
+        '<robot name="plate"><link name="world"/><link name="a"><inertial><origin xyz="0.1 0 0"/><mass value="2"/>'
+        '<inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="j"'
+        ' type="continuous"><parent link="world"/><child link="a"/></joint></robot>'
+    )
+    drawn = Drawn()
+    overlay_types()["inertia"](drawn, TwinBuilder().robot("plate", file).build())
+    (path,) = [path for path, shape in drawn.objects.items() if type(shape).__name__ == "Ellipsoid"]
+    shape, place = drawn.objects[path], drawn.transforms[path]
+    squares = sorted([shape.a() ** 2, shape.b() ** 2, shape.c() ** 2])
+    moments = sorted(2 / 5 * (one + other) for one, other in zip(squares, squares[1:] + squares[:1], strict=True))
+    assert moments == pytest.approx([0.02, 0.03, 0.04])
+    assert place.translation() == pytest.approx([0.1, 0, 0])
+
+
+def test_contact_arrows_are_drawn_for_wheels_on_the_ground(twin):
+    meshcat = open_meshcat()
+    contacts = overlay_types()["contacts"](meshcat, twin)
+    contacts.draw()
+    assert meshcat.HasPath(f"{PATH}/contact/point") or meshcat.HasPath(f"{PATH}/contact/hydroelastic")
+
+
+def test_frames_are_where_tf_puts_them(twin):
+    links = {link.child_frame_id: link for topic in ("/tf_static", "/tf") for link in _transforms(twin, topic)}
+    pose = _in_world("robot_2_base_link", links, {"world": RigidTransform()})
+    assert pose.translation() == pytest.approx(twin.robot_state("robot_2").base_pose[:3], abs=1e-9)
+    wheel = twin.plant.GetBodyByName("robot_2_rear_left_wheel")
+    truth = twin.plant.EvalBodyPoseInWorld(twin.plant.GetMyContextFromRoot(twin.context), wheel)
+    assert _in_world("robot_2_rear_left_wheel", links, {"world": RigidTransform()}).IsNearlyEqualTo(truth, 1e-9)
+
+
+def test_frames_that_hang_on_nothing_and_circles_are_left_out(twin):
+    links = {link.child_frame_id: link for link in _transforms(twin, "/tf")}
+    child = next(iter(links))
+    assert _in_world(child, {child: links[child]}, {"nowhere": RigidTransform()}) is None
+    assert _in_world("unknown", links, {"world": RigidTransform()}) is None
+
+
+def test_an_arms_frames_follow_its_joints():
+    twin = TwinBuilder().robot("arm", ARM).build()
+    drawn = Drawn()
+    frames = overlay_types()["frames"](drawn, twin)
+    frames.draw()
+    before = {path: pose.translation().copy() for path, pose in drawn.transforms.items()}
+    twin.set_joint_positions("arm", {"joint_1": 0.5})
+    frames.draw()
+    moved = [path for path, pose in drawn.transforms.items() if np.abs(pose.translation() - before[path]).max() > 0.01]
+    assert moved
