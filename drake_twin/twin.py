@@ -15,11 +15,11 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 
 from drake_twin.action import ActionGoal
+from drake_twin.commands import Commands
 from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
@@ -59,10 +59,9 @@ class Twin:
         self._meshcat = meshcat
         self._subscriptions: list[Subscription] = []
         self._controls: dict[str, RobotControl] = {}
+        self._commands = Commands()
         self._run(Running(scenario, meshcat))
-        self._queue: list[tuple[str, Any]] = []
         self._goals: list[ActionGoal] = []
-        self._silenced: set[str] = set()
         self._unheard: set[str] = set()
         self.paused = False
         self._advancing = False
@@ -79,11 +78,9 @@ class Twin:
     def _start(self) -> None:
         self._step = 0
         self._running.start_at_rest()
-        self._commands: dict[str, Any] = {}
-        self._expiries: dict[str, float] = {}
+        self._commands.start(self.scenario.commands)
         self._wrenches: list[Wrench] = []
         self._running.set_wrenches(())
-        self._schedule = [ScheduledCommand(command) for command in self.scenario.commands]
         for control in self._controls.values():
             control.start()
         self._running.initialize()
@@ -97,9 +94,10 @@ class Twin:
         self._plant_context = running.plant_context
         controls = {}
         for plan in self._built.plans:
-            controls[plan.name] = self._controls.get(plan.name) or RobotControl(plan, self._clear, self.note)
+            controls[plan.name] = self._controls.get(plan.name) or RobotControl(plan, self._commands.clear, self.note)
             controls[plan.name].use(self._built, self._context)
         self._controls = controls
+        self._commands.use(self._built, self._context, controls, self.scenario.time_step)
 
     def _rebuild(self, scenario: Scenario) -> None:
         """Goes on with a diagram of another scenario, with every state that has a place in it."""
@@ -116,21 +114,11 @@ class Twin:
         for name, control in self._controls.items():
             if name not in known:
                 control.start()
-        values, expiries, self._commands, self._expiries = self._commands, self._expiries, {}, {}
-        for topic, value in values.items():
-            if topic in self._built.commanded or topic in self._built.actions:
-                self._set_command(topic, value)
-        self._expiries = {topic: time for topic, time in expiries.items() if topic in self._commands}
         names = {*self._controls, *self._built.world_models}
         self._wrenches = [item for item in self._wrenches if item.entity.partition("::")[0] in names]
         self._put_wrenches()
-        self._queue = [entry for entry in self._queue if self._knows(entry[0])]
-        self._schedule = [item for item in self._schedule if self._knows(item.topic)]
         running.initialize()
         old.discard()
-
-    def _knows(self, topic: str) -> bool:
-        return topic in self._built.commanded or topic in self._built.actions
 
     @property
     def diagram(self) -> Any:
@@ -218,7 +206,7 @@ class Twin:
             InputError: called inside a callback.
         """
         self._refuse_inside_callback("take a snapshot of")
-        self._put_queued()
+        self._commands.put_waiting(self.time)
         running = self._running
         robots = {}
         for name, control in self._controls.items():
@@ -239,11 +227,11 @@ class Twin:
             step=self._step,
             robots=robots,
             models=running.model_states(),
-            commands={topic: to_plain(value) for topic, value in self._commands.items()},
-            expiries=dict(self._expiries),
+            commands={topic: to_plain(value) for topic, value in self._commands.values.items()},
+            expiries=dict(self._commands.expiries),
             wrenches=to_plain(tuple(self._wrenches)),
-            schedule=[item.published for item in self._schedule],
-            silenced=sorted(self._silenced),
+            schedule=[item.published for item in self._commands.schedule],
+            silenced=sorted(self._commands.silenced),
         )
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -259,7 +247,7 @@ class Twin:
         for goal in self._goals:
             goal.drop()
         self._goals.clear()
-        self._queue.clear()
+        self._commands.drop_waiting()
         self._next_time_step = None
         if scenario != self.scenario:
             self._rebuild(scenario)
@@ -273,17 +261,17 @@ class Twin:
                 self._running.remember_efforts(name, np.array(saved["efforts"]))
                 self._controls[name].restore(saved)
             for topic, value in snapshot.commands.items():
-                self._set_command(topic, from_plain(value))
-            self._expiries = dict(snapshot.expiries)
+                self._commands.set(topic, from_plain(value), self.time)
+            self._commands.expiries = dict(snapshot.expiries)
             self._wrenches = list(from_plain(snapshot.wrenches))
             self._put_wrenches()
-            for item, published in zip(self._schedule, snapshot.schedule, strict=True):
+            for item, published in zip(self._commands.schedule, snapshot.schedule, strict=True):
                 item.published = int(published)
         except (KeyError, TypeError, ValueError, RuntimeError, InputError, SystemExit) as error:  # Drake's checks exit
             self.reset()
             reason = " ".join(str(error).split())
             raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None
-        self._silenced = set(snapshot.silenced)
+        self._commands.silenced = set(snapshot.silenced)
         self._running.initialize()
         for subscription in self._subscriptions:
             subscription.begin(self.time)
@@ -487,8 +475,8 @@ class Twin:
             InputError: nothing listens to the topic.
         """
         self._command_topic(topic)
-        waiting = [command for queued_topic, command in self._queue if queued_topic == topic]
-        return waiting[-1] if waiting else self._commands.get(topic)
+        waiting = [*self._commands.waiting(topic)]
+        return waiting[-1] if waiting else self._commands.values.get(topic)
 
     @recorded
     def publish(self, topic: str, data: Any) -> None:
@@ -524,7 +512,7 @@ class Twin:
             if error.deactivates:
                 control.give_up(item.controller, error.message)
             raise
-        self._queue.append((topic, value))
+        self._commands.wait(topic, value)
 
     @recorded
     def send_goal(self, action: str, goal: Any, on_result: Callable[[ActionGoal], None] | None = None) -> ActionGoal:
@@ -548,12 +536,14 @@ class Twin:
         if control.stopped or not control.accepts(item):
             why = "the emergency stop holds" if control.stopped else f"controller {item.controller} is not active"
             raise CommandError(f"{action}: the goal is rejected: {why}")
-        self._put_queued(item)
+        self._commands.put_waiting(self.time, item)
         try:
             value = control.read(item, goal)
         except CommandError as error:
             raise error.about(f"{action}: the goal is rejected") from None
-        self._set_command(action, value)  # at once: the controller counts goals, and may be told to cancel this one
+        self._commands.set(
+            action, value, self.time
+        )  # at once: the controller counts goals, and may be told to cancel this one
         sent = ActionGoal(action, item.type, value.id, control, item.controller, on_result)
         self._goals.append(sent)
         return sent
@@ -594,7 +584,7 @@ class Twin:
             InputError: nothing listens to the topic.
         """
         self._command_topic(topic)
-        self._silenced.add(topic)
+        self._commands.silenced.add(topic)
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], rate: float | None = None) -> Callable[[], None]:
         """Calls back with a topic's messages, on a grid of simulation times that starts at zero.
@@ -743,11 +733,11 @@ class Twin:
             InputError: called inside a callback.
         """
         self._refuse_inside_callback("reset")
-        self._queue.clear()
+        self._commands.drop_waiting()
         for goal in self._goals:
             goal.drop()
         self._goals.clear()
-        self._silenced.clear()
+        self._commands.silenced.clear()
         self._start()
         for subscription in self._subscriptions:
             subscription.begin(0.0)
@@ -772,10 +762,10 @@ class Twin:
             each_frame: called about 30 times a second between steps, also while paused; False ends the run.
             as_fast_as_possible: ignore ``real_time_rate`` and never wait.
         """
-        end = None if until is None else self._step_at(until)
         frame_start = wall_clock.perf_counter()
         owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
-        while (end is None or self._step < end) and each_frame():
+        while ((end := self._end(until)) is None or self._step < end) and each_frame():
+            end = self._end(until)  # in steps of the length that they have now
             self.draw()
             if as_fast_as_possible and not self.paused:
                 self._advance_for(_FRAME, end)
@@ -790,6 +780,9 @@ class Twin:
             wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
         self.draw()
 
+    def _end(self, until: float | None) -> int | None:
+        return None if until is None else self._step_at(until)
+
     def state_sha256(self) -> str:
         """A hash of the state by robot name: steps, positions, velocities, commands and active controllers.
 
@@ -797,7 +790,7 @@ class Twin:
         """
         time = f"step {self._step} of {self.scenario.time_step.hex()}"
         states = {name: control.manager.states for name, control in self._controls.items()}
-        return hash_state(self._built, self._context, time, states, self._commands, self._wrenches)
+        return hash_state(self._built, self._context, time, states, self._commands.values, self._wrenches)
 
     def _step_at(self, time: float) -> int:
         """The first step that is not before a time (s)."""
@@ -911,58 +904,15 @@ class Twin:
                 return
 
     def _apply_commands(self) -> None:
-        due = []
-        for scheduled in self._schedule:
-            if scheduled.due_step(self.scenario.time_step) <= self._step:
-                if scheduled.topic not in self._silenced:
-                    due.append(scheduled)
-                scheduled.pass_step()
-        now = self.time + 1e-9
-        if any(item.until <= now for item in self._wrenches):
+        if any(item.until <= self.time + 1e-9 for item in self._wrenches):
             self._put_wrenches()
-        for topic in [topic for topic, time in self._expiries.items() if time <= now]:
-            self._set_command(topic, None)
-        waiting, self._queue = self._queue, []
-        for scheduled in due:
-            try:
-                self._publish(scheduled.topic, scheduled.data)
-            except CommandError as error:
-                _log.warning("%s", error)
-        for topic, value in (*self._queue, *waiting):
-            self._set_command(topic, value)
-        self._queue = []
+        self._commands.apply(self._step, self.time, self._publish_scheduled)
 
-    def _put_queued(self, action: CommandTopic | None = None) -> None:
-        """Puts what waits onto its ports, or only what waits for an action's controller, so that it precedes a goal."""
-        waiting, self._queue = self._queue, []
-        for topic, value in waiting:
-            item = self._built.commanded[topic]
-            if action is None or (item.robot, item.controller) == (action.robot, action.controller):
-                self._set_command(topic, value)
-            else:
-                self._queue.append((topic, value))
-
-    def _set_command(self, topic: str, value: Any) -> None:
-        item = self._built.commanded.get(topic) or self._built.actions[topic]
-        item.port.FixValue(self._context, AbstractValue.Make(value))
-        self._commands.pop(topic, None)
-        self._expiries.pop(topic, None)
-        if value is None:
-            return
-        self._commands[topic] = value
-        timeout = self._controls[item.robot].controllers[item.controller].timeout(item.name)
-        if timeout is not None and isfinite(timeout):
-            self._expiries[topic] = self.time + max(timeout, self.scenario.time_step)
-
-    def _clear(self, robot: str, controller: str) -> None:
-        """Forgets what was commanded of a controller."""
-        topics = self._built.commanded | self._built.actions
-        own = {name: item for name, item in topics.items() if (item.robot, item.controller) == (robot, controller)}
-        self._queue = [entry for entry in self._queue if entry[0] not in own]
-        for name, item in own.items():
-            item.port.FixValue(self._context, AbstractValue.Make(None))
-            self._commands.pop(name, None)
-            self._expiries.pop(name, None)
+    def _publish_scheduled(self, scheduled: ScheduledCommand) -> None:
+        try:
+            self._publish(scheduled.topic, scheduled.data)
+        except CommandError as error:
+            _log.warning("%s", error)
 
     def _deliver(self) -> None:
         # Callbacks may subscribe and end subscriptions, theirs and others'.
@@ -977,9 +927,7 @@ class Twin:
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
         time_step = self.scenario.time_step
-        due = [item.due_step(time_step) for item in self._schedule]
-        due += [item.due_step(time_step) for item in self._subscriptions]
-        due += [step_at(time, time_step) for time in self._expiries.values()]
+        due = self._commands.due_steps() + [item.due_step(time_step) for item in self._subscriptions]
         due += [step_at(item.until, time_step) for item in self._wrenches]
         if self._next_time_step is not None:
             due.append(self._switching_step(self._next_time_step))

@@ -1,0 +1,132 @@
+"""What is commanded of the controllers: messages that wait, that hold, that expire, and that the scenario schedules."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context
+
+from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
+from drake_twin.robot_control import RobotControl
+from drake_twin.scenario import Command
+from drake_twin.schedule import ScheduledCommand, step_at
+
+_ROUNDING = 1e-9  # s
+
+
+class Commands:
+    """The values on the ports of topics and actions.
+
+    Attributes:
+        values: topic or action → the value that holds.
+        expiries: topic → when its value no longer holds (s).
+        schedule: the scenario's own commands.
+        silenced: topics whose scheduled commands are dropped.
+    """
+
+    def __init__(self) -> None:
+        self.values: dict[str, Any] = {}
+        self.expiries: dict[str, float] = {}
+        self.schedule: list[ScheduledCommand] = []
+        self.silenced: set[str] = set()
+        self._queue: list[tuple[str, Any]] = []
+        self._ports: dict[str, CommandTopic] = {}
+
+    def use(self, built: TwinDiagram, context: Context, controls: Mapping[str, RobotControl], time_step: float) -> None:
+        """Works with a diagram from now on; what its topics do not have is forgotten."""
+        self._ports = built.commanded | built.actions
+        self._context = context
+        self._controls = controls
+        self._time_step = time_step
+        self.values = {topic: value for topic, value in self.values.items() if topic in self._ports}
+        self.expiries = {topic: time for topic, time in self.expiries.items() if topic in self._ports}
+        self.schedule = [item for item in self.schedule if item.topic in self._ports]
+        self._queue = [entry for entry in self._queue if entry[0] in self._ports]
+        for topic, value in self.values.items():
+            self._fix(topic, value)
+
+    def start(self, commands: Sequence[Command]) -> None:
+        """Begins anew: nothing holds, and a scenario's commands are ahead."""
+        self.values.clear()
+        self.expiries.clear()
+        self.schedule = [ScheduledCommand(command) for command in commands]
+
+    def wait(self, topic: str, value: Any) -> None:
+        """Lets a value wait for the next step."""
+        self._queue.append((topic, value))
+
+    def waiting(self, topic: str) -> Iterator[Any]:
+        """What waits for a topic, in the order of arrival."""
+        return (value for queued_topic, value in self._queue if queued_topic == topic)
+
+    def drop_waiting(self) -> None:
+        """Forgets what waits."""
+        self._queue.clear()
+
+    def put_waiting(self, time: float, action: CommandTopic | None = None) -> None:
+        """Puts what waits onto its ports, or only what waits for an action's controller, so that it precedes a goal.
+
+        Args:
+            time: the present time (s).
+            action: the action.
+        """
+        waiting, self._queue = self._queue, []
+        for topic, value in waiting:
+            item = self._ports[topic]
+            if action is None or (item.robot, item.controller) == (action.robot, action.controller):
+                self.set(topic, value, time)
+            else:
+                self._queue.append((topic, value))
+
+    def apply(self, step: int, time: float, publish: Callable[[ScheduledCommand], None]) -> None:
+        """Puts onto the ports what is due at a step: what expires, what is scheduled, what waits.
+
+        Args:
+            step: the present step.
+            time: the present time (s).
+            publish: does with a scheduled command what is done with one that somebody publishes.
+        """
+        due = []
+        for scheduled in self.schedule:
+            if scheduled.due_step(self._time_step) <= step:
+                if scheduled.topic not in self.silenced:
+                    due.append(scheduled)
+                scheduled.pass_step()
+        for topic in [topic for topic, until in self.expiries.items() if until <= time + _ROUNDING]:
+            self.set(topic, None, time)
+        waiting, self._queue = self._queue, []
+        for scheduled in due:
+            publish(scheduled)
+        self._queue += waiting
+        self.put_waiting(time)
+
+    def set(self, topic: str, value: Any, time: float) -> None:
+        """Puts a value onto a port at a time (s); None clears it."""
+        self._fix(topic, value)
+        self.values.pop(topic, None)
+        self.expiries.pop(topic, None)
+        if value is None:
+            return
+        self.values[topic] = value
+        item = self._ports[topic]
+        timeout = self._controls[item.robot].controllers[item.controller].timeout(item.name)
+        if timeout is not None and isfinite(timeout):
+            self.expiries[topic] = time + max(timeout, self._time_step)
+
+    def clear(self, robot: str, controller: str) -> None:
+        """Forgets what was commanded of a controller."""
+        own = {name for name, item in self._ports.items() if (item.robot, item.controller) == (robot, controller)}
+        self._queue = [entry for entry in self._queue if entry[0] not in own]
+        for name in own:
+            self._fix(name, None)
+            self.values.pop(name, None)
+            self.expiries.pop(name, None)
+
+    def due_steps(self) -> list[float]:
+        """The steps at which something is due."""
+        due = [item.due_step(self._time_step) for item in self.schedule]
+        return due + [step_at(time, self._time_step) for time in self.expiries.values()]
+
+    def _fix(self, topic: str, value: Any) -> None:
+        self._ports[topic].port.FixValue(self._context, AbstractValue.Make(value))
