@@ -1,5 +1,6 @@
 """Sliders for commanded joints: what each command topic's numbers drive, what they are now, and one of them changed."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import isfinite, pi
 from typing import Any
@@ -8,9 +9,11 @@ import numpy as np
 
 from drake_twin.description.robot_description import Joint
 from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.errors import InputError
 from drake_twin.twin import Twin
 
 _NUMBERS, _TRAJECTORY = "std_msgs/msg/Float64MultiArray", "trajectory_msgs/msg/JointTrajectory"
+_GRIPPER, _PARALLEL_GRIPPER = "control_msgs/action/GripperCommand", "control_msgs/action/ParallelGripperCommand"
 _UNITS = {
     "position": ("rad", "m"),
     "velocity": ("rad/s", "m/s"),
@@ -43,11 +46,11 @@ class Slider:
 
 @dataclass(frozen=True)
 class SliderGroup:
-    """A command topic and its sliders.
+    """A command topic, or a gripper's action, and its sliders.
 
     Attributes:
-        topic: the topic.
-        type: its ROS message type.
+        topic: the topic or the action.
+        type: its ROS type.
         robot: whose it is.
         controller: who listens.
         sliders: one for each number, in order; for a trajectory one for each joint.
@@ -80,7 +83,18 @@ def slider_groups(twin: Twin) -> tuple[SliderGroup, ...]:
             continue
         if sliders:
             groups.append(SliderGroup(topic, item.type, item.robot, item.controller, tuple(sliders)))
-    return tuple(groups)
+    return (*groups, *_grippers(twin))
+
+
+def _grippers(twin: Twin) -> Iterator[SliderGroup]:
+    actions = twin.actions()
+    for plan in twin.plans:
+        for controller in plan.controllers:
+            action = f"{plan.robot.topic_namespace}/{controller.name}/gripper_cmd"
+            if actions.get(action) not in (_GRIPPER, _PARALLEL_GRIPPER) or not controller.claims:
+                continue
+            joint = plan.description.joints_by_name[controller.claims[0].joint]
+            yield SliderGroup(action, actions[action], plan.name, controller.name, (joint_slider(joint),))
 
 
 def joint_slider(joint: Joint) -> Slider:
@@ -103,7 +117,7 @@ class JointCommands:
     def values(self, topic: str) -> np.ndarray:
         """What is commanded now; where nothing is, what leaves the joints as they are."""
         group = self.groups[topic]
-        if group.type == _TRAJECTORY:
+        if group.type != _NUMBERS:
             return self._targets.get(topic, self._at_rest(group))
         command = self._twin.command(topic)
         return self._at_rest(group) if command is None else np.asarray(command.data, dtype=float)
@@ -114,8 +128,6 @@ class JointCommands:
         Raises:
             InputError: there is no such slider, or the twin refuses the command.
         """
-        from drake_twin.errors import InputError
-
         if topic not in self.groups:
             raise InputError(f"{topic!r} has no sliders", value=topic, valid=self.groups)
         group = self.groups[topic]
@@ -124,14 +136,17 @@ class JointCommands:
         values = self.values(topic).copy()
         values[index] = min(max(value, group.sliders[index].lower), group.sliders[index].upper)
         self._twin.silence(topic)
+        if group.type == _NUMBERS:
+            self._twin.publish(topic, values)
+            return
         if group.type == _TRAJECTORY:
             self._twin.publish(topic, self._trajectory(group, values))
-            self._targets[topic] = values
         else:
-            self._twin.publish(topic, values)
+            self._twin.send_goal(topic, self._grip(group, float(values[0])))
+        self._targets[topic] = values
 
     def forget(self) -> None:
-        """Begins anew, after a reset or a switch: what a trajectory led to counts no more."""
+        """Begins anew, after a reset or a switch: where a trajectory or a gripper was sent counts no more."""
         self._targets.clear()
 
     def _at_rest(self, group: SliderGroup) -> np.ndarray:
@@ -146,10 +161,22 @@ class JointCommands:
             ]
         )
 
+    def _grip(self, group: SliderGroup, position: float) -> dict[str, Any]:
+        """A gripper's goal, with all the effort that its joint may have."""
+        (slider,) = group.sliders
+        if group.type == _PARALLEL_GRIPPER:
+            return {"command": {"name": [slider.joint], "position": [position]}}
+        effort = self._joint(group, slider).limits.effort
+        effort = effort if isfinite(effort) else _WIDEST["effort"]
+        return {"command": {"position": position, "max_effort": effort}}
+
+    def _joint(self, group: SliderGroup, slider: Slider) -> Joint:
+        plan = next(plan for plan in self._twin.plans if plan.name == group.robot)
+        return plan.description.joints_by_name[slider.joint]
+
     def _trajectory(self, group: SliderGroup, values: np.ndarray) -> dict[str, Any]:
         """A trajectory of one point, at half of the joints' velocity limits."""
-        plan = next(plan for plan in self._twin.plans if plan.name == group.robot)
-        limits = [plan.description.joints_by_name[slider.joint].limits.velocity for slider in group.sliders]
+        limits = [self._joint(group, slider).limits.velocity for slider in group.sliders]
         fastest = np.array([limit if isfinite(limit) and limit > 0 else _UNLIMITED_VELOCITY for limit in limits])
         distance = np.abs(values - self._at_rest(group))
         duration = max(_SHORTEST_MOVE, float(np.max(distance / (_PART_OF_VELOCITY_LIMIT * fastest))))

@@ -56,3 +56,30 @@ def test_a_joint_slider_has_the_joints_range():
     joints = TwinBuilder().robot("arm", ARM).build().plans[0].description.joints_by_name
     made = joint_slider(joints["joint_1"])
     assert (made.lower, made.upper) == (joints["joint_1"].limits.lower, joints["joint_1"].limits.upper)
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters"),
+    [
+        ("position_controllers/GripperActionController", "joint: j"),
+        ("parallel_gripper_action_controller/GripperActionController", "joint: j"),
+    ],
+)
+def test_a_gripper_has_a_slider_that_sends_goals(tmp_path, kind, parameters):
+    file = tmp_path / "r.urdf"
+    limit = '<limit lower="0" upper="0.5" effort="500" velocity="1"/>'
+    file.write_text(ONE_JOINT.format(type="prismatic", interface="position", limit=limit))
+    (tmp_path / "c.yaml").write_text(
+        f"controller_manager:\n  ros__parameters:\n    grip: {{type: {kind}}}\n"
+        f"grip:\n  ros__parameters: {{{parameters}}}\n"
+    )
+    twin = TwinBuilder().robot("r", file, controllers=tmp_path / "c.yaml").build()
+    commands = JointCommands(twin)
+    (topic,) = commands.groups
+    assert (topic, commands.groups[topic].sliders[0].unit) == ("/r/grip/gripper_cmd", "m")
+    commands.move(topic, 0, 0.3)
+    twin.advance_to(3.0)
+    assert twin.robot_state("r").positions[0] == pytest.approx(0.3, abs=0.01)
+    assert commands.values(topic).tolist() == [0.3]
+    commands.forget()
+    assert commands.values(topic)[0] == pytest.approx(twin.robot_state("r").positions[0])

@@ -14,7 +14,7 @@ from drake_twin.cockpit import protocol
 from drake_twin.cockpit.server import PageServer, bind
 from drake_twin.errors import InputError
 
-MANY = 100_000
+MANY = 20_000
 
 
 @pytest.fixture
@@ -49,15 +49,25 @@ def talk(server, conversation, **headers):
     return asyncio.run(run())
 
 
+def until(condition):
+    """Lets the server's thread work until something holds."""
+    for _ in range(MANY):
+        if condition():
+            return
+        threading.Event().wait(0.001)
+    raise AssertionError("it never held")
+
+
 def requests_until(server, enough):
     """Takes requests until there are enough of them."""
     taken = []
-    for _ in range(MANY):
-        taken += [request for _, request in server.requests()]
-        if enough(taken):
-            return taken
-        threading.Event().wait(0.001)
-    raise AssertionError(f"only {taken}")
+
+    def take():
+        taken.extend(request for _, request in server.requests())
+        return enough(taken)
+
+    until(take)
+    return taken
 
 
 @pytest.mark.parametrize("name", ["", "page.js", "page.css", "icon.svg", "scene.js"])
@@ -131,10 +141,7 @@ def test_more_requests_than_anybody_takes_are_dropped_and_the_leaving_is_not(ser
             await web_socket.send_str('{"do": "Pause"}')
 
     talk(server, flood)
-    for _ in range(MANY):
-        if not server.clients:
-            break
-        threading.Event().wait(0.001)
+    until(lambda: not server.clients)
     taken = [request for _, request in server.requests()]
     assert len(taken) <= 1000
     assert taken[-1] == protocol.Gone()
@@ -159,8 +166,7 @@ def test_a_browser_that_does_not_read_holds_nobody_up_and_the_latest_wins(server
             f"Origin: http://127.0.0.1:{server.access.port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
         )
-        while not server.clients:
-            threading.Event().wait(0.001)
+        until(lambda: server.clients)
         (neglected,) = server._clients.values()
 
         async def listen(web_socket):

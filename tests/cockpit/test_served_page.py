@@ -1,0 +1,42 @@
+"""A page that outlives its twin, as with ``--watch``."""
+
+import pytest
+from conftest import rovers
+
+from drake_twin import Twin
+from drake_twin.cockpit import protocol
+from drake_twin.cockpit.overlays import PATH
+from drake_twin.cockpit.served_page import ServedPage
+
+
+@pytest.fixture
+def served():
+    page = ServedPage()
+    yield page
+    page.close()
+
+
+def test_a_new_twin_takes_the_place_of_the_one_before(served):
+    first, second = Twin(rovers(1).scenario(), served.meshcat), Twin(rovers(2).scenario(), served.meshcat)
+    before = served.show(first)
+    served.server._enqueue(1, protocol.Show("collision", True))
+    before.obey()
+    assert served.meshcat.HasPath(f"{PATH}/collision")
+    after = served.show(second)
+    assert not served.meshcat.HasPath(f"{PATH}/collision")
+    served.server._enqueue(1, protocol.Step(3))
+    after.obey()
+    assert (first.step_count, second.step_count) == (0, 3)
+
+
+def test_a_twin_that_is_only_displayed_stands_still(served):
+    twin = Twin(rovers(1).scenario(), served.meshcat)
+    served.show(twin, only_displayed=True)
+    assert twin.paused
+
+
+def test_two_programs_have_pages_of_their_own(served):
+    other = ServedPage()
+    ports = {served.server.access.port, served.meshcat.port(), other.server.access.port, other.meshcat.port()}
+    assert len(ports) == 4
+    other.close()
