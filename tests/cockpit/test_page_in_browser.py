@@ -475,6 +475,7 @@ def test_a_recording_is_downloaded_and_plays_without_a_network(show, browser, tm
     with tab.expect_download() as download:
         tab.get_by_role("button", name="Save as HTML").click()
         it.frames(lambda: it.cockpit._recording is None)
+        it.for_frames(5)  # the page is told, and fetches it
     file = tmp_path / "run.html"
     download.value.save_as(file)
     offline = browser.new_context(offline=True)
