@@ -564,6 +564,14 @@ def test_two_tabs_steer_one_twin_and_reloading_or_closing_one_changes_nothing(pa
     it.frames(lambda: it.twin.paused)
 
 
+def test_a_page_whose_twin_has_ended_says_so(page):
+    it, tab = page
+    it.served.server.close()
+    tab.locator("#connection").wait_for(state="visible")
+    assert "open the address that it printed" in tab.locator("#connection").inner_text()
+    it.faults.clear()  # the browser's own lines about attempts to connect again
+
+
 # --- robots that are only displayed
 
 
