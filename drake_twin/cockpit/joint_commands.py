@@ -135,15 +135,13 @@ class JointCommands:
             raise InputError(f"{topic}: there is no number {index}, the command has {len(group.sliders)}")
         values = self.values(topic).copy()
         values[index] = min(max(value, group.sliders[index].lower), group.sliders[index].upper)
-        self._twin.silence(topic)
-        if group.type == _NUMBERS:
-            self._twin.publish(topic, values)
-            return
-        if group.type == _TRAJECTORY:
-            self._twin.publish(topic, self._trajectory(group, values))
-        else:
+        if group.type in (_GRIPPER, _PARALLEL_GRIPPER):
             self._twin.send_goal(topic, self._grip(group, float(values[0])))
-        self._targets[topic] = values
+        else:
+            self._twin.silence(topic)
+            self._twin.publish(topic, values if group.type == _NUMBERS else self._trajectory(group, values))
+        if group.type != _NUMBERS:
+            self._targets[topic] = values
 
     def forget(self) -> None:
         """Begins anew, after a reset or a switch: where a trajectory or a gripper was sent counts no more."""

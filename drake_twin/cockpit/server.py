@@ -30,7 +30,10 @@ _HEADERS = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
-_PAGE_POLICY = "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+_PAGE_POLICY = (
+    "default-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none';"
+    " form-action 'none'"
+)
 _SCENE_HEAD = '<head><link rel="stylesheet" href="../scene.css"><script src="../scene.js" data-port="{port}"></script>'
 
 
@@ -168,11 +171,11 @@ class PageServer:
     async def _to_index(self, _request: web.Request) -> web.Response:
         raise web.HTTPFound(f"/{self.access.token}/")
 
-    async def _index(self, _request: web.Request) -> web.Response:
-        return _static_response("index.html")
+    async def _index(self, request: web.Request) -> web.Response:
+        return _static_response("index.html", request.host)
 
     async def _static(self, request: web.Request) -> web.Response:
-        return _static_response(request.match_info["name"])
+        return _static_response(request.match_info["name"], request.host)
 
     async def _file(self, request: web.Request) -> web.Response:
         name = request.match_info["name"]
@@ -260,10 +263,10 @@ class _Client:
 _STATIC_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
 
 
-def _static_response(name: str) -> web.Response:
+def _static_response(name: str, host: str) -> web.Response:
     kind = _STATIC_TYPES.get(name.rpartition(".")[2])
     file = resources.files("drake_twin.cockpit").joinpath("static", name)
     if kind is None or "/" in name or not file.is_file():
         raise web.HTTPNotFound
-    headers = {**_HEADERS, "Content-Security-Policy": _PAGE_POLICY}
+    headers = {**_HEADERS, "Content-Security-Policy": _PAGE_POLICY.format(host=host)}
     return web.Response(body=file.read_bytes(), content_type=kind, charset="utf-8", headers=headers)

@@ -475,6 +475,7 @@ def test_a_recording_is_downloaded_and_plays_without_a_network(show, browser, tm
     with tab.expect_download() as download:
         tab.get_by_role("button", name="Save as HTML").click()
         it.frames(lambda: it.cockpit._recording is None)
+        it.for_frames(5)  # the page is told, and fetches it
     file = tmp_path / "run.html"
     download.value.save_as(file)
     offline = browser.new_context(offline=True)
@@ -561,6 +562,14 @@ def test_two_tabs_steer_one_twin_and_reloading_or_closing_one_changes_nothing(pa
     it.frames(lambda: it.twin.time > start + 0.2)
     one.get_by_role("button", name="Pause").click()
     it.frames(lambda: it.twin.paused)
+
+
+def test_a_page_whose_twin_has_ended_says_so(page):
+    it, tab = page
+    it.served.server.close()
+    tab.locator("#connection").wait_for(state="visible")
+    assert "open the address that it printed" in tab.locator("#connection").inner_text()
+    it.faults.clear()  # the browser's own lines about attempts to connect again
 
 
 # --- robots that are only displayed
