@@ -567,6 +567,14 @@ class Twin:
         """
         self._controls[self._plan(robot).name].emergency_stop()
 
+    def is_stopped(self, robot: str) -> bool:
+        """Whether a robot's emergency stop holds.
+
+        Raises:
+            InputError: no such robot.
+        """
+        return self._controls[self._plan(robot).name].stopped
+
     @recorded
     def clear_emergency_stop(self, robot: str) -> None:
         """Lets a robot's controllers command again; each begins anew, without a command.

@@ -90,7 +90,7 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[
 
 def is_stopped(twin: Twin, robot: str) -> bool:
     """Whether a robot's emergency stop holds."""
-    return twin._controls[robot].stopped
+    return twin.is_stopped(robot)
 
 
 def _rounded(values: Any) -> list[float]:
