@@ -69,7 +69,7 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[
     for plan in twin.plans:
         at = twin.robot_state(plan.name)
         robots[plan.name] = {
-            "stopped": is_stopped(twin, plan.name),
+            "stopped": twin.is_stopped(plan.name),
             "controllers": twin.controller_manager(plan.name).states,
             "positions": _rounded(at.positions),
             "velocities": _rounded(at.velocities),
@@ -86,11 +86,6 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[
         "commands": {topic: _rounded(commands.values(topic)) for topic in commands.groups},
         **more,
     }
-
-
-def is_stopped(twin: Twin, robot: str) -> bool:
-    """Whether a robot's emergency stop holds."""
-    return twin.is_stopped(robot)
 
 
 def _rounded(values: Any) -> list[float]:
