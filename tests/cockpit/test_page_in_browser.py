@@ -326,6 +326,36 @@ def test_the_joint_states_are_read_out(show):
     it.frames(lambda: float(row.locator("td").nth(2).inner_text()) == round(state.efforts[2], 3))
 
 
+def test_the_joint_states_are_plotted_while_the_plots_are_open(page):
+    it, tab = page
+    plots = folder(tab).locator(".plots")
+    it.twin.publish(WHEELS_1, [2, 2, 7, 2])
+    it.frames(lambda: it.twin.time > 0.5)
+    assert plots.locator("canvas").first.get_attribute("width") is None  # nothing is drawn that nobody looks at
+    plots.locator("summary").click()
+    velocity = plots.locator("figure").nth(1)
+    it.seen(velocity.locator(".plot-upper"), "7.00")
+    it.seen(velocity.locator(".plot-lower"), "2.00")
+    it.twin.publish(WHEELS_1, [-4, 2, 7, 2])
+    it.frames(lambda: float(velocity.locator(".plot-lower").inner_text()) < -3.9)
+    shot = np.asarray(Image.open(io.BytesIO(velocity.locator("canvas").screenshot())).convert("RGB")).astype(int)
+    red, green, blue = shot[..., 0], shot[..., 1], shot[..., 2]
+    second, _ = np.nonzero((red > green + 40) & (green > blue + 20))  # orange
+    third, _ = np.nonzero((green > red + 40) & (green > blue + 20))
+    assert len(second) > 50
+    assert len(third) > 50
+    assert second.min() > third.max()  # 2 rad/s lies below 7 rad/s
+    it.twin.reset()
+    it.frames(lambda: float(velocity.locator(".plot-upper").inner_text()) < 0.1)  # what was before is gone
+
+
+def test_the_real_time_factor_is_plotted(page):
+    it, tab = page
+    tab.locator("#factor-plot summary").click()
+    upper = tab.locator("#factor-plot .plot-upper")
+    it.frames(lambda: upper.inner_text() != "" and float(upper.inner_text()) > 0.1)
+
+
 def test_an_emergency_stop_holds_one_robot_and_is_cleared(show):
     it, tab = show(demo_scenario("rover", 2))
     it.frames(lambda: it.twin.robot_state("robot_1").velocities[0] > 2)

@@ -1,6 +1,7 @@
 // A folder for each robot: controllers, sliders, drive, joints.
 
 import { $, element, Slider, setText, toggle } from "./dom.js";
+import { lineColour, Plot } from "./plot.js";
 
 function shortName(joint, robot) {
   return joint.replace(new RegExp(`^${robot}[_/]`), "").replace(/_joint$/, "");
@@ -35,6 +36,7 @@ class RobotFolder {
       this.addControllers(robot);
     }
     this.addJoints(robot);
+    if (!displayOnly) this.addPlots(robot);
   }
 
   addPoses(robot) {
@@ -106,6 +108,33 @@ class RobotFolder {
     this.node.append(this.joints);
   }
 
+  addPlots(robot) {
+    if (robot.joints.length === 0) return;
+    const slides = new Set(robot.joints.map((joint) => joint.slides));
+    const units = (turning, sliding) => [slides.has(false) && turning, slides.has(true) && sliding].filter(Boolean).join(", ");
+    this.plots = {
+      positions: new Plot({ label: "Position", name: `${robot.name} position`, unit: units("rad", "m") }),
+      velocities: new Plot({ label: "Velocity", name: `${robot.name} velocity`, unit: units("rad/s", "m/s") }),
+      efforts: new Plot({ label: "Effort", name: `${robot.name} effort`, unit: units("N·m", "N") }),
+    };
+    const key = robot.joints.map((joint, index) => {
+      const item = element("li", { title: joint.joint, text: shortName(joint.joint, robot.name) });
+      item.style.setProperty("--colour", lineColour(index));
+      return item;
+    });
+    const figures = Object.values(this.plots).map((plot) => plot.node);
+    this.plotted = element("details", { class: "plots" }, element("summary", { text: "Plots" }), ...figures, element("ul", {}, ...key));
+    this.node.append(this.plotted);
+  }
+
+  plot(time, state) {
+    const open = this.node.open && this.plotted?.open;
+    for (const [what, plot] of Object.entries(this.plots ?? {})) {
+      if (open) plot.add(time, state[what]);
+      else plot.clear();
+    }
+  }
+
   state(state, commands) {
     this.stopped = state.stopped;
     this.pill.hidden = !state.stopped;
@@ -163,7 +192,9 @@ export class Robots {
 
   state(state) {
     for (const [name, { folder }] of this.folders) {
-      if (name in state.robots) folder.state(state.robots[name], state.commands);
+      if (!(name in state.robots)) continue;
+      folder.state(state.robots[name], state.commands);
+      folder.plot(state.time, state.robots[name]);
     }
   }
 }

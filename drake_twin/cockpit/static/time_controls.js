@@ -1,6 +1,7 @@
 // Play, pause, step, run to, reset; speed and physics step.
 
 import { $, Slider, setIcon, setText } from "./dom.js";
+import { Plot } from "./plot.js";
 
 const LOG = { toValue: (place) => 10 ** place, toPlace: (value) => Math.log10(value) };
 const ROUND = (value) => Number(value.toPrecision(2));
@@ -40,6 +41,8 @@ export class TimeControls {
       onmove: (milliseconds) => ask("SetTimeStep", { seconds: Number((milliseconds / 1000).toPrecision(6)) }),
     });
     $("time-step-row").append(this.timeStep.node);
+    this.plot = new Plot({ label: "Real-time factor" });
+    $("factor-plot").append(this.plot.node);
   }
 
   playOrPause() {
@@ -64,6 +67,8 @@ export class TimeControls {
     const factor = state.paused ? "paused" : (state.real_time_factor?.toFixed(2) ?? "–");
     setText($("factor"), factor);
     setText($("factor-beside"), factor);
+    if (!$("factor-plot").open) this.plot.clear();
+    else if (!state.paused && state.real_time_factor != null) this.plot.add(state.time, [state.real_time_factor]);
     this.rate.show(state.rate);
     this.timeStep.show(1000 * state.time_step);
   }
