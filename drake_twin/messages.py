@@ -52,20 +52,32 @@ _TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in DEFINITIONS}
 
 
 @cache
+def _jazzy() -> Any:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+@cache
 def type_store() -> Any:
     """The rosbags ``Typestore`` of ROS 2 Jazzy with the types defined here added."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from rosbags.typesys import get_types_from_msg
 
-    store = get_typestore(Stores.ROS2_JAZZY)
+    store = _jazzy()
     for name, text in DEFINITIONS.items():
         store.register(get_types_from_msg(text, name))
     return store
 
 
+def _store_of(kind: str) -> Any:
+    """A store that has a type: reading our definitions takes as long as a quarter of a robot, and few need them."""
+    return type_store() if kind in DEFINITIONS else _jazzy()
+
+
 def __getattr__(name: str) -> Any:
     if name not in _TYPES:
         raise AttributeError(f"drake_twin.messages has no message type {name!r}; it has {', '.join(sorted(_TYPES))}")
-    message_type = type_store().types[_TYPES[name]]
+    message_type = _store_of(_TYPES[name]).types[_TYPES[name]]
     globals()[name] = message_type
     return message_type
 
@@ -106,7 +118,7 @@ def message(kind: str, data: Any) -> Any:
 
 
 def _from_plain(kind: str, data: Any, path: str) -> Any:
-    store = type_store()
+    store = _store_of(kind)
     is_time = kind in ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
     if is_time and isinstance(data, int | float) and not isinstance(data, bool):
         if not isfinite(data):
