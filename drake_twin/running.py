@@ -75,14 +75,21 @@ class Running:
         self.context.SetTime(old.context.get_time())
         self.built.fix_commands(self.context)
         for name, parts in self.built.robots.items():
-            if name in old.built.robots:
+            if self._is_same_robot(name, old):
                 self._carry_robot(name, old)
                 self.remember_efforts(name, old.efforts(name))
                 assert parts.layout == old.built.robots[name].layout
+        if self.built.world != old.built.world:
+            return
         for name, instances in self.built.world_models.items():
             for new, before in zip(instances, old.built.world_models.get(name, ()), strict=False):
                 state = old.built.plant.GetPositionsAndVelocities(old.plant_context, before)
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, new, state)
+
+    def _is_same_robot(self, name: str, old: "Running") -> bool:
+        """Whether another diagram has a robot of this name, made of the same files."""
+        plans = {plan.name: plan for plan in old.built.plans}
+        return name in plans and any(plan is plans[name] for plan in self.built.plans)
 
     def remember_efforts(self, robot: str, efforts: np.ndarray) -> None:
         """Efforts of the last step (N·m or N), which a new plant does not know until its first."""
@@ -129,6 +136,7 @@ class Running:
         """Puts back what controllers keep."""
         for name, sample in samples.items():
             controller = self.built.parts[robot].controllers[name]
+            assert isinstance(controller, PeriodicController | SensorBroadcaster)
             controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
 
     def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:

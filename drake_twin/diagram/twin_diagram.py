@@ -93,6 +93,7 @@ class TwinDiagram:
     actions: dict[str, CommandTopic]
     parts: dict[str, RobotDiagram]
     visualizer: MeshcatVisualizer | None
+    engine: str
     world: World
     world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
@@ -126,7 +127,9 @@ def build_twin_diagram(
         else plan_robot(robot, packages, ("robots", index))
         for index, robot in enumerate(scenario.robots)
     )
-    known_gains = {plan.name: known.robots[plan.name].gains for plan in plans if known and plan in known.plans}
+    known_gains = {}
+    if known is not None and known.world == scenario.world and known.engine == scenario.engine:
+        known_gains = {plan.name: known.robots[plan.name].gains for plan in plans if plan in known.plans}
     builder = DiagramBuilder()
     if known is not None and known.world == scenario.world:
         world_file = known.world_file
@@ -170,6 +173,7 @@ def build_twin_diagram(
         },
         parts=robots,
         visualizer=visualizer,
+        engine=scenario.engine,
         world=scenario.world,
         world_file=world_file,
         world_models=parts.world_models,
