@@ -6,6 +6,7 @@ diagram, so that every twin can be printed, saved, compared and run again. Units
 
 import dataclasses
 import reprlib
+import sys
 import types
 import typing
 from collections.abc import Mapping
@@ -275,7 +276,8 @@ def _misfit(kind: Any, value: Any) -> str | None:
         misfits = [_misfit(item, value) for item in arguments]
         return None if None in misfits else misfits[0]
     if kind is float:
-        return None if isinstance(value, int | float) and not isinstance(value, bool) else "a number"
+        fits = isinstance(value, float) or (type(value) is int and abs(value) <= sys.float_info.max)
+        return None if fits else "a number"
     if origin is tuple and arguments[-1] is not Ellipsis:
         fits = isinstance(value, tuple | list) and len(value) == len(arguments)
         if fits and not any(_misfit(float, item) for item in value):

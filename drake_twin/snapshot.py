@@ -53,7 +53,7 @@ class Snapshot:
             "robots": isinstance(self.robots, Mapping) and all(isinstance(r, Mapping) for r in self.robots.values()),
             "scenario": isinstance(self.scenario, str),
             "time_step": _is_number(self.time_step),
-            "step": isinstance(self.step, int) and self.step >= 0,
+            "step": type(self.step) is int and self.step >= 0,
             "models": isinstance(self.models, Mapping),
             "commands": isinstance(self.commands, Mapping),
             "expiries": isinstance(self.expiries, Mapping) and all(map(_is_number, self.expiries.values())),

@@ -303,7 +303,10 @@ class Twin:
             self._running.set_model_states(snapshot.models)
             for name, saved in snapshot.robots.items():
                 self._running.set_robot_state(name, np.array(saved["state"]))
-                self._running.remember_efforts(name, np.array(saved["efforts"]))
+                efforts = np.array(saved["efforts"], dtype=float)
+                if efforts.shape != self._running.efforts(name).shape or not np.isfinite(efforts).all():
+                    raise ValueError("its efforts are those of another robot")
+                self._running.remember_efforts(name, efforts)
                 self._controls[name].restore(saved)
             for topic, value in snapshot.commands.items():
                 self._commands.set(topic, self._saved_command(topic, value), self.time)

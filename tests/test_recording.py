@@ -1,7 +1,11 @@
 """A recorded run, done again: the same state to the last bit."""
 
+import json
 import subprocess
 import sys
+from collections import deque
+from fractions import Fraction
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -142,3 +146,117 @@ def test_a_recording_is_a_file_and_what_is_none_is_refused(tmp_path):
         (tmp_path / "run.json").write_text(text)
         with pytest.raises(InputError):
             Recording.load(tmp_path / "run.json")
+
+
+def test_what_a_callback_may_not_do_is_not_done_again():
+    twin = rovers(1).build()
+    twin.record()
+    refused = []
+
+    def meddle(message):
+        for call in (lambda: twin.spawn(Robot("new", ROVER, xyz=(3, 3, 0.13))), twin.reset):
+            with pytest.raises(InputError, match="a callback cannot"):
+                call()
+            refused.append(call)
+
+    twin.subscribe("/clock", meddle, 10)
+    twin.advance_to(0.5)
+    again = replay(twin.recording())
+    assert refused
+    assert (again.robots, again.state_sha256()) == (twin.robots, twin.state_sha256())
+
+
+def test_going_back_to_a_snapshot_is_in_it(tmp_path):
+    twin = rovers(1).build()
+    twin.publish(wheels("robot_1"), [2, 3, 2, 3])
+    twin.advance_to(0.2)
+    snapshot = twin.snapshot()
+    twin.record()
+    twin.publish(wheels("robot_1"), [4] * 4)
+    twin.advance_to(0.5)
+    twin.restore(snapshot)
+    twin.advance_to(0.6)
+    twin.recording().save(tmp_path / "run.json")
+    assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == twin.state_sha256()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        (float(number) for number in range(4)),
+        range(4),
+        [Fraction(3, 2)] * 4,
+        deque([1, 2, 3, 4]),
+        MappingProxyType({"data": (1, 2, 3, 4)}),
+    ],
+)
+def test_messages_made_of_anything_that_holds_numbers_are_done_again(data):
+    twin = rovers(1).build()
+    twin.record()
+    twin.publish(wheels("robot_1"), data)
+    twin.advance_to(0.2)
+    assert any(velocity > 0.5 for velocity in twin.robot_state("robot_1").velocities)
+    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+
+
+@pytest.mark.parametrize("data", [print, None, {1, 2}, object()])
+def test_messages_that_are_none_are_refused_again(data):
+    twin = rovers(1).build()
+    twin.record()
+    with pytest.raises(CommandError):
+        twin.publish(wheels("robot_1"), data)
+    twin.advance_to(0.1)
+    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+
+
+def test_a_run_whose_files_are_gone_is_not_replayed_without_them(tmp_path):
+    (tmp_path / "box.urdf").write_text('<robot name="box"><link name="box"/></robot>')
+    twin = rovers(1).build()
+    twin.record()
+    twin.spawn(Robot("box", str(tmp_path / "box.urdf")))
+    twin.advance_to(0.1)
+    (tmp_path / "box.urdf").unlink()
+    with pytest.raises(InputError, match=r"spawn at 0 s of the recording cannot be done again: .*no such file"):
+        replay(twin.recording())
+
+
+@pytest.mark.parametrize(
+    ("entry", "value"),
+    [
+        ("name", "scenario"),
+        ("name", "__init__"),
+        ("name", 5),
+        ("time", "x"),
+        ("time", float("nan")),
+        ("arguments", 5),
+        ("arguments", {"!": "tuple", "items": [1, 2, 3, 4, 5, 6, 7]}),
+        ("named", {"!": "mapping", "items": [["q", 1]]}),
+        ("named", [5]),
+        ("named", {"!": "array", "type": "<i8", "shape": [1], "data": [10**30]}),
+    ],
+)
+def test_a_call_that_is_none_is_refused_in_words(tmp_path, entry, value):
+    twin = rovers(1).build()
+    twin.record()
+    twin.publish(wheels("robot_1"), [2, 3, 2, 3])
+    file = tmp_path / "run.json"
+    twin.recording().save(file)
+    data = json.loads(file.read_text())
+    data["recording"]["calls"]["items"][0][entry] = value
+    file.write_text(json.dumps(data))
+    with pytest.raises(InputError):
+        replay(Recording.load(file))
+
+
+@pytest.mark.parametrize("entry", ["start", "calls", "end"])
+@pytest.mark.parametrize("value", [None, "x", [5], -5, 1e300])
+def test_a_recording_of_other_things_is_refused_in_words(tmp_path, entry, value):
+    twin = rovers(1).build()
+    twin.record()
+    file = tmp_path / "run.json"
+    twin.recording().save(file)
+    data = json.loads(file.read_text())
+    data["recording"][entry] = value
+    file.write_text(json.dumps(data))
+    with pytest.raises(InputError):
+        Recording.load(file)
