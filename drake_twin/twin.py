@@ -914,6 +914,7 @@ class Twin:
         self._advancing = True
         try:
             self._advance_in_slices(target)
+            self._switch_time_step()  # whoever stops here meets the step that holds from here on, as a replay does
         finally:
             self._advancing = False
 
