@@ -776,7 +776,7 @@ class Twin:
         target = self._step_at(time)
         if target < self._step:
             raise InputError(f"{time:g} s lies in the past: the twin is at {self.time:g} s. Use reset() to start again")
-        self._advance(target)
+        self._advance(target, float(time))
         return self.time
 
     def step(self, count: int = 1) -> float:
@@ -909,11 +909,17 @@ class Twin:
         except CommandError as error:
             raise error.about(topic) from None
 
-    def _advance(self, target: int) -> None:
+    def _advance(self, target: int, time: float | None = None) -> None:
+        """Advances to a step.
+
+        Args:
+            target: the step, in steps of the present length.
+            time: where it follows from a time (s), that time: a step of another length may meet it better.
+        """
         self._refuse_inside_callback("advance")
         self._advancing = True
         try:
-            self._advance_in_slices(target)
+            self._advance_in_slices(target, target * self.time_step if time is None else time)
             self._switch_time_step()  # whoever stops here meets the step that holds from here on, as a replay does
         finally:
             self._advancing = False
@@ -922,14 +928,14 @@ class Twin:
         if self._advancing:
             raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
 
-    def _advance_in_slices(self, target: int) -> None:
+    def _advance_in_slices(self, target: int, time: float) -> None:
         while self._step < target and not self.paused:
             time_step = self.scenario.time_step
             self._deliver()
             if self.paused:
                 return
             if self._switch_time_step():
-                target = step_at(target * time_step, self.scenario.time_step)
+                target = step_at(time, self.scenario.time_step)
                 continue
             self._apply_commands()
             # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.

@@ -260,3 +260,33 @@ def test_a_recording_of_other_things_is_refused_in_words(tmp_path, entry, value)
     file.write_text(json.dumps(data))
     with pytest.raises(InputError):
         Recording.load(file)
+
+
+@pytest.mark.parametrize("first", [0.392, 0.3925])
+def test_times_between_two_steps_of_the_old_length_are_met_by_the_new_one(first):
+    twin = rovers(1).build()
+    twin.record()
+    twin.advance_to(0.252)
+    twin.set_time_step(0.0025)
+    twin.advance_to(first)
+    assert twin.time == pytest.approx(0.3925)
+    twin.publish(wheels("robot_1"), [2, 3, 2, 3])
+    twin.advance_to(0.5)
+    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
+
+
+def test_a_step_that_a_callback_sets_where_the_advance_ends_holds_from_there(tmp_path):
+    controllers = tmp_path / "controllers.yaml"
+    controllers.write_text(
+        "controller_manager: {ros__parameters: {arm: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        "arm: {ros__parameters: {joints: [joint_1], command_interfaces: [position], state_interfaces: [position]}}\n"
+    )
+    twin = rovers(1).robot("robot_2", ARM, xyz=(0, 3, 0), controllers=controllers).build()
+    twin.record()
+    goal = {"trajectory": {"joint_names": ["joint_1"], "points": [{"positions": [0.1], "time_from_start": 0.1}]}}
+    sent = twin.send_goal("/robot_2/arm/follow_joint_trajectory", goal, lambda _: twin.set_time_step(0.002))
+    while not sent.is_done:
+        twin.step()
+    assert [call.name for call in twin.recording().calls] == ["send_goal", "set_time_step"]
+    assert twin.time_step == 0.002
+    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
