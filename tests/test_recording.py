@@ -284,9 +284,9 @@ def test_a_step_that_a_callback_sets_where_the_advance_ends_holds_from_there(tmp
     twin = rovers(1).robot("robot_2", ARM, xyz=(0, 3, 0), controllers=controllers).build()
     twin.record()
     goal = {"trajectory": {"joint_names": ["joint_1"], "points": [{"positions": [0.1], "time_from_start": 0.1}]}}
-    sent = twin.send_goal("/robot_2/arm/follow_joint_trajectory", goal, lambda _: twin.set_time_step(0.002))
+    sent = twin.send_goal("/robot_2/arm/follow_joint_trajectory", goal, lambda _: twin.set_time_step(0.0005))
     while not sent.is_done:
         twin.step()
     assert [call.name for call in twin.recording().calls] == ["send_goal", "set_time_step"]
-    assert twin.time_step == 0.002
+    assert twin.time_step == 0.0005
     assert replay(twin.recording()).state_sha256() == twin.state_sha256()
