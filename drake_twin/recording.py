@@ -25,7 +25,21 @@ if TYPE_CHECKING:
 _KIND, _VERSION = "recording", 1
 _CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
 _SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
-_METHODS: dict[str, inspect.Signature] = {}  # of `Twin`, whose calls are recorded
+_METHODS = (
+    "apply_wrench",
+    "clear_emergency_stop",
+    "delete",
+    "emergency_stop",
+    "publish",
+    "reset",
+    "restore",
+    "send_goal",
+    "set_entity_state",
+    "set_joint_positions",
+    "set_time_step",
+    "silence",
+    "spawn",
+)  # of `Twin`
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
@@ -96,7 +110,8 @@ class Recording:
 
 def recorded(method: _Method) -> _Method:
     """A method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
-    _METHODS[method.__name__] = signature = inspect.signature(method)
+    assert method.__name__ in _METHODS
+    signature = inspect.signature(method)
 
     @functools.wraps(method)
     def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
