@@ -47,9 +47,10 @@ class Commands:
             self._fix(topic, value)
 
     def start(self, commands: Sequence[Command]) -> None:
-        """Begins anew: nothing holds, and a scenario's commands are ahead."""
+        """Begins anew: nothing holds, nothing waits, and a scenario's commands are ahead."""
         self.values.clear()
         self.expiries.clear()
+        self._queue.clear()
         self.schedule = [ScheduledCommand(command) for command in commands]
 
     def wait(self, topic: str, value: Any) -> None:
@@ -60,9 +61,10 @@ class Commands:
         """What waits for a topic, in the order of arrival."""
         return (value for queued_topic, value in self._queue if queued_topic == topic)
 
-    def drop_waiting(self) -> None:
-        """Forgets what waits."""
-        self._queue.clear()
+    @property
+    def queue(self) -> tuple[tuple[str, Any], ...]:
+        """What waits: topic and value, in the order of arrival."""
+        return tuple(self._queue)
 
     def put_waiting(self, time: float, action: CommandTopic | None = None) -> None:
         """Puts what waits onto its ports, or only what waits for an action's controller, so that it precedes a goal.

@@ -88,7 +88,7 @@ class ControllerManager:
         self,
         plan: RobotPlan,
         switched: Callable[[tuple[str, ...], tuple[str, ...]], None],
-        note: Callable[..., None] = lambda *call: None,
+        note: Callable[..., object] = lambda *call: None,
     ):
         self._plan = plan
         self._plans = {item.name: item for item in plan.controllers}
@@ -100,6 +100,12 @@ class ControllerManager:
     def restart(self) -> None:
         """Goes back to the states at the start, without telling anybody."""
         self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
+
+    def retire(self) -> None:
+        """Has no controllers any more: the robot has been deleted."""
+        self._plans, self._states = {}, {}
+        self._switched = lambda started, stopped: None
+        self._note = lambda *call: None
 
     def take_up(self, states: Mapping[str, str]) -> None:
         """Goes back to states that were asked for before, without telling anybody.

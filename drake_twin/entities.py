@@ -16,6 +16,7 @@ from pydrake.systems.framework import Context
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
+from drake_twin.messages import shortened
 
 WORLD = "world"
 
@@ -133,7 +134,7 @@ def set_entity_state(
     now = entity_state(built, plant_context, entity, reference)
     p = _numbers(position, 3, "position") if position is not None else np.array(now.position)
     q = _numbers(orientation, 4, "orientation") if orientation is not None else np.array(now.orientation)
-    if not np.linalg.norm(q) > 0:
+    if not np.abs(q).max() > 0:
         raise InputError("the orientation is zero, which is no quaternion")
     v = _numbers(linear, 3, "linear velocity") if linear is not None else np.array(now.linear)
     w = _numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
@@ -174,16 +175,17 @@ def make_wrench(
 def _rotation(q: np.ndarray) -> RotationMatrix:
     from pydrake.common.eigen_geometry import Quaternion
 
+    q = q / np.abs(q).max()  # first, or the squares of very large numbers overflow
     return RotationMatrix(Quaternion(q / np.linalg.norm(q)))
 
 
 def _numbers(values: Iterable[float], count: int, what: str) -> np.ndarray:
     try:
         numbers = np.array([float(value) for value in values])
-    except (TypeError, ValueError):
-        raise InputError(f"the {what} {values!r} is not made of numbers") from None
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"the {what} {shortened(values)} is not made of numbers") from None
     if numbers.shape != (count,) or not all(map(isfinite, numbers)):
-        raise InputError(f"the {what} {values!r} is not {count} finite numbers")
+        raise InputError(f"the {what} {shortened(values)} is not {count} finite numbers")
     return numbers
 
 

@@ -65,7 +65,7 @@ def from_plain(data: Any) -> Any:
         return data
     try:
         return _special(data["!"], {key: item for key, item in data.items() if key != "!"})
-    except (KeyError, TypeError, ValueError, AttributeError, ImportError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, AttributeError, ImportError) as error:
         raise InputError(f"{messages.shortened(data)} is no saved value ({error})") from None
 
 

@@ -1,14 +1,20 @@
 """What was done to a twin and when, so that it can be done again: the same calls at the same steps, the same state."""
 
 import functools
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import inspect
+from collections.abc import Callable, Iterable, Mapping, Set
+from dataclasses import dataclass, field, is_dataclass
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from drake_twin.errors import InputError, TwinError
+from drake_twin.messages import shortened
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.saved_file import read_saved, write_saved
+from drake_twin.scenario import LONGEST_TIME
 from drake_twin.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -17,6 +23,23 @@ if TYPE_CHECKING:
     from drake_twin.twin import Twin
 
 _KIND, _VERSION = "recording", 1
+_CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
+_SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
+_METHODS = (
+    "apply_wrench",
+    "clear_emergency_stop",
+    "delete",
+    "emergency_stop",
+    "publish",
+    "reset",
+    "restore",
+    "send_goal",
+    "set_entity_state",
+    "set_joint_positions",
+    "set_time_step",
+    "silence",
+    "spawn",
+)  # of `Twin`
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
@@ -29,12 +52,23 @@ class Call:
         name: the method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
         arguments: what it was given.
         named: what it was given by name.
+        is_refused: whether it was refused.
+
+    Raises:
+        InputError: an entry is of another kind.
     """
 
     time: float
     name: str
     arguments: tuple[Any, ...] = ()
     named: Mapping[str, Any] = field(default_factory=dict)
+    is_refused: bool = False
+
+    def __post_init__(self) -> None:
+        known = self.name in (_CONTROLLER_MANAGER, _CANCEL) or self.name in _METHODS
+        given = isinstance(self.arguments, tuple) and isinstance(self.named, Mapping)
+        if not known or not given or not all(isinstance(name, str) for name in self.named) or not _is_time(self.time):
+            raise InputError(f"{shortened(self.name)} at {shortened(self.time)} s is nothing that is done to a twin")
 
 
 @dataclass(frozen=True)
@@ -44,6 +78,11 @@ class Recording:
     start: Snapshot
     calls: tuple[Call, ...]
     end: float
+
+    def __post_init__(self) -> None:
+        are_calls = isinstance(self.calls, tuple) and all(isinstance(call, Call) for call in self.calls)
+        if not isinstance(self.start, Snapshot) or not are_calls or not _is_time(self.end):
+            raise InputError("a recording is a snapshot, calls and the time of the end")
 
     def save(self, file: str | Path) -> None:
         """Writes it as JSON.
@@ -60,19 +99,35 @@ class Recording:
         Raises:
             InputError: the file cannot be read, or is no recording of this version.
         """
-        recording = from_plain(read_saved(file, _KIND, _VERSION).get("recording"))
+        try:
+            recording = from_plain(read_saved(file, _KIND, _VERSION).get("recording"))
+        except InputError as error:
+            raise InputError(error.message, file=file) from None
         if not isinstance(recording, cls):
             raise InputError("this is no recording of a twin", file=file)
         return recording
 
 
 def recorded(method: _Method) -> _Method:
-    """A method of `Twin` whose calls belong into a recording."""
+    """A method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
+    assert method.__name__ in _METHODS
+    signature = inspect.signature(method)
 
     @functools.wraps(method)
     def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
-        twin.note(method.__name__, *arguments, **named)
-        return method(twin, *arguments, **named)
+        if not twin.is_recording:
+            return method(twin, *arguments, **named)
+        given = signature.bind(twin, *arguments, **named)
+        for name, value in given.arguments.items():
+            if name != "self":
+                given.arguments[name] = _settled(value)
+        noted = {name: value for name, value in given.arguments.items() if name not in ("self", "on_result")}
+        index = twin.note(method.__name__, **noted)
+        try:
+            return method(*given.args, **given.kwargs)
+        except TwinError:
+            twin.note_refusal(index)
+            raise
 
     return call  # type: ignore[return-value]
 
@@ -105,12 +160,44 @@ def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
 
 
 def _do(twin: "Twin", call: Call) -> None:
-    """Does what was done; what was refused then is refused now."""
+    """Does what was done; what was refused then is refused now.
+
+    Raises:
+        InputError: it cannot be done again.
+    """
     try:
-        if call.name == "controller_manager":
+        if call.name == _CONTROLLER_MANAGER:
             robot, method, *arguments = call.arguments
+            if method not in _SERVICES:
+                raise InputError(f"there is no service {method!r}")
             getattr(twin.controller_manager(robot), method)(*arguments)
         else:
             getattr(twin, call.name)(*call.arguments, **call.named)
-    except TwinError:
+    except (TwinError, TypeError, ValueError) as error:
+        if not call.is_refused:
+            raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be done again: {error}") from None
+
+
+def _settled(value: Any) -> Any:
+    """A value as a recording holds it, and as the method gets it: what can be read once only is read here."""
+    if value is None or isinstance(value, bool | int | float | str | bytes | np.ndarray | np.generic | Set):
+        return value
+    if isinstance(value, Real):
+        try:
+            return float(value)
+        except OverflowError:
+            return value
+    try:
+        if isinstance(value, Mapping):
+            return {key: _settled(item) for key, item in value.items()}
+        if isinstance(value, tuple):
+            return value if hasattr(value, "_fields") else tuple(map(_settled, value))
+        if isinstance(value, Iterable) and not is_dataclass(value):
+            return [_settled(item) for item in value]
+    except RecursionError:  # a list that holds itself
         pass
+    return value
+
+
+def _is_time(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= LONGEST_TIME

@@ -42,7 +42,7 @@ class RobotControl:
     _in_plant: RobotInPlant
     _context: Context
 
-    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., None]):
+    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., object]):
         self._plan = plan
         self._clear = clear
         self._note = note
@@ -56,6 +56,16 @@ class RobotControl:
         self._in_plant = built.robots[self._plan.name]
         self._context = context
         self._put_gains_in_force()
+
+    @property
+    def plan(self) -> RobotPlan:
+        """The robot."""
+        return self._plan
+
+    def retire(self) -> None:
+        """Lets go of the diagram: the robot has been deleted, and whoever still asks its manager hears of nothing."""
+        self.manager.retire()
+        del self._built, self._parts, self._in_plant, self._context
 
     @property
     def controllers(self) -> dict[str, Controller]:
@@ -150,11 +160,20 @@ class RobotControl:
         """Goes back to what `snapshot` gave."""
         self.manager.take_up(saved["controllers"])
         self.stopped = bool(saved["stopped"])
-        for name, sample in saved["samples"].items():
-            self.context_of(name).SetAbstractState(0, from_plain(sample))
+        samples = {
+            name: controller
+            for name, controller in self.controllers.items()
+            if isinstance(controller, PeriodicController | SensorBroadcaster)
+        }
+        if set(saved["samples"]) != set(samples):
+            raise ValueError(f"samples of {', '.join(samples)} are needed")
+        for name, controller in samples.items():
+            context = self.context_of(name)
+            context.SetAbstractState(0, _like(controller.sample(context), from_plain(saved["samples"][name])))
         servo = self._parts.servo
-        if servo is not None and saved["servo"] is not None:
-            servo.assign(servo.GetMyMutableContextFromRoot(self._context), from_plain(saved["servo"]))
+        if servo is not None:
+            context = servo.GetMyMutableContextFromRoot(self._context)
+            servo.assign(context, _like(servo.assignment(context), from_plain(saved["servo"])))
         self._put_gains_in_force()
 
     def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:
@@ -205,3 +224,10 @@ class RobotControl:
         if servo is not None:
             modes = servo.assignment(servo.GetMyContextFromRoot(self._context)).modes
             set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, modes)
+
+
+def _like(present: Any, saved: Any) -> Any:
+    """What was saved, if it is of the kind of what is there now."""
+    if type(saved) is not type(present):
+        raise ValueError(f"{type(saved).__name__} is no {type(present).__name__}")
+    return saved

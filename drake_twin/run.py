@@ -224,6 +224,8 @@ def _again(
     except (TwinError, OSError) as error:
         say(f"error: {error}\nThe last good twin goes on.", sys.stderr)
         return twin, target, Watch(watch.files | files)
+    if twin.is_recording:
+        new_twin.record()
     new_twin.paused = twin.paused
     new_twin.real_time_rate = twin.real_time_rate
     return new_twin, new_target, Watch(watch.files | files)  # what is cached is not read again, and still counts

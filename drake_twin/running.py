@@ -4,7 +4,7 @@ A plant cannot change once it is finalized. When a robot comes or goes, or the s
 and every state is carried over by name; the old one is let go of, so that its memory comes back.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from pydrake.geometry import Meshcat
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.framework import Context, Diagram
+from pydrake.systems.framework import Context
 
+from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
 from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
@@ -22,9 +23,6 @@ from drake_twin.systems.controller import PeriodicController
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
 _LONGEST_STEP_OF_CENIC = 0.1  # s
-
-# pydrake ties a simulator, its diagram and its systems to each other in here, and never lets go of any (drake#22515).
-_PEERS = "_pydrake_internal_ref_cycle_peers"
 
 
 class Running:
@@ -75,14 +73,21 @@ class Running:
         self.context.SetTime(old.context.get_time())
         self.built.fix_commands(self.context)
         for name, parts in self.built.robots.items():
-            if name in old.built.robots:
+            if self._is_same_robot(name, old):
                 self._carry_robot(name, old)
                 self.remember_efforts(name, old.efforts(name))
                 assert parts.layout == old.built.robots[name].layout
+        if self.built.world != old.built.world:
+            return
         for name, instances in self.built.world_models.items():
             for new, before in zip(instances, old.built.world_models.get(name, ()), strict=False):
                 state = old.built.plant.GetPositionsAndVelocities(old.plant_context, before)
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, new, state)
+
+    def _is_same_robot(self, name: str, old: "Running") -> bool:
+        """Whether another diagram has a robot of this name, made of the same files."""
+        plans = {plan.name: plan for plan in old.built.plans}
+        return name in plans and any(plan is plans[name] for plan in self.built.plans)
 
     def remember_efforts(self, robot: str, efforts: np.ndarray) -> None:
         """Efforts of the last step (N·m or N), which a new plant does not know until its first."""
@@ -113,6 +118,8 @@ class Running:
 
     def set_model_states(self, states: Mapping[str, list[list[float]]]) -> None:
         """Puts them back."""
+        if set(states) != set(self.built.world_models):
+            raise ValueError("the world's models are others")
         for name, vectors in states.items():
             for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
@@ -129,6 +136,7 @@ class Running:
         """Puts back what controllers keep."""
         for name, sample in samples.items():
             controller = self.built.parts[robot].controllers[name]
+            assert isinstance(controller, PeriodicController | SensorBroadcaster)
             controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
 
     def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
@@ -146,10 +154,7 @@ class Running:
 
     def discard(self) -> None:
         """Lets go of the diagram, so that it can be freed."""
-        for item in (self.simulator, *_systems_and_ports_in(self.built.diagram)):
-            peers = getattr(item, _PEERS, None)
-            if peers is not None:
-                peers.clear()
+        let_go([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built
 
     def _carry_robot(self, name: str, old: "Running") -> None:
@@ -159,14 +164,3 @@ class Running:
         if servo is not None and before is not None:
             assignment = before.assignment(before.GetMyContextFromRoot(old.context))
             servo.assign(servo.GetMyMutableContextFromRoot(self.context), assignment)
-
-
-def _systems_and_ports_in(diagram: Diagram) -> Iterator[Any]:
-    """A diagram, all systems in it, and their ports."""
-    for system in (diagram, *diagram.GetSystems()):
-        if isinstance(system, Diagram) and system is not diagram:
-            yield from _systems_and_ports_in(system)
-            continue
-        yield system
-        yield from map(system.get_input_port, range(system.num_input_ports()))
-        yield from map(system.get_output_port, range(system.num_output_ports()))

@@ -5,6 +5,8 @@ diagram, so that every twin can be printed, saved, compared and run again. Units
 """
 
 import dataclasses
+import reprlib
+import sys
 import types
 import typing
 from collections.abc import Mapping
@@ -33,7 +35,17 @@ SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
 
 # Names that a robot cannot have: its sub-diagram and its model instance would clash with another part's.
 RESERVED_NAMES = frozenset(
-    ("world", "plant", "scene_graph", "clock", "tf", "meshcat_visualizer", "WorldModelInstance", "DefaultModelInstance")
+    (
+        "world",
+        "plant",
+        "scene_graph",
+        "clock",
+        "tf",
+        "entity_states",
+        "meshcat_visualizer",
+        "WorldModelInstance",
+        "DefaultModelInstance",
+    )
 )
 
 # What a collision mesh becomes: its convex hull, or convex pieces of it.
@@ -242,8 +254,10 @@ def _values_of_no_use(value: Any, path: ValuePath) -> typing.Iterator[tuple[Valu
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         for item in dataclasses.fields(value):
             below = getattr(value, item.name)
-            if item.type in ("str", str) and not isinstance(below, str):
-                yield (*path, item.name), f"{below!r} is not text"
+            wanted = _misfit(_field_types(type(value))[item.name], below)
+            if wanted is not None:
+                yield (*path, item.name), f"{reprlib.repr(below)} is not {wanted}"
+                return
             yield from _values_of_no_use(below, (*path, item.name))
     elif isinstance(value, Mapping):
         for key, below in value.items():
@@ -253,6 +267,30 @@ def _values_of_no_use(value: Any, path: ValuePath) -> typing.Iterator[tuple[Valu
             yield from _values_of_no_use(below, (*path, index))
     elif isinstance(value, float) and not isfinite(value):
         yield path, f"{value!r} is not a finite number"
+
+
+def _misfit(kind: Any, value: Any) -> str | None:
+    """What a value should be, where it is of another kind than the annotated one; None where it fits."""
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is types.UnionType or origin is typing.Union:
+        misfits = [_misfit(item, value) for item in arguments]
+        return None if None in misfits else misfits[0]
+    if kind is float:
+        fits = isinstance(value, float) or (type(value) is int and abs(value) <= sys.float_info.max)
+        return None if fits else "a number"
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        fits = isinstance(value, tuple | list) and len(value) == len(arguments)
+        if fits and not any(_misfit(float, item) for item in value):
+            return None
+        return f"{len(arguments)} numbers"
+    if origin is tuple:
+        fits = isinstance(value, tuple | list) and not any(_misfit(arguments[0], item) for item in value)
+        return None if fits else "a list of such values"
+    if origin is Mapping:
+        fits = isinstance(value, Mapping) and not any(_misfit(arguments[1], item) for item in value.values())
+        return None if fits else "a mapping of names to such values"
+    names = {str: "text", bool: "true or false", type(None): "None"}
+    return names.get(kind, "of this kind") if isinstance(kind, type) and not isinstance(value, kind) else None
 
 
 def _circles(transforms: tuple[StaticTransform, ...]) -> typing.Iterator[tuple[ValuePath, str]]:
@@ -337,6 +375,8 @@ def _as_plain(value: Any) -> Any:
         return {key: _as_plain(item) for key, item in value.items()}
     if isinstance(value, tuple):
         return [_as_plain(item) for item in value]
+    if isinstance(value, float | int) and not isinstance(value, bool):
+        return float(value) if isinstance(value, float) else int(value)  # NumPy's, too
     return value
 
 

@@ -32,6 +32,7 @@ class Subscription:
         self.callback = callback
         self._period = period
         self._next_point = self._last_point_before(time)
+        self._latched: Any = None
 
     def due_step(self, time_step: float) -> float:
         """The step of the next delivery; infinite when there is none."""
@@ -42,6 +43,17 @@ class Subscription:
     def pass_time(self, time: float) -> None:
         """Notes a delivery at a time (s), and moves on to the grid point after it."""
         self._next_point = self._last_point_before(time) + 1
+
+    def take(self, message: Any) -> None:
+        """Gives a message to whoever listens."""
+        if self._period is None:
+            self._latched = message
+        self.callback(message)
+
+    def look_again(self, message: Any) -> None:
+        """Delivers a message that never changes once more when it has, as when its robot is another one."""
+        if self._period is None and self._next_point and message is not None and message != self._latched:
+            self.begin(0.0)
 
     def begin(self, time: float) -> None:
         """Begins again at a time (s), as if it had been made then."""

@@ -1,10 +1,13 @@
 """A twin at one moment as plain data: kept in memory or in a file, and gone back to."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.messages import shortened
 from drake_twin.saved_file import read_saved, write_saved
 
 _KIND, _VERSION = "saved state", 1
@@ -22,9 +25,14 @@ class Snapshot:
         models: what moves in the world and is no robot → its states.
         commands: topic → the message that holds, as it is on the port.
         expiries: topic → the time at which its message no longer holds (s).
+        waiting: what is published and not yet applied, in its order: topic and message.
         wrenches: what pushes links.
         schedule: how often each of the scenario's commands has been published.
         silenced: topics whose scheduled commands are dropped.
+        next_time_step: the step that waits for its next multiple (s); None when none does.
+
+    Raises:
+        InputError: an entry is of another kind.
     """
 
     scenario: str
@@ -34,9 +42,31 @@ class Snapshot:
     models: dict[str, Any]
     commands: dict[str, Any]
     expiries: dict[str, float]
+    waiting: list[list[Any]]
     wrenches: Any
     schedule: list[int]
     silenced: list[str]
+    next_time_step: float | None
+
+    def __post_init__(self) -> None:
+        kinds = {
+            "robots": isinstance(self.robots, Mapping) and all(isinstance(r, Mapping) for r in self.robots.values()),
+            "scenario": isinstance(self.scenario, str),
+            "time_step": _is_number(self.time_step),
+            "step": type(self.step) is int and self.step >= 0,
+            "models": isinstance(self.models, Mapping),
+            "commands": isinstance(self.commands, Mapping),
+            "expiries": isinstance(self.expiries, Mapping) and all(map(_is_number, self.expiries.values())),
+            "waiting": isinstance(self.waiting, list)
+            and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
+            "schedule": isinstance(self.schedule, list)
+            and all(isinstance(count, int) and count >= 0 for count in self.schedule),
+            "silenced": isinstance(self.silenced, list) and all(isinstance(topic, str) for topic in self.silenced),
+            "next_time_step": self.next_time_step is None or _is_number(self.next_time_step),
+        }
+        for name, is_right in kinds.items():
+            if not is_right:
+                raise InputError(f"a saved state cannot have {shortened(getattr(self, name))} as its {name}")
 
     def save(self, file: str | Path) -> None:
         """Writes it as JSON.
@@ -57,4 +87,11 @@ class Snapshot:
         names = set(cls.__dataclass_fields__)
         if set(data) != names:
             raise InputError(f"a saved state has the entries {', '.join(sorted(names))}", file=file)
-        return cls(**data)
+        try:
+            return cls(**data)
+        except InputError as error:
+            raise InputError(error.message, file=file) from None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

@@ -112,6 +112,8 @@ def _saved(options: argparse.Namespace) -> Target:
     option = "--load-state" if options.load_state else "--replay"
     if options.target or options.robots is not None or options.robot or options.world or options.time_step is not None:
         raise InputError(f"{option} says itself what is run: it goes without a target and options of robots and steps")
+    if options.engine is not None or options.accuracy is not None or options.pub:
+        raise InputError(f"{option} goes on as it was saved: --engine, --accuracy and --pub do not go with it")
     if options.load_state:
         snapshot = Snapshot.load(options.load_state)
         return Target(ScenarioFile(snapshot.scenario, options.load_state).scenario, snapshot=snapshot)

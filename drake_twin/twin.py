@@ -4,15 +4,15 @@ Everything happens in the thread that calls `Twin.advance_to` or `Twin.run`, in 
 repeatable to the last bit.
 """
 
-import copy
+import functools
 import logging
 import time as wall_clock
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from fractions import Fraction
 from math import floor, isfinite, lcm
 from numbers import Real
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -24,7 +24,8 @@ from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
-from drake_twin.errors import CommandError, InputError, RunError
+from drake_twin.errors import CommandError, InputError, RunError, TwinError
+from drake_twin.messages import shortened
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.recording import Call, Recording, recorded
 from drake_twin.robot_control import RobotControl
@@ -40,7 +41,28 @@ _MOST_STEPS_A_FRAME = 10_000
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
 _LONGEST_WAIT = 3600.0  # for two step lengths to meet (simulated s)
 
+# What goes wrong with saved values that are of another kind than they should be.
+_UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError)
+
 _log = logging.getLogger(__name__)
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def _outside_callbacks(
+    what: str,
+) -> Callable[[Callable[Concatenate["Twin", _P], _R]], Callable[Concatenate["Twin", _P], _R]]:
+    """A method of `Twin` that callbacks cannot call; where it is refused for that, it is not recorded."""
+
+    def decorate(method: Callable[Concatenate["Twin", _P], _R]) -> Callable[Concatenate["Twin", _P], _R]:
+        @functools.wraps(method)
+        def call(self: "Twin", /, *arguments: _P.args, **named: _P.kwargs) -> _R:
+            self._refuse_inside_callback(what)
+            return method(self, *arguments, **named)
+
+        return call
+
+    return decorate
 
 
 class Twin:
@@ -94,31 +116,47 @@ class Twin:
         self._plant_context = running.plant_context
         controls = {}
         for plan in self._built.plans:
-            controls[plan.name] = self._controls.get(plan.name) or RobotControl(plan, self._commands.clear, self.note)
-            controls[plan.name].use(self._built, self._context)
+            control = self._controls.get(plan.name)
+            if control is None or control.plan is not plan:
+                control = RobotControl(plan, self._commands.clear, self.note)
+            control.use(self._built, self._context)
+            controls[plan.name] = control
+        for name, control in self._controls.items():
+            if controls.get(name) is not control:
+                control.retire()
         self._controls = controls
         self._commands.use(self._built, self._context, controls, self.scenario.time_step)
 
-    def _rebuild(self, scenario: Scenario) -> None:
-        """Goes on with a diagram of another scenario, with every state that has a place in it."""
+    def _rebuild(self, scenario: Scenario, step: int | None = None) -> None:
+        """Goes on with a diagram of another scenario, with every state that has a place in it.
+
+        Args:
+            scenario: the scenario.
+            step: the present step, counted in the scenario's steps; None where they are as long as before.
+        """
         running, old = Running(scenario, self._meshcat, self._built), self._running
-        known = set(self._controls)
+        known = list(self._controls.values())
         running.carry_over(old)
-        kept = [self._controls[plan.name] for plan in running.built.plans if plan.name in self._controls]
+        kept = [control for control in known if any(control.plan is plan for plan in running.built.plans)]
         for goal in self._goals:
             if not goal.is_of(kept):
                 goal.drop()
         self._goals = [goal for goal in self._goals if goal.is_of(kept)]
         self.scenario = scenario
+        self._step = self._step if step is None else step
         self._run(running)
-        for name, control in self._controls.items():
-            if name not in known:
+        for control in self._controls.values():
+            if control not in known:
                 control.start()
         names = {*self._controls, *self._built.world_models}
         self._wrenches = [item for item in self._wrenches if item.entity.partition("::")[0] in names]
         self._put_wrenches()
         running.initialize()
         old.discard()
+        for subscription in self._subscriptions:
+            item = self._built.published.get(subscription.topic)
+            if item is not None and item.rate is None:
+                subscription.look_again(self.latest(subscription.topic))
 
     @property
     def diagram(self) -> Any:
@@ -165,6 +203,7 @@ class Twin:
         """What the files ask for and the twin does not start, each with the reason."""
         return self._built.not_started
 
+    @_outside_callbacks("spawn")
     @recorded
     def spawn(self, robot: Robot) -> None:
         """Brings a robot into the world; all others go on as they were.
@@ -175,11 +214,13 @@ class Twin:
         Raises:
             InputError: there is one of its name already, or its files cannot be used; nothing is changed then.
         """
-        self._refuse_inside_callback("spawn")
+        if not isinstance(robot, Robot):
+            raise InputError(f"{shortened(robot)} is no robot: Robot(name, model) is one")
         if any(known.name == robot.name for known in self.scenario.robots):
             raise InputError(f"Entity [{robot.name}] already exists.")
         self._rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
 
+    @_outside_callbacks("delete")
     @recorded
     def delete(self, robot: str) -> None:
         """Takes a robot out of the world, and its topics with it; all others go on as they were.
@@ -187,7 +228,6 @@ class Twin:
         Raises:
             InputError: there is no such robot, or it is the last one.
         """
-        self._refuse_inside_callback("delete")
         if robot not in self.robots:
             raise InputError(f"Entity [{robot}] does not exist.", value=str(robot), valid=self.robots)
         kept = tuple(item for item in self.scenario.robots if item.name != robot)
@@ -206,7 +246,6 @@ class Twin:
             InputError: called inside a callback.
         """
         self._refuse_inside_callback("take a snapshot of")
-        self._commands.put_waiting(self.time)
         running = self._running
         robots = {}
         for name, control in self._controls.items():
@@ -229,11 +268,15 @@ class Twin:
             models=running.model_states(),
             commands={topic: to_plain(value) for topic, value in self._commands.values.items()},
             expiries=dict(self._commands.expiries),
+            waiting=[[topic, to_plain(value)] for topic, value in self._commands.queue],
             wrenches=to_plain(tuple(self._wrenches)),
             schedule=[item.published for item in self._commands.schedule],
             silenced=sorted(self._commands.silenced),
+            next_time_step=self._next_time_step,
         )
 
+    @_outside_callbacks("restore")
+    @recorded
     def restore(self, snapshot: Snapshot) -> None:
         """Goes back to a moment: robots, time, states, controllers and commands are as they were then.
 
@@ -242,39 +285,67 @@ class Twin:
         Raises:
             InputError: the snapshot cannot be used; or called inside a callback.
         """
-        self._refuse_inside_callback("restore")
+        if not isinstance(snapshot, Snapshot):
+            raise InputError(f"{shortened(snapshot)} is no snapshot: snapshot() takes one, Snapshot.load() reads one")
         scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
         for goal in self._goals:
             goal.drop()
         self._goals.clear()
-        self._commands.drop_waiting()
         self._next_time_step = None
         if scenario != self.scenario:
             self._rebuild(scenario)
         self._start()
         try:
-            self._step = int(snapshot.step)
+            if set(snapshot.robots) != set(self.robots):
+                raise ValueError("it has no state of some of them, or one of others")
+            self._step = snapshot.step
             self._context.SetTime(self.time)
             self._running.set_model_states(snapshot.models)
             for name, saved in snapshot.robots.items():
                 self._running.set_robot_state(name, np.array(saved["state"]))
-                self._running.remember_efforts(name, np.array(saved["efforts"]))
+                efforts = np.array(saved["efforts"], dtype=float)
+                if efforts.shape != self._running.efforts(name).shape or not np.isfinite(efforts).all():
+                    raise ValueError("its efforts are those of another robot")
+                self._running.remember_efforts(name, efforts)
                 self._controls[name].restore(saved)
             for topic, value in snapshot.commands.items():
-                self._commands.set(topic, from_plain(value), self.time)
+                self._commands.set(topic, self._saved_command(topic, value), self.time)
+            if not set(snapshot.expiries) <= set(snapshot.commands):
+                raise ValueError("what expires is not commanded")
             self._commands.expiries = dict(snapshot.expiries)
+            for topic, value in snapshot.waiting:
+                self._commands.wait(topic, self._saved_command(topic, value))
             self._wrenches = list(from_plain(snapshot.wrenches))
             self._put_wrenches()
             for item, published in zip(self._commands.schedule, snapshot.schedule, strict=True):
-                item.published = int(published)
-        except (KeyError, TypeError, ValueError, RuntimeError, InputError, SystemExit) as error:  # Drake's checks exit
-            self.reset()
+                item.published = published
+            if snapshot.next_time_step is not None:
+                self._next_time_step = replace(scenario, time_step=snapshot.next_time_step).time_step
+                self._switching_step(self._next_time_step)
+            check_finite(self._built, self._plant_context, self.time)
+        except (*_UNFIT, TwinError, SystemExit) as error:  # some of Drake's checks end the process if they can
+            self._reset()
             reason = " ".join(str(error).split())
             raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None
         self._commands.silenced = set(snapshot.silenced)
         self._running.initialize()
         for subscription in self._subscriptions:
             subscription.begin(self.time)
+
+    def _saved_command(self, topic: str, plain: Any) -> Any:
+        """A command of a snapshot.
+
+        Raises:
+            ValueError: it is no message of the topic.
+            KeyError: there is no such topic.
+        """
+        item = (self._built.commanded | self._built.actions)[topic]
+        value = from_plain(plain)
+        kind = getattr(value, "__msgtype__", None)
+        subscribed = self._controls[item.robot].controllers[item.controller].subscribed.get(item.name, kind)
+        if not is_dataclass(value) or (kind is not None and kind != subscribed):
+            raise ValueError(f"{shortened(plain)} is no message of {topic}")
+        return value
 
     def entity_state(self, entity: str, reference: str = "world") -> EntityState:
         """Pose and twist of a robot, a model of the world, or a link (``robot_1::base_link``).
@@ -374,17 +445,31 @@ class Twin:
         start, calls = self._recorded
         return Recording(start, tuple(calls), self.time)
 
-    def note(self, name: str, *arguments: Any, **named: Any) -> None:
-        """Puts a call into the recording, if there is one; whom a result is told to is left out."""
+    @property
+    def is_recording(self) -> bool:
+        """Whether calls are put into a recording."""
+        return self._recorded is not None
+
+    def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
+        """Puts a call into the recording, if there is one.
+
+        Returns:
+            Its index, which `note_refusal` takes; None where it was not put there.
+        """
         if self._recorded is None:
-            return
-        plain = tuple(item for item in arguments if not callable(item))
-        plain_named = {key: item for key, item in named.items() if not callable(item)}
+            return None
         try:
-            to_plain((plain, plain_named))
-        except TypeError:  # what no method takes; it is refused in a moment
-            return
-        self._recorded[1].append(Call(self.time, name, copy.deepcopy(plain), copy.deepcopy(plain_named)))
+            plain, plain_named = from_plain(to_plain((arguments, named)))
+        except (TypeError, RecursionError):  # what no method takes; it is refused in a moment
+            return None
+        calls = self._recorded[1]
+        calls.append(Call(self.time, name, plain, plain_named))
+        return len(calls) - 1
+
+    def note_refusal(self, index: int | None) -> None:
+        """Notes that a call of the recording was refused."""
+        if self._recorded is not None and index is not None:
+            self._recorded[1][index] = replace(self._recorded[1][index], is_refused=True)
 
     def cancel(self, robot: str, controller: str) -> None:
         """Ends the present goal of a controller's action; the joints hold where they are.
@@ -699,7 +784,7 @@ class Twin:
         target = self._step_at(time)
         if target < self._step:
             raise InputError(f"{time:g} s lies in the past: the twin is at {self.time:g} s. Use reset() to start again")
-        self._advance(target)
+        self._advance(target, float(time))
         return self.time
 
     def step(self, count: int = 1) -> float:
@@ -731,6 +816,7 @@ class Twin:
         """Lets time go on."""
         self.paused = False
 
+    @_outside_callbacks("reset")
     @recorded
     def reset(self) -> None:
         """Goes back to the start: time zero, start positions, no commands, the scenario's commands ahead again.
@@ -740,8 +826,9 @@ class Twin:
         Raises:
             InputError: called inside a callback.
         """
-        self._refuse_inside_callback("reset")
-        self._commands.drop_waiting()
+        self._reset()
+
+    def _reset(self) -> None:
         for goal in self._goals:
             goal.drop()
         self._goals.clear()
@@ -830,11 +917,18 @@ class Twin:
         except CommandError as error:
             raise error.about(topic) from None
 
-    def _advance(self, target: int) -> None:
+    def _advance(self, target: int, time: float | None = None) -> None:
+        """Advances to a step.
+
+        Args:
+            target: the step, in steps of the present length.
+            time: where it follows from a time (s), that time: a step of another length may meet it better.
+        """
         self._refuse_inside_callback("advance")
         self._advancing = True
         try:
-            self._advance_in_slices(target)
+            self._advance_in_slices(target, target * self.time_step if time is None else time)
+            self._switch_time_step()  # whoever stops here meets the step that holds from here on, as a replay does
         finally:
             self._advancing = False
 
@@ -842,14 +936,14 @@ class Twin:
         if self._advancing:
             raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
 
-    def _advance_in_slices(self, target: int) -> None:
+    def _advance_in_slices(self, target: int, time: float) -> None:
         while self._step < target and not self.paused:
             time_step = self.scenario.time_step
             self._deliver()
             if self.paused:
                 return
             if self._switch_time_step():
-                target = step_at(target * time_step, self.scenario.time_step)
+                target = step_at(time, self.scenario.time_step)
                 continue
             self._apply_commands()
             # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.
@@ -897,9 +991,7 @@ class Twin:
             return False
         self._next_time_step = None
         if new != self.scenario.time_step:
-            step = step_at(self.time, new)
-            self._rebuild(replace(self.scenario, time_step=new))
-            self._step = step
+            self._rebuild(replace(self.scenario, time_step=new), step_at(self.time, new))
         return True
 
     def _advance_for(self, wall_time: float, end: int | None) -> None:
@@ -930,7 +1022,7 @@ class Twin:
                 message = self.latest(subscription.topic) if known else None
                 subscription.pass_time(self.time)
                 if message is not None:
-                    subscription.callback(message)
+                    subscription.take(message)
 
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""

@@ -123,3 +123,15 @@ def test_what_cannot_be_is_said(boxes, call, reason):
     with pytest.raises(InputError, match=reason):
         call(boxes)
     assert boxes.state_sha256() == before
+
+
+@pytest.mark.parametrize("value", [[10**400, 0, 0], "abc", [[1, 2, 3]], None])
+def test_forces_that_are_no_numbers_are_refused(value):
+    with pytest.raises(InputError, match=r"the force .* is not"):
+        rovers(1).build().apply_wrench("robot_1", force=value)
+
+
+def test_a_quaternion_of_huge_numbers_is_one():
+    twin = rovers(1).build()
+    twin.set_entity_state("robot_1", orientation=[1e200, 0, 0, 1e200])
+    assert twin.entity_state("robot_1").orientation == pytest.approx((0.5**0.5, 0, 0, 0.5**0.5))

@@ -4,7 +4,7 @@ import gc
 
 import numpy as np
 import pytest
-from conftest import ROVER, rovers
+from conftest import ARM, ROVER, rovers
 from pydrake.systems.framework import LeafSystem
 
 from drake_twin.errors import InputError
@@ -207,3 +207,86 @@ def test_a_step_that_is_none_is_refused(twin, step):
     with pytest.raises(InputError):
         twin.set_time_step(step)
     assert twin.time_step == 0.001
+
+
+# Under adverse use
+
+
+@pytest.mark.parametrize("robot", [None, "robot_3", {}, ROVER])
+def test_what_is_no_robot_is_refused(twin, robot):
+    with pytest.raises(InputError, match="is no robot"):
+        twin.spawn(robot)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"xyz": (1, 2)},
+        {"xyz": None},
+        {"xyz": ("a", "b", "c")},
+        {"xyz": (10**400, 0, 0)},
+        {"xyz": np.zeros(3)},
+        {"namespace": 5},
+        {"xacro_args": None},
+        {"initial_positions": None},
+        {"remappings": {"/new/joint_states": 5}},
+        {"active_controllers": 5},
+        {"without_repairs": 5},
+        {"self_collision": "no"},
+        {"name": "entity_states"},
+    ],
+)
+def test_a_robot_with_values_of_another_kind_is_refused_and_nothing_changes(twin, wrong):
+    before = twin.state_sha256()
+    with pytest.raises(ScenarioError):
+        twin.spawn(Robot(**{"name": "new", "model": ROVER, **wrong}))
+    assert twin.state_sha256() == before
+
+
+def test_a_refused_spawn_leaves_nothing_behind(twin):
+    def systems():
+        gc.collect()
+        return sum(isinstance(item, LeafSystem) for item in gc.get_objects())
+
+    before = systems()
+    for _ in range(3):
+        with pytest.raises(InputError, match="two robots would publish on"):
+            twin.spawn(Robot("new", ROVER, namespace="robot_1"))
+    assert systems() == before
+    twin.step(10)
+
+
+def test_a_push_goes_on_across_a_new_step():
+    twin = rovers(1).build()
+    twin.advance_to(1.0)
+    twin.apply_wrench("robot_1", torque=(0, 0, 50), duration=0.5)
+    twin.set_time_step(0.01)
+    twin.advance_to(1.4)
+    assert abs(twin.entity_state("robot_1").angular[2]) > 0.01
+    twin.advance_to(2.4)
+    assert abs(twin.entity_state("robot_1").angular[2]) < 0.01
+
+
+def test_the_manager_of_a_deleted_robot_switches_nothing_any_more(twin):
+    manager = twin.controller_manager("robot_2")
+    twin.delete("robot_2")
+    assert not manager.load_controller("forward_velocity_controller")
+    assert not manager.switch_controller(deactivate=["forward_velocity_controller"], strictness=2)
+    twin.spawn(Robot("robot_2", ROVER, xyz=(0, 2, 0.13)))
+    assert not manager.switch_controller(deactivate=["forward_velocity_controller"], strictness=2)
+    assert "forward_velocity_controller" in twin.controller_manager("robot_2").active
+
+
+def test_who_listens_to_what_never_changes_hears_of_the_robots_that_come(twin):
+    frames, texts = [], []
+    twin.subscribe("/tf_static", lambda message: frames.append(len(message.transforms)))
+    twin.subscribe("/robot_2/robot_description", lambda message: texts.append(message.data))
+    twin.step()
+    twin.delete("robot_2")
+    twin.step()
+    assert (len(frames), len(texts)) == (1, 1)
+    twin.spawn(Robot("robot_2", ARM, xyz=(-3, 0, 0)))
+    twin.step()
+    assert frames[-1] > frames[0]
+    assert len(texts) == 2
+    assert texts[1] != texts[0]

@@ -803,6 +803,12 @@ def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(t
     assert {mesh, LAUNCH_ARM} <= set(watch.files)
 
 
+def test_a_recording_under_watch_is_of_the_twin_that_runs_at_the_end(watching, tmp_path):
+    watching(BETTER, arguments=["--record", tmp_path / "run.json"])
+    again = summary_of(tmp_path, "--replay", tmp_path / "run.json", "--duration", 0.1)
+    assert list(again["robots"]) == ["better"]
+
+
 # --- saved states and recordings
 
 
@@ -828,6 +834,8 @@ def test_a_recorded_run_is_replayed(tmp_path):
         (["--replay", "gone.json"], "no recording can be read"),
         (["--load-state", "a.json", "--replay", "b.json"], "do not go together"),
         (["--load-state", "a.json", "--robots", "2"], "it goes without a target"),
+        (["--load-state", "a.json", "--engine", "cenic"], "goes on as it was saved"),
+        (["--replay", "a.json", "--pub", "/a", "[1]"], "do not go with it"),
         (["--robots", "1", "--save-state", "/nowhere/state.json"], "no file can be written there"),
     ],
 )

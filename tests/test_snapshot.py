@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from conftest import ARM, rovers
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.plain_data import from_plain, to_plain
-from drake_twin.scenario import Robot
+from drake_twin.scenario import Robot, World
 from drake_twin.snapshot import Snapshot
 
 WHEELS = "/robot_1/forward_velocity_controller/commands"
@@ -175,3 +176,97 @@ def test_plain_data_comes_back_as_it_was(value):
     assert type(again) is type(value)
     np.testing.assert_array_equal(again, value) if isinstance(value, np.ndarray) else None
     assert isinstance(value, np.ndarray) or again == value
+
+
+def test_a_step_that_waits_for_its_multiple_is_in_it():
+    twin = rovers(1).build()
+    twin.advance_to(0.503)
+    twin.set_time_step(0.01)
+    snapshot = twin.snapshot()
+    first = on(twin, 0.5)
+    other = Twin(twin.scenario)
+    other.restore(snapshot)
+    assert (on(other, 0.5), other.time_step) == (first, 0.01)
+
+
+def test_taking_one_changes_nothing_where_a_timed_command_meets_a_published_one():
+    def run(take):
+        twin = rovers(1).command(WHEELS, [1] * 4, time=0.1).build()
+        twin.advance_to(0.1)
+        twin.publish(WHEELS, [3] * 4)
+        if take:
+            twin.restore(twin.snapshot())
+        return on(twin, 0.5)
+
+    assert run(True) == run(False)
+
+
+def test_a_robot_of_the_same_name_and_another_model_is_put_right():
+    twin = rovers(2).build()
+    twin.publish("/robot_2/forward_velocity_controller/commands", [2, 3, 2, 3])
+    twin.advance_to(0.3)
+    snapshot = twin.snapshot()
+    first = on(twin, 0.5)
+    twin.delete("robot_2")
+    twin.spawn(Robot("robot_2", ARM, xyz=(3, 0, 0)))
+    twin.advance_to(1.0)
+    twin.restore(snapshot)
+    assert on(twin, 0.5) == first
+
+
+@pytest.mark.parametrize("other", [{"engine": "cenic", "time_step": 0.01}, {"world": World(gravity=(0, 0, -1.6))}])
+def test_a_twin_of_another_engine_or_world_becomes_the_saved_one(other):
+    twin = rovers(1).robot("arm", ARM, xyz=(3, 0, 0)).build()
+    twin.publish(WHEELS, [2, 3, 2, 3])
+    twin.advance_to(0.2)
+    snapshot = twin.snapshot()
+    first = on(twin, 0.3)
+    again = Twin(replace(twin.scenario, **other))
+    again.advance_to(0.1)
+    again.restore(snapshot)
+    assert on(again, 0.3) == first
+
+
+@pytest.mark.parametrize("entry", sorted(Snapshot.__dataclass_fields__))
+@pytest.mark.parametrize("value", [{"a": 5}, [5], "x", -1, float("nan")])
+def test_an_entry_of_another_kind_is_refused_in_words(arm, tmp_path, entry, value):
+    file = tmp_path / "state.json"
+    arm.snapshot().save(file)
+    data = json.loads(file.read_text())
+    data[entry] = value
+    file.write_text(json.dumps(data))
+    if (entry, value) == ("time_step", -1):
+        return  # the scenario says it
+    with pytest.raises(InputError):
+        arm.restore(Snapshot.load(file))
+    arm.advance_to(arm.time + 0.01)
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "1" * 5000, "\x00"])
+def test_a_file_that_goes_beyond_json_is_refused(tmp_path, text):
+    (tmp_path / "state.json").write_text(text)
+    with pytest.raises(InputError, match="no saved state can be read"):
+        Snapshot.load(tmp_path / "state.json")
+
+
+@pytest.mark.parametrize("nothing", [None, "state.json", {}])
+def test_what_is_no_snapshot_is_not_restored(arm, nothing):
+    with pytest.raises(InputError, match="is no snapshot"):
+        arm.restore(nothing)
+
+
+def test_a_file_that_cannot_be_finished_stays_as_it_was(arm, tmp_path, monkeypatch):
+    file = tmp_path / "state.json"
+    arm.snapshot().save(file)
+    before = file.read_text()
+    arm.advance_to(0.5)
+
+    def stopped(path, text, encoding):
+        path.open("w").write(text[:100])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("pathlib.Path.write_text", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        arm.snapshot().save(file)
+    assert file.read_text() == before
+    assert [item.name for item in tmp_path.iterdir() if item.suffix == ".part"] == []

@@ -16,9 +16,11 @@ from drake_twin.description.robot_description import Pose
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.controller_plan import ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
+from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_diagram import PUBLISHED, RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
+from drake_twin.diagram.servo_gains import ServoGains
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
@@ -93,6 +95,7 @@ class TwinDiagram:
     actions: dict[str, CommandTopic]
     parts: dict[str, RobotDiagram]
     visualizer: MeshcatVisualizer | None
+    engine: str
     world: World
     world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
@@ -126,8 +129,27 @@ def build_twin_diagram(
         else plan_robot(robot, packages, ("robots", index))
         for index, robot in enumerate(scenario.robots)
     )
-    known_gains = {plan.name: known.robots[plan.name].gains for plan in plans if known and plan in known.plans}
+    known_gains = {}
+    if known is not None and known.world == scenario.world and known.engine == scenario.engine:
+        known_gains = {plan.name: known.robots[plan.name].gains for plan in plans if plan in known.plans}
     builder = DiagramBuilder()
+    try:
+        return _build(builder, scenario, meshcat, known, plans, known_gains, packages)
+    except BaseException:
+        let_go([builder, *builder.GetSystems()])
+        raise
+
+
+def _build(
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    meshcat: Meshcat | None,
+    known: TwinDiagram | None,
+    plans: tuple[RobotPlan, ...],
+    known_gains: Mapping[str, tuple[ServoGains | None, ...]],
+    packages: PackageIndex,
+) -> TwinDiagram:
+    """The diagram of planned robots."""
     if known is not None and known.world == scenario.world:
         world_file = known.world_file
     else:
@@ -170,6 +192,7 @@ def build_twin_diagram(
         },
         parts=robots,
         visualizer=visualizer,
+        engine=scenario.engine,
         world=scenario.world,
         world_file=world_file,
         world_models=parts.world_models,
