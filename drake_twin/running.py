@@ -75,7 +75,8 @@ class Running:
         for name, parts in self.built.robots.items():
             if self._is_same_robot(name, old):
                 self._carry_robot(name, old)
-                self.remember_efforts(name, old.efforts(name))
+                is_discrete = self.built.plant.time_step() > 0.0
+                self.remember(name, old.efforts(name), old.measured(name) if is_discrete else {})
                 assert parts.layout == old.built.robots[name].layout
         if self.built.world != old.built.world:
             return
@@ -89,10 +90,35 @@ class Running:
         plans = {plan.name: plan for plan in old.built.plans}
         return name in plans and any(plan is plans[name] for plan in self.built.plans)
 
-    def remember_efforts(self, robot: str, efforts: np.ndarray) -> None:
-        """Efforts of the last step (N·m or N), which a new plant does not know until its first."""
-        publisher = self.built.parts[robot].joint_states
-        publisher.remember_efforts(publisher.GetMyMutableContextFromRoot(self.context), efforts)
+    def remember(self, robot: str, efforts: np.ndarray, measured: Mapping[str, np.ndarray]) -> None:
+        """What follows from the last step, which a new plant does not know until its first.
+
+        Args:
+            robot: a robot.
+            efforts: as `efforts` gave them.
+            measured: as `measured` gave it.
+
+        Raises:
+            ValueError: they are those of another robot.
+        """
+        own = self.measured(robot)
+        if efforts.shape != self.efforts(robot).shape or not np.isfinite(efforts).all():
+            raise ValueError("its efforts are those of another robot")
+        for name, values in measured.items():
+            if name not in own or values.shape != own[name].shape or not np.isfinite(values).all():
+                raise ValueError("its sensors are those of another robot")
+        parts = self.built.parts[robot]
+        parts.joint_states.remember_efforts(parts.joint_states.GetMyMutableContextFromRoot(self.context), efforts)
+        for name, values in measured.items():
+            sensor = parts.sensors[name]
+            sensor.remember(sensor.GetMyMutableContextFromRoot(self.context), values)
+
+    def measured(self, robot: str) -> dict[str, np.ndarray]:
+        """What a robot's sensors measured in the last step; nothing where they measure the present (CENIC)."""
+        if self.built.plant.time_step() == 0.0:
+            return {}
+        sensors = self.built.parts[robot].sensors
+        return {name: sensor.last_step(sensor.GetMyContextFromRoot(self.context)) for name, sensor in sensors.items()}
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Puts a robot's ``[q; v]`` where it belongs."""

@@ -160,17 +160,21 @@ class Twin:
 
     @property
     def diagram(self) -> Any:
-        """The Drake diagram; each topic without its leading slash is one of its ports."""
+        """The Drake diagram; each topic without its leading slash is one of its ports.
+
+        A spawn, a delete, a new step or a restored state may build it anew, with its plant and context, and let go of
+        the old one: ask for it again after that.
+        """
         return self._built.diagram
 
     @property
     def plant(self) -> Any:
-        """The one ``MultibodyPlant``."""
+        """The one ``MultibodyPlant``; it lives as long as `diagram`."""
         return self._built.plant
 
     @property
     def context(self) -> Any:
-        """The root context at the present time."""
+        """The root context at the present time; it lives as long as `diagram`."""
         return self._context
 
     @property
@@ -258,6 +262,7 @@ class Twin:
                 },
                 "base_pose": list(state.base_pose),
                 "efforts": running.efforts(name).tolist(),
+                "measured": {sensor: values.tolist() for sensor, values in running.measured(name).items()},
                 **control.snapshot(),
             }
         return Snapshot(
@@ -303,10 +308,8 @@ class Twin:
             self._running.set_model_states(snapshot.models)
             for name, saved in snapshot.robots.items():
                 self._running.set_robot_state(name, np.array(saved["state"]))
-                efforts = np.array(saved["efforts"], dtype=float)
-                if efforts.shape != self._running.efforts(name).shape or not np.isfinite(efforts).all():
-                    raise ValueError("its efforts are those of another robot")
-                self._running.remember_efforts(name, efforts)
+                measured = {sensor: np.array(values, dtype=float) for sensor, values in saved["measured"].items()}
+                self._running.remember(name, np.array(saved["efforts"], dtype=float), measured)
                 self._controls[name].restore(saved)
             for topic, value in snapshot.commands.items():
                 self._commands.set(topic, self._saved_command(topic, value), self.time)

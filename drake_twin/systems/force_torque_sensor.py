@@ -9,6 +9,7 @@ from pydrake.multibody.tree import Joint, ModelInstanceIndex
 from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, OutputPort
 
 from drake_twin.description.robot_description import Sensor
+from drake_twin.systems.last_step import LastStep
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -55,8 +56,13 @@ class ForceTorqueSensor(LeafSystem):
         if axes == "parent":
             self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
             ports.append(self._poses)
+        self._last_step = LastStep(self.DeclareAbstractState)
         self._wrench = self.DeclareVectorOutputPort(
-            "wrench", 6, weakly(self._calc_wrench), {self.input_port_ticket(port.get_index()) for port in ports}
+            "wrench",
+            6,
+            weakly(self._calc_wrench),
+            {self.input_port_ticket(port.get_index()) for port in ports}
+            | {self.abstract_state_ticket(self._last_step.index)},
         )
 
     @classmethod
@@ -74,7 +80,19 @@ class ForceTorqueSensor(LeafSystem):
         """The port ``wrench``."""
         return self._wrench
 
+    def last_step(self, context: Context) -> np.ndarray:
+        """What it measures that follows from the last step: the wrench (N, N·m)."""
+        return np.asarray(self._wrench.Eval(context))
+
+    def remember(self, context: Context, last_step: np.ndarray) -> None:
+        """The wrench at the present time, which a plant that has just been built does not know."""
+        self._last_step.remember(context, last_step)
+
     def _calc_wrench(self, context: Context, output: BasicVector) -> None:
+        remembered = self._last_step.recall(context)
+        if remembered is not None:
+            output.SetFromVector(remembered)
+            return
         F_CJ_J = self._forces.Eval(context)[self._joint]
         force = np.array(F_CJ_J.translational())
         torque = np.array(F_CJ_J.rotational()) - np.cross(self._p_JS_J, force)

@@ -12,6 +12,7 @@ from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSyste
 
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Sensor
+from drake_twin.systems.last_step import LastStep
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -67,11 +68,13 @@ class ImuSensor(LeafSystem):
         self._accelerations = self.DeclareAbstractInputPort(
             "body_spatial_accelerations", Value[list[SpatialAcceleration]]()
         )
+        self._last_step = LastStep(self.DeclareAbstractState)
         self._spatial = self.DeclareVectorOutputPort(
             "spatial",
             10,
             weakly(self._calc_spatial),
-            {self.input_port_ticket(port.get_index()) for port in (self._poses, self._velocities, self._accelerations)},
+            {self.input_port_ticket(port.get_index()) for port in (self._poses, self._velocities, self._accelerations)}
+            | {self.abstract_state_ticket(self._last_step.index)},
         )
 
     @classmethod
@@ -99,14 +102,27 @@ class ImuSensor(LeafSystem):
         """The port ``spatial``."""
         return self._spatial
 
+    def last_step(self, context: Context) -> np.ndarray:
+        """What it measures that follows from the last step: the linear acceleration (m/s²)."""
+        return np.asarray(self._spatial.Eval(context))[7:]
+
+    def remember(self, context: Context, last_step: np.ndarray) -> None:
+        """The linear acceleration at the present time, which a plant that has just been built does not know."""
+        self._last_step.remember(context, last_step)
+
     def _calc_spatial(self, context: Context, output: BasicVector) -> None:
         R_WB: RotationMatrix = self._poses.Eval(context)[self._body].rotation()
-        V_WB = self._velocities.Eval(context)[self._body]
-        A_WB = self._accelerations.Eval(context)[self._body]
-        w_WB = np.array(V_WB.rotational())
-        alpha_WB = np.array(A_WB.rotational())
+        w_WB = np.array(self._velocities.Eval(context)[self._body].rotational())
         R_WS = R_WB @ self._R_BS
         orientation = (self._R_RW @ R_WS).ToQuaternion().wxyz()
+        specific_force_S = self._last_step.recall(context)
+        if specific_force_S is None:
+            specific_force_S = self._specific_force(context, R_WB, w_WB)
+        output.SetFromVector(np.concatenate([orientation, R_WS.matrix().T @ w_WB, specific_force_S]))
+
+    def _specific_force(self, context: Context, R_WB: RotationMatrix, w_WB: np.ndarray) -> np.ndarray:
+        A_WB = self._accelerations.Eval(context)[self._body]
+        alpha_WB = np.array(A_WB.rotational())
         # At the start of the step that the accelerations are of:
         R_WB_then = _turn(-w_WB * self._time_step) @ R_WB.matrix()
         w_WB_then = w_WB - alpha_WB * self._time_step
@@ -116,8 +132,7 @@ class ImuSensor(LeafSystem):
             + np.cross(alpha_WB, p_BS_W)
             + np.cross(w_WB_then, np.cross(w_WB_then, p_BS_W))
         )
-        specific_force_S = (R_WB_then @ self._R_BS.matrix()).T @ (a_WS - self._gravity)
-        output.SetFromVector(np.concatenate([orientation, R_WS.matrix().T @ w_WB, specific_force_S]))
+        return np.asarray((R_WB_then @ self._R_BS.matrix()).T @ (a_WS - self._gravity))
 
 
 def _turn(rotation_vector: np.ndarray) -> Any:

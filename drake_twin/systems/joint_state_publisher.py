@@ -8,6 +8,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
 
 from drake_twin import messages
+from drake_twin.systems.last_step import LastStep
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
@@ -78,14 +79,6 @@ class JointStateBroadcasterParameters:
 _ALL = JointStateBroadcasterParameters()
 
 
-@dataclass(frozen=True)
-class _Efforts:
-    """Efforts of the last step before the plant was built anew, and when that was (s)."""
-
-    time: float | None = None
-    efforts: tuple[float, ...] = ()
-
-
 class JointStatePublisher(LeafSystem):
     """Puts a robot's state into ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
@@ -148,14 +141,14 @@ class JointStatePublisher(LeafSystem):
         self._places = {
             joint: (tuple(where), np.array([*where.values()], dtype=int)) for joint, where in places.items()
         }
-        self._remembered = self.DeclareAbstractState(AbstractValue.Make(_Efforts()))
+        self._last_step = LastStep(self.DeclareAbstractState)
         self._state = self.DeclareVectorInputPort("state", layout.size)
         self._net_actuation = self.DeclareVectorInputPort("net_actuation", layout.num_actuators)
         prerequisites = {
             self.time_ticket(),
             self.input_port_ticket(self._state.get_index()),
             self.input_port_ticket(self._net_actuation.get_index()),
-            self.abstract_state_ticket(self._remembered),
+            self.abstract_state_ticket(self._last_step.index),
         }
         self._joint_states = self.DeclareAbstractOutputPort(
             "joint_states", lambda: AbstractValue.Make(None), weakly(self._calc_joint_states), prerequisites
@@ -185,14 +178,12 @@ class JointStatePublisher(LeafSystem):
 
     def remember_efforts(self, context: Context, efforts: np.ndarray) -> None:
         """Efforts to publish at the present time, which a plant that has just been built does not know."""
-        context.SetAbstractState(int(self._remembered), _Efforts(context.get_time(), tuple(map(float, efforts))))
+        self._last_step.remember(context, efforts)
 
     def efforts(self, context: Context) -> np.ndarray:
         """The efforts that the robot's actuators applied in the last step (N·m or N)."""
-        remembered: _Efforts = context.get_abstract_state(int(self._remembered)).get_value()
-        if remembered.time == context.get_time():
-            return np.array(remembered.efforts)
-        return np.asarray(self._net_actuation.Eval(context))
+        remembered = self._last_step.recall(context)
+        return np.asarray(self._net_actuation.Eval(context)) if remembered is None else remembered
 
     def _values(self, context: Context) -> np.ndarray:
         return np.concatenate([self._state.Eval(context), self.efforts(context), [np.nan, 0.0]])
