@@ -275,6 +275,8 @@ def _misfit(kind: Any, value: Any) -> str | None:
     if origin is types.UnionType or origin is typing.Union:
         misfits = [_misfit(item, value) for item in arguments]
         return None if None in misfits else misfits[0]
+    if kind is typing.Any:
+        return None
     if kind is float:
         fits = isinstance(value, float) or (type(value) is int and abs(value) <= sys.float_info.max)
         return None if fits else "a number"
