@@ -1,6 +1,7 @@
 """What is commanded of the controllers: messages that wait, that hold, that expire, and that the scenario schedules."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import is_dataclass
 from math import isfinite
 from typing import Any
 
@@ -8,9 +9,12 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
+from drake_twin.messages import shortened
+from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import Command
 from drake_twin.schedule import ScheduledCommand, step_at
+from drake_twin.snapshot import Snapshot
 
 _ROUNDING = 1e-9  # s
 
@@ -60,11 +64,6 @@ class Commands:
     def waiting(self, topic: str) -> Iterator[Any]:
         """What waits for a topic, in the order of arrival."""
         return (value for queued_topic, value in self._queue if queued_topic == topic)
-
-    @property
-    def queue(self) -> tuple[tuple[str, Any], ...]:
-        """What waits: topic and value, in the order of arrival."""
-        return tuple(self._queue)
 
     def put_waiting(self, time: float, action: CommandTopic | None = None) -> None:
         """Puts what waits onto its ports, or only what waits for an action's controller, so that it precedes a goal.
@@ -129,6 +128,44 @@ class Commands:
         """The steps at which something is due."""
         due = [item.due_step(self._time_step) for item in self.schedule]
         return due + [step_at(time, self._time_step) for time in self.expiries.values()]
+
+    def snapshot(self) -> dict[str, Any]:
+        """The entries of a `Snapshot` that are commands."""
+        return {
+            "commands": {topic: to_plain(value) for topic, value in self.values.items()},
+            "expiries": dict(self.expiries),
+            "waiting": [[topic, to_plain(value)] for topic, value in self._queue],
+            "schedule": [item.published for item in self.schedule],
+            "silenced": sorted(self.silenced),
+        }
+
+    def restore(self, snapshot: Snapshot, time: float) -> None:
+        """Goes back from the start to the commands of a snapshot at a time (s).
+
+        Raises:
+            ValueError: they are those of other robots.
+            KeyError: likewise.
+        """
+        for topic, value in snapshot.commands.items():
+            self.set(topic, self._saved(topic, value), time)
+        if not set(snapshot.expiries) <= set(snapshot.commands):
+            raise ValueError("what expires is not commanded")
+        self.expiries = dict(snapshot.expiries)
+        for topic, value in snapshot.waiting:
+            self.wait(topic, self._saved(topic, value))
+        for item, published in zip(self.schedule, snapshot.schedule, strict=True):
+            item.published = published
+        self.silenced = set(snapshot.silenced)
+
+    def _saved(self, topic: str, plain: Any) -> Any:
+        """A command of a snapshot."""
+        item = self._ports[topic]
+        value = from_plain(plain)
+        kind = getattr(value, "__msgtype__", None)
+        subscribed = self._controls[item.robot].controllers[item.controller].subscribed.get(item.name, kind)
+        if not is_dataclass(value) or (kind is not None and kind != subscribed):
+            raise ValueError(f"{shortened(plain)} is no message of {topic}")
+        return value
 
     def _fix(self, topic: str, value: Any) -> None:
         self._ports[topic].port.FixValue(self._context, AbstractValue.Make(value))

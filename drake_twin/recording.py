@@ -3,7 +3,7 @@
 import functools
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Set
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, field, is_dataclass, replace
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -108,6 +108,59 @@ class Recording:
         return recording
 
 
+class Recorder:
+    """Takes note of calls.
+
+    Args:
+        time: tells the present simulation time (s).
+    """
+
+    def __init__(self, time: Callable[[], float]):
+        self._time = time
+        self._start: Snapshot | None = None
+        self._calls: list[Call] = []
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it has begun."""
+        return self._start is not None
+
+    def begin(self, start: Snapshot) -> None:
+        """Begins anew at a moment."""
+        self._start = start
+        self._calls = []
+
+    def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
+        """Takes note of a call.
+
+        Returns:
+            Its index, which `refuse` takes; None where it takes no note.
+        """
+        if self._start is None:
+            return None
+        try:
+            plain, plain_named = from_plain(to_plain((arguments, named)))
+        except (TypeError, RecursionError):  # what no method takes; it is refused in a moment
+            return None
+        self._calls.append(Call(self._time(), name, plain, plain_named))
+        return len(self._calls) - 1
+
+    def refuse(self, index: int | None) -> None:
+        """Notes that a call was refused."""
+        if index is not None:
+            self._calls[index] = replace(self._calls[index], is_refused=True)
+
+    def recording(self) -> Recording:
+        """What has been noted until now.
+
+        Raises:
+            InputError: it has not begun.
+        """
+        if self._start is None:
+            raise InputError("nothing has been recorded: call record() first")
+        return Recording(self._start, tuple(self._calls), self._time())
+
+
 def recorded(method: _Method) -> _Method:
     """A method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
     assert method.__name__ in _METHODS
@@ -115,18 +168,19 @@ def recorded(method: _Method) -> _Method:
 
     @functools.wraps(method)
     def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
-        if not twin.is_recording:
+        recorder = twin.recorder
+        if not recorder.is_on:
             return method(twin, *arguments, **named)
         given = signature.bind(twin, *arguments, **named)
         for name, value in given.arguments.items():
             if name != "self":
                 given.arguments[name] = _settled(value)
         noted = {name: value for name, value in given.arguments.items() if name not in ("self", "on_result")}
-        index = twin.note(method.__name__, **noted)
+        index = recorder.note(method.__name__, **noted)
         try:
             return method(*given.args, **given.kwargs)
         except TwinError:
-            twin.note_refusal(index)
+            recorder.refuse(index)
             raise
 
     return call  # type: ignore[return-value]

@@ -224,7 +224,7 @@ def _again(
     except (TwinError, OSError) as error:
         say(f"error: {error}\nThe last good twin goes on.", sys.stderr)
         return twin, target, Watch(watch.files | files)
-    if twin.is_recording:
+    if twin.recorder.is_on:
         new_twin.record()
     new_twin.paused = twin.paused
     new_twin.real_time_rate = twin.real_time_rate

@@ -15,10 +15,12 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import Context
 
 from drake_twin.diagram.let_go import let_go
+from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
 from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
 from drake_twin.scenario import CENIC, Scenario
+from drake_twin.state import read_robot_state
 from drake_twin.systems.controller import PeriodicController
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
@@ -133,6 +135,30 @@ class Running:
         """The efforts that a robot's actuators applied in the last step (N·m or N)."""
         publisher = self.built.parts[robot].joint_states
         return publisher.efforts(publisher.GetMyContextFromRoot(self.context))
+
+    def snapshot(self, plan: RobotPlan) -> dict[str, Any]:
+        """A robot's state as plain data: what `restore` goes back to, and its joints and base in words."""
+        state = read_robot_state(self.built, self.context, plan)
+        return {
+            "state": self.robot_state(plan.name).tolist(),
+            "joints": {
+                joint: [position, velocity]
+                for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
+            },
+            "base_pose": list(state.base_pose),
+            "efforts": self.efforts(plan.name).tolist(),
+            "measured": {sensor: values.tolist() for sensor, values in self.measured(plan.name).items()},
+        }
+
+    def restore(self, robot: str, saved: Mapping[str, Any]) -> None:
+        """Goes back to what `snapshot` gave.
+
+        Raises:
+            ValueError: it is that of another robot.
+        """
+        self.set_robot_state(robot, np.array(saved["state"]))
+        measured = {sensor: np.array(values, dtype=float) for sensor, values in saved["measured"].items()}
+        self.remember(robot, np.array(saved["efforts"], dtype=float), measured)
 
     def model_states(self) -> dict[str, list[list[float]]]:
         """What moves in the world and is no robot → ``[q; v]`` of each of its model instances."""

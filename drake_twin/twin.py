@@ -6,15 +6,12 @@ repeatable to the last bit.
 
 import functools
 import logging
-import time as wall_clock
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import is_dataclass, replace
-from fractions import Fraction
-from math import floor, isfinite, lcm
+from dataclasses import replace
+from math import floor, isfinite
 from numbers import Real
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
-import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 
@@ -27,19 +24,18 @@ from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, 
 from drake_twin.errors import CommandError, InputError, RunError, TwinError
 from drake_twin.messages import shortened
 from drake_twin.plain_data import from_plain, to_plain
-from drake_twin.recording import Call, Recording, recorded
+from drake_twin.real_time import run_in_real_time
+from drake_twin.recording import Recorder, Recording, recorded
 from drake_twin.robot_control import RobotControl
 from drake_twin.running import Running
 from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
-from drake_twin.schedule import ScheduledCommand, Subscription, step_at
+from drake_twin.schedule import ScheduledCommand, meeting_step, step_at
 from drake_twin.snapshot import Snapshot
 from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
+from drake_twin.subscriptions import Subscription, Subscriptions
 from drake_twin.systems.controller import Interface
 
-_FRAME = 1 / 30  # the run loop looks after the page and the wall clock this often (s)
-_MOST_STEPS_A_FRAME = 10_000
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
-_LONGEST_WAIT = 3600.0  # for two step lengths to meet (simulated s)
 
 # What goes wrong with saved values that are of another kind than they should be.
 _UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError)
@@ -72,6 +68,11 @@ class Twin:
         scenario: what to run.
         meshcat: the page to draw on; `draw` and `run` do so.
 
+    Attributes:
+        scenario: what runs.
+        recorder: takes note of what is done to the twin, once `record` has been called.
+        paused: whether time stands still.
+
     Raises:
         InputError: a file or a value of the scenario that cannot be used.
     """
@@ -79,9 +80,10 @@ class Twin:
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None):
         self.scenario = scenario
         self._meshcat = meshcat
-        self._subscriptions: list[Subscription] = []
+        self._subscriptions = Subscriptions(self._latest)
         self._controls: dict[str, RobotControl] = {}
         self._commands = Commands()
+        self.recorder = Recorder(lambda: self.time)
         self._run(Running(scenario, meshcat))
         self._goals: list[ActionGoal] = []
         self._unheard: set[str] = set()
@@ -89,7 +91,6 @@ class Twin:
         self._advancing = False
         self._real_time_rate = 1.0
         self._next_time_step: float | None = None
-        self._recorded: tuple[Snapshot, list[Call]] | None = None
         self._start()
         for index, command in enumerate(scenario.commands):
             try:
@@ -118,7 +119,7 @@ class Twin:
         for plan in self._built.plans:
             control = self._controls.get(plan.name)
             if control is None or control.plan is not plan:
-                control = RobotControl(plan, self._commands.clear, self.note)
+                control = RobotControl(plan, self._commands.clear, self.recorder.note)
             control.use(self._built, self._context)
             controls[plan.name] = control
         for name, control in self._controls.items():
@@ -153,10 +154,7 @@ class Twin:
         self._put_wrenches()
         running.initialize()
         old.discard()
-        for subscription in self._subscriptions:
-            item = self._built.published.get(subscription.topic)
-            if item is not None and item.rate is None:
-                subscription.look_again(self.latest(subscription.topic))
+        self._subscriptions.look_again()
 
     @property
     def diagram(self) -> Any:
@@ -253,31 +251,16 @@ class Twin:
         running = self._running
         robots = {}
         for name, control in self._controls.items():
-            state = self.robot_state(name)
-            robots[name] = {
-                "state": running.robot_state(name).tolist(),
-                "joints": {
-                    joint: [position, velocity]
-                    for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
-                },
-                "base_pose": list(state.base_pose),
-                "efforts": running.efforts(name).tolist(),
-                "measured": {sensor: values.tolist() for sensor, values in running.measured(name).items()},
-                **control.snapshot(),
-            }
+            robots[name] = running.snapshot(control.plan) | control.snapshot()
         return Snapshot(
             scenario=scenario_to_yaml(self.scenario),
             time_step=self.time_step,
             step=self._step,
             robots=robots,
             models=running.model_states(),
-            commands={topic: to_plain(value) for topic, value in self._commands.values.items()},
-            expiries=dict(self._commands.expiries),
-            waiting=[[topic, to_plain(value)] for topic, value in self._commands.queue],
             wrenches=to_plain(tuple(self._wrenches)),
-            schedule=[item.published for item in self._commands.schedule],
-            silenced=sorted(self._commands.silenced),
             next_time_step=self._next_time_step,
+            **self._commands.snapshot(),
         )
 
     @_outside_callbacks("restore")
@@ -307,48 +290,21 @@ class Twin:
             self._context.SetTime(self.time)
             self._running.set_model_states(snapshot.models)
             for name, saved in snapshot.robots.items():
-                self._running.set_robot_state(name, np.array(saved["state"]))
-                measured = {sensor: np.array(values, dtype=float) for sensor, values in saved["measured"].items()}
-                self._running.remember(name, np.array(saved["efforts"], dtype=float), measured)
+                self._running.restore(name, saved)
                 self._controls[name].restore(saved)
-            for topic, value in snapshot.commands.items():
-                self._commands.set(topic, self._saved_command(topic, value), self.time)
-            if not set(snapshot.expiries) <= set(snapshot.commands):
-                raise ValueError("what expires is not commanded")
-            self._commands.expiries = dict(snapshot.expiries)
-            for topic, value in snapshot.waiting:
-                self._commands.wait(topic, self._saved_command(topic, value))
+            self._commands.restore(snapshot, self.time)
             self._wrenches = list(from_plain(snapshot.wrenches))
             self._put_wrenches()
-            for item, published in zip(self._commands.schedule, snapshot.schedule, strict=True):
-                item.published = published
             if snapshot.next_time_step is not None:
                 self._next_time_step = replace(scenario, time_step=snapshot.next_time_step).time_step
-                self._switching_step(self._next_time_step)
+                meeting_step(self._step, self.time_step, self._next_time_step)
             check_finite(self._built, self._plant_context, self.time)
         except (*_UNFIT, TwinError, SystemExit) as error:  # some of Drake's checks end the process if they can
             self._reset()
             reason = " ".join(str(error).split())
             raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None
-        self._commands.silenced = set(snapshot.silenced)
         self._running.initialize()
-        for subscription in self._subscriptions:
-            subscription.begin(self.time)
-
-    def _saved_command(self, topic: str, plain: Any) -> Any:
-        """A command of a snapshot.
-
-        Raises:
-            ValueError: it is no message of the topic.
-            KeyError: there is no such topic.
-        """
-        item = (self._built.commanded | self._built.actions)[topic]
-        value = from_plain(plain)
-        kind = getattr(value, "__msgtype__", None)
-        subscribed = self._controls[item.robot].controllers[item.controller].subscribed.get(item.name, kind)
-        if not is_dataclass(value) or (kind is not None and kind != subscribed):
-            raise ValueError(f"{shortened(plain)} is no message of {topic}")
-        return value
+        self._subscriptions.begin(self.time)
 
     def entity_state(self, entity: str, reference: str = "world") -> EntityState:
         """Pose and twist of a robot, a model of the world, or a link (``robot_1::base_link``).
@@ -435,7 +391,7 @@ class Twin:
         Raises:
             InputError: called inside a callback.
         """
-        self._recorded = (self.snapshot(), [])
+        self.recorder.begin(self.snapshot())
 
     def recording(self) -> Recording:
         """What has been done since `record`: it can be saved, and replayed to the same state.
@@ -443,36 +399,7 @@ class Twin:
         Raises:
             InputError: `record` has not been called.
         """
-        if self._recorded is None:
-            raise InputError("nothing has been recorded: call record() first")
-        start, calls = self._recorded
-        return Recording(start, tuple(calls), self.time)
-
-    @property
-    def is_recording(self) -> bool:
-        """Whether calls are put into a recording."""
-        return self._recorded is not None
-
-    def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
-        """Puts a call into the recording, if there is one.
-
-        Returns:
-            Its index, which `note_refusal` takes; None where it was not put there.
-        """
-        if self._recorded is None:
-            return None
-        try:
-            plain, plain_named = from_plain(to_plain((arguments, named)))
-        except (TypeError, RecursionError):  # what no method takes; it is refused in a moment
-            return None
-        calls = self._recorded[1]
-        calls.append(Call(self.time, name, plain, plain_named))
-        return len(calls) - 1
-
-    def note_refusal(self, index: int | None) -> None:
-        """Notes that a call of the recording was refused."""
-        if self._recorded is not None and index is not None:
-            self._recorded[1][index] = replace(self._recorded[1][index], is_refused=True)
+        return self.recorder.recording()
 
     def cancel(self, robot: str, controller: str) -> None:
         """Ends the present goal of a controller's action; the joints hold where they are.
@@ -505,7 +432,7 @@ class Twin:
         if not _is_number(time_step):
             raise InputError(f"{time_step!r} is not a step: it must be above zero")
         scenario = replace(self.scenario, time_step=float(time_step))  # which refuses what is no step
-        self._switching_step(scenario.time_step)
+        meeting_step(self._step, self.time_step, scenario.time_step)
         self._next_time_step = scenario.time_step
         if not self._advancing:
             self._switch_time_step()
@@ -707,9 +634,7 @@ class Twin:
         own_rate = self._published(topic).rate
         rate = own_rate and (rate or own_rate)
         period = None if rate is None else 1.0 / rate
-        subscription = Subscription(topic, callback, period, self.time)
-        self._subscriptions.append(subscription)
-        return lambda: self._subscriptions.remove(subscription) if subscription in self._subscriptions else None
+        return self._subscriptions.add(Subscription(topic, callback, period, self.time))
 
     def latest(self, topic: str) -> Any:
         """A topic's message at the present time; None while its controller is not active or has none.
@@ -837,8 +762,7 @@ class Twin:
         self._goals.clear()
         self._commands.silenced.clear()
         self._start()
-        for subscription in self._subscriptions:
-            subscription.begin(0.0)
+        self._subscriptions.begin(0.0)
 
     def draw(self) -> None:
         """Draws the present state on the page, if there is one."""
@@ -860,26 +784,9 @@ class Twin:
             each_frame: called about 30 times a second between steps, also while paused; False ends the run.
             as_fast_as_possible: ignore ``real_time_rate`` and never wait.
         """
-        frame_start = wall_clock.perf_counter()
-        owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
-        while ((end := self._end(until)) is None or self._step < end) and each_frame():
-            end = self._end(until)  # in steps of the length that they have now
-            self.draw()
-            if as_fast_as_possible and not self.paused:
-                self._advance_for(_FRAME, end)
-                continue
-            if not self.paused:
-                owed += _FRAME * self.real_time_rate
-                steps = min(floor(owed / self.scenario.time_step + 1e-9), _MOST_STEPS_A_FRAME)
-                owed = min(owed - steps * self.scenario.time_step, self.scenario.time_step)
-                target = self._step + steps
-                self._advance(target if end is None else min(target, end))
-            frame_start = max(frame_start + _FRAME, wall_clock.perf_counter() - _FRAME)
-            wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
-        self.draw()
-
-    def _end(self, until: float | None) -> int | None:
-        return None if until is None else self._step_at(until)
+        if until is not None:
+            self._step_at(until)  # which refuses what is no time
+        run_in_real_time(self, until, each_frame, as_fast_as_possible=as_fast_as_possible)
 
     def state_sha256(self) -> str:
         """A hash of the state by robot name: steps, positions, velocities, commands and active controllers.
@@ -942,7 +849,7 @@ class Twin:
     def _advance_in_slices(self, target: int, time: float) -> None:
         while self._step < target and not self.paused:
             time_step = self.scenario.time_step
-            self._deliver()
+            self._subscriptions.deliver(self._step, time_step)
             if self.paused:
                 return
             if self._switch_time_step():
@@ -974,37 +881,15 @@ class Twin:
                 control.give_up_faulty()
             self._goals = [goal for goal in self._goals if not goal.deliver()]
 
-    def _switching_step(self, time_step: float) -> int:
-        """The step, from the present one on, at which another step length meets its own grid.
-
-        Raises:
-            InputError: it never does, within an hour.
-        """
-        old, new = (Fraction(step).limit_denominator(10**9) for step in (self.scenario.time_step, time_step))
-        common = lcm(old.numerator * new.denominator, new.numerator * old.denominator)
-        every = common // (old.numerator * new.denominator)  # in steps of the old length
-        if every * self.scenario.time_step > _LONGEST_WAIT:
-            raise InputError(f"a step of {time_step:g} s never meets the present one of {self.scenario.time_step:g} s")
-        return -(-self._step // every) * every
-
     def _switch_time_step(self) -> bool:
         """Takes up the next step length if its time has come; returns whether it has."""
         new = self._next_time_step
-        if new is None or self._switching_step(new) != self._step:
+        if new is None or meeting_step(self._step, self.time_step, new) != self._step:
             return False
         self._next_time_step = None
         if new != self.scenario.time_step:
             self._rebuild(replace(self.scenario, time_step=new), step_at(self.time, new))
         return True
-
-    def _advance_for(self, wall_time: float, end: int | None) -> None:
-        """Advances for about so much wall time (s), by a number of steps that follows from the last one's pace."""
-        start = wall_clock.perf_counter()
-        while not self.paused and (end is None or self._step < end):
-            target = self._step + max(1, round(0.01 / self.scenario.time_step))
-            self._advance(target if end is None else min(target, end))
-            if wall_clock.perf_counter() - start > wall_time:
-                return
 
     def _apply_commands(self) -> None:
         if any(item.until <= self.time + 1e-9 for item in self._wrenches):
@@ -1017,23 +902,16 @@ class Twin:
         except CommandError as error:
             _log.warning("%s", error)
 
-    def _deliver(self) -> None:
-        # Callbacks may subscribe and end subscriptions, theirs and others'.
-        while due := [item for item in self._subscriptions if item.due_step(self.scenario.time_step) <= self._step]:
-            for subscription in (item for item in due if item in self._subscriptions):
-                known = subscription.topic in self._built.published  # its robot may have gone
-                message = self.latest(subscription.topic) if known else None
-                subscription.pass_time(self.time)
-                if message is not None:
-                    subscription.take(message)
+    def _latest(self, topic: str) -> Any:
+        return self.latest(topic) if topic in self._built.published else None  # its robot may have gone
 
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
         time_step = self.scenario.time_step
-        due = self._commands.due_steps() + [item.due_step(time_step) for item in self._subscriptions]
+        due = self._commands.due_steps() + self._subscriptions.due_steps(time_step)
         due += [step_at(item.until, time_step) for item in self._wrenches]
         if self._next_time_step is not None:
-            due.append(self._switching_step(self._next_time_step))
+            due.append(meeting_step(self._step, self.time_step, self._next_time_step))
         return int(min([target, *(step for step in due if step > self._step)]))
 
 
