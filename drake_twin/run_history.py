@@ -24,7 +24,7 @@ class RobotHistory:
         times: simulation times (s), (T,).
         positions: (T, joints), in rad or m.
         velocities: (T, joints), in rad/s or m/s.
-        efforts: (T, joints), what was applied in the last step, in N·m or N.
+        efforts: (T, joints), what their actuators apply, in N·m or N.
     """
 
     joints: tuple[str, ...]

@@ -77,8 +77,6 @@ class Running:
         for name, parts in self.built.robots.items():
             if self._is_same_robot(name, old):
                 self._carry_robot(name, old)
-                is_discrete = self.built.plant.time_step() > 0.0
-                self.remember(name, old.efforts(name), old.measured(name) if is_discrete else {})
                 assert parts.layout == old.built.robots[name].layout
         if self.built.world != old.built.world:
             return
@@ -92,36 +90,6 @@ class Running:
         plans = {plan.name: plan for plan in old.built.plans}
         return name in plans and any(plan is plans[name] for plan in self.built.plans)
 
-    def remember(self, robot: str, efforts: np.ndarray, measured: Mapping[str, np.ndarray]) -> None:
-        """What follows from the last step, which a new plant does not know until its first.
-
-        Args:
-            robot: a robot.
-            efforts: as `efforts` gave them.
-            measured: as `measured` gave it.
-
-        Raises:
-            ValueError: they are those of another robot.
-        """
-        own = self.measured(robot)
-        if efforts.shape != self.efforts(robot).shape or not np.isfinite(efforts).all():
-            raise ValueError("its efforts are those of another robot")
-        for name, values in measured.items():
-            if name not in own or values.shape != own[name].shape or not np.isfinite(values).all():
-                raise ValueError("its sensors are those of another robot")
-        parts = self.built.parts[robot]
-        parts.joint_states.remember_efforts(parts.joint_states.GetMyMutableContextFromRoot(self.context), efforts)
-        for name, values in measured.items():
-            sensor = parts.sensors[name]
-            sensor.remember(sensor.GetMyMutableContextFromRoot(self.context), values)
-
-    def measured(self, robot: str) -> dict[str, np.ndarray]:
-        """What a robot's sensors measured in the last step; nothing where they measure the present (CENIC)."""
-        if self.built.plant.time_step() == 0.0:
-            return {}
-        sensors = self.built.parts[robot].sensors
-        return {name: sensor.last_step(sensor.GetMyContextFromRoot(self.context)) for name, sensor in sensors.items()}
-
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Puts a robot's ``[q; v]`` where it belongs."""
         self.built.plant.SetPositionsAndVelocities(self.plant_context, self.built.robots[robot].instance, state)
@@ -131,13 +99,8 @@ class Running:
         instance = self.built.robots[robot].instance
         return np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context, instance))
 
-    def efforts(self, robot: str) -> np.ndarray:
-        """The efforts that a robot's actuators applied in the last step (N·m or N)."""
-        publisher = self.built.parts[robot].joint_states
-        return publisher.efforts(publisher.GetMyContextFromRoot(self.context))
-
     def snapshot(self, plan: RobotPlan) -> dict[str, Any]:
-        """A robot's state as plain data: what `restore` goes back to, and its joints and base in words."""
+        """A robot's state as plain data: its vector ``[q; v]``, and the same in words."""
         state = read_robot_state(self.built, self.context, plan)
         return {
             "state": self.robot_state(plan.name).tolist(),
@@ -146,19 +109,7 @@ class Running:
                 for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
             },
             "base_pose": list(state.base_pose),
-            "efforts": self.efforts(plan.name).tolist(),
-            "measured": {sensor: values.tolist() for sensor, values in self.measured(plan.name).items()},
         }
-
-    def restore(self, robot: str, saved: Mapping[str, Any]) -> None:
-        """Goes back to what `snapshot` gave.
-
-        Raises:
-            ValueError: it is that of another robot.
-        """
-        self.set_robot_state(robot, np.array(saved["state"]))
-        measured = {sensor: np.array(values, dtype=float) for sensor, values in saved["measured"].items()}
-        self.remember(robot, np.array(saved["efforts"], dtype=float), measured)
 
     def model_states(self) -> dict[str, list[list[float]]]:
         """What moves in the world and is no robot → ``[q; v]`` of each of its model instances."""

@@ -22,7 +22,7 @@ class RobotState:
         joints: the names of its movable joints, in file order.
         positions: joint positions (rad or m).
         velocities: joint velocities (rad/s or m/s).
-        efforts: what its actuators applied in the last step (N·m or N); zero where a joint has none.
+        efforts: what its actuators apply (N·m or N); zero where a joint has none.
         base_pose: the root link in the world: x, y, z (m), qw, qx, qy, qz.
     """
 

@@ -10,7 +10,7 @@ def summary(twin: Twin, wall_time: float) -> dict[str, Any]:
 
     - ``sim_time``, ``wall_time`` (s), ``real_time_factor`` (sim over wall time), ``time_step`` (s), ``steps``
     - ``robots``: name → ``joints`` (names of the movable joints), ``positions`` (rad or m), ``velocities``,
-      ``efforts`` (applied in the last step, N·m or N), ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
+      ``efforts`` (that actuators apply, N·m or N), ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
     - ``state_sha256``: equal for two runs that ended in the same state to the last bit

@@ -12,6 +12,7 @@ from math import floor, isfinite
 from numbers import Real
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
+import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 
@@ -290,7 +291,7 @@ class Twin:
             self._context.SetTime(self.time)
             self._running.set_model_states(snapshot.models)
             for name, saved in snapshot.robots.items():
-                self._running.restore(name, saved)
+                self._running.set_robot_state(name, np.array(saved["state"], dtype=float))
                 self._controls[name].restore(saved)
             self._commands.restore(snapshot, self.time)
             self._wrenches = list(from_plain(snapshot.wrenches))

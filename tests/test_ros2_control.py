@@ -1,7 +1,7 @@
 """Each row of ros2_control's behaviour that the twin imitates, on robots small enough to calculate by hand."""
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -271,9 +271,9 @@ def test_a_switch_while_paused_acts_with_the_next_step_and_keeps_every_other_sta
     twin.publish("/r/velocities/commands", [0, 3])
     twin.advance_to(0.5)
     twin.pause()
-    before = twin.robot_state("r")
+    before = replace(twin.robot_state("r"), efforts=())
     assert twin.controller_manager("r").switch_controller(activate=["positions"], deactivate=["velocities"])
-    assert twin.robot_state("r") == before
+    assert replace(twin.robot_state("r"), efforts=()) == before  # efforts are those of the step to come
     twin.step()
     assert velocity(twin, "wheel") < 3
     twin.play()

@@ -1,4 +1,4 @@
-"""What sensors measured in the last step outlives a new plant, which knows of no step."""
+"""What sensors measure does not depend on whether the plant is a new one, which has made no step yet."""
 
 import pytest
 from conftest import ROVER
@@ -71,21 +71,20 @@ def measured(twin):
     ]
 
 
-def test_a_spawn_a_delete_and_a_new_step_are_not_felt_by_sensors(twin):
+def test_a_spawn_and_a_delete_are_not_felt_by_sensors(twin):
     before = measured(twin)
     assert abs(before[7] ** 2 + before[8] ** 2 - 9.81**2) > 1.0  # it swings: this is not gravity at rest
     assert abs(before[11]) > 0.1
+    same = pytest.approx(before, rel=1e-6, abs=1e-6)  # the accelerations of all come from one solve, to its tolerance
     twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
-    assert measured(twin) == before
+    assert measured(twin) == same
     twin.delete("other")
-    assert measured(twin) == before
-    twin.set_time_step(0.002)
-    assert measured(twin) == before
+    assert measured(twin) == same
     twin.step(1)
-    assert measured(twin) != before
+    assert measured(twin) != same
 
 
-def test_a_saved_state_has_what_its_sensors_measured(twin, tmp_path):
+def test_sensors_measure_the_same_in_a_state_that_was_saved(twin, tmp_path):
     before = measured(twin)
     twin.snapshot().save(tmp_path / "state.json")
     twin.step(1)

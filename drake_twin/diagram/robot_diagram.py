@@ -46,7 +46,6 @@ class RobotDiagram:
         servo: puts their values together; None for a robot without actuators.
         joint_states: its joint-state publisher.
         joints: the joint of each actuator; None for one that models friction.
-        sensors: name → the sensors that broadcasters read.
         plant_inputs: its input ports that take a port of the plant of all robots, which is only there for sensors.
         warnings: update rates that cannot be met, parameters without effect.
     """
@@ -56,7 +55,6 @@ class RobotDiagram:
     servo: JointServo | None
     joint_states: JointStatePublisher
     joints: tuple[str | None, ...]
-    sensors: dict[str, ImuSensor | ForceTorqueSensor]
     plant_inputs: dict[str, OutputPort]
     warnings: tuple[str, ...] = ()
 
@@ -102,7 +100,7 @@ def build_robot_diagram(
     builder.ConnectInput("state", ground_truth.get_state_input_port())
     for name, controller in controllers.items():
         _wire_controller(builder, name, controller, controllers)
-    sensors, plant_inputs = _add_sensors(builder, plan, plant, instance, controllers)
+    plant_inputs = _add_sensors(builder, plan, plant, instance, controllers)
     builder.ExportInput(joint_states.get_net_actuation_input_port(), "net_actuation")
     builder.ExportOutput(joint_states.get_joint_states_output_port(), "joint_states")
     builder.ExportOutput(joint_states.get_dynamic_joint_states_output_port(), "dynamic_joint_states")
@@ -112,7 +110,7 @@ def build_robot_diagram(
     builder.ExportOutput(ground_truth.get_odom_output_port(), "ground_truth/odom")
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, joint_states, joints, sensors, plant_inputs, warnings)
+    return RobotDiagram(diagram, controllers, servo, joint_states, joints, plant_inputs, warnings)
 
 
 def _free_name(builder: DiagramBuilder, name: str) -> str:
@@ -244,9 +242,8 @@ def _add_sensors(
     plant: MultibodyPlant,
     instance: ModelInstanceIndex,
     controllers: Mapping[str, Controller],
-) -> tuple[dict[str, ImuSensor | ForceTorqueSensor], dict[str, OutputPort]]:
-    """Adds the sensors whose broadcasters are there; returns them and which of the plant's ports they need."""
-    sensors: dict[str, ImuSensor | ForceTorqueSensor] = {}
+) -> dict[str, OutputPort]:
+    """Adds the sensors whose broadcasters are there; returns which of the plant's ports they need."""
     needed: dict[str, OutputPort] = {}
     for name, controller in controllers.items():
         if not isinstance(controller, SensorBroadcaster):
@@ -262,7 +259,6 @@ def _add_sensors(
             continue
         kind: type[ImuSensor] | type[ForceTorqueSensor] = ImuSensor if sensor.kind == "imu" else ForceTorqueSensor
         system = builder.AddNamedSystem(_free_name(builder, f"{name}_sensor"), kind.of(plant, instance, sensor))
-        sensors[system.get_name()] = system
         builder.Connect(system.get_output_port(), port)
         for output, own_port in system.inputs_from(plant):
             if output.get_name() not in needed:
@@ -270,7 +266,7 @@ def _add_sensors(
                 needed[output.get_name()] = output
             else:
                 builder.ConnectInput(output.get_name(), own_port)
-    return sensors, needed
+    return needed
 
 
 def _broadcaster(plan: RobotPlan, description: RobotDescription) -> tuple[JointStateBroadcasterParameters, str]:

@@ -237,9 +237,10 @@ class Update:
 class PeriodicController(Controller):
     """A controller that is updated at its rate, as the controller manager's loop does.
 
-    It samples its inputs at an update and holds its output until the next; what it writes takes effect with the physics
-    step after it. Its memory is one frozen value in the Context, so that a saved Context is a saved controller. An
-    update that raises makes it write nothing, and ends the advance so that it can be deactivated.
+    It samples its inputs at an update and holds its output until the next. What it writes acts in the physics step that
+    begins there: Drake makes unrestricted updates before the discrete plant's. Its memory is one frozen value in the
+    Context, so that a saved Context is a saved controller. An update that raises makes it write nothing, and ends the
+    advance so that it can be deactivated.
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.

@@ -9,7 +9,6 @@ from pydrake.multibody.tree import Joint, ModelInstanceIndex
 from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, OutputPort
 
 from drake_twin.description.robot_description import Sensor
-from drake_twin.systems.last_step import LastStep
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -19,7 +18,8 @@ class ForceTorqueSensor(LeafSystem):
     As gz-sim's ForceTorque system: the torque is about the sensor's origin, the axes are those of the child link, the
     parent link or the sensor, and the wrench is the child's on the parent (SDF's ``child_to_parent``, the default) or
     the parent's on the child. All that goes through the joint is in it, what its actuator exerts included. It is
-    computed when somebody asks. A discrete plant reports the forces of its last step, and none before the first.
+    computed when somebody asks. A discrete plant without sampled output ports reports the forces of the step that
+    follows.
 
     .. pydrake_system::
 
@@ -56,13 +56,11 @@ class ForceTorqueSensor(LeafSystem):
         if axes == "parent":
             self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
             ports.append(self._poses)
-        self._last_step = LastStep(self.DeclareAbstractState)
         self._wrench = self.DeclareVectorOutputPort(
             "wrench",
             6,
             weakly(self._calc_wrench),
-            {self.input_port_ticket(port.get_index()) for port in ports}
-            | {self.abstract_state_ticket(self._last_step.index)},
+            {self.input_port_ticket(port.get_index()) for port in ports},
         )
 
     @classmethod
@@ -80,19 +78,7 @@ class ForceTorqueSensor(LeafSystem):
         """The port ``wrench``."""
         return self._wrench
 
-    def last_step(self, context: Context) -> np.ndarray:
-        """What it measures that follows from the last step: the wrench (N, N·m)."""
-        return np.asarray(self._wrench.Eval(context))
-
-    def remember(self, context: Context, last_step: np.ndarray) -> None:
-        """The wrench at the present time, which a plant that has just been built does not know."""
-        self._last_step.remember(context, last_step)
-
     def _calc_wrench(self, context: Context, output: BasicVector) -> None:
-        remembered = self._last_step.recall(context)
-        if remembered is not None:
-            output.SetFromVector(remembered)
-            return
         F_CJ_J = self._forces.Eval(context)[self._joint]
         force = np.array(F_CJ_J.translational())
         torque = np.array(F_CJ_J.rotational()) - np.cross(self._p_JS_J, force)

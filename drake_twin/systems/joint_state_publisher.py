@@ -8,7 +8,6 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
 
 from drake_twin import messages
-from drake_twin.systems.last_step import LastStep
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
@@ -98,7 +97,7 @@ class JointStatePublisher(LeafSystem):
         - dynamic_joint_states
 
     - ``state``: vector ``[q; v]`` of the model instance (rad, rad/s, or m, m/s).
-    - ``net_actuation``: vector of the efforts that its actuators applied in the last step (N·m or N).
+    - ``net_actuation``: vector of the efforts that its actuators apply (N·m or N).
     - ``joint_states``: ``sensor_msgs/msg/JointState``; topic ``joint_states``.
     - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``, ``None`` when parameters turn it off; topic
       ``dynamic_joint_states``.
@@ -141,14 +140,12 @@ class JointStatePublisher(LeafSystem):
         self._places = {
             joint: (tuple(where), np.array([*where.values()], dtype=int)) for joint, where in places.items()
         }
-        self._last_step = LastStep(self.DeclareAbstractState)
         self._state = self.DeclareVectorInputPort("state", layout.size)
         self._net_actuation = self.DeclareVectorInputPort("net_actuation", layout.num_actuators)
         prerequisites = {
             self.time_ticket(),
             self.input_port_ticket(self._state.get_index()),
             self.input_port_ticket(self._net_actuation.get_index()),
-            self.abstract_state_ticket(self._last_step.index),
         }
         self._joint_states = self.DeclareAbstractOutputPort(
             "joint_states", lambda: AbstractValue.Make(None), weakly(self._calc_joint_states), prerequisites
@@ -176,14 +173,9 @@ class JointStatePublisher(LeafSystem):
         """The port ``dynamic_joint_states``."""
         return self._dynamic_joint_states
 
-    def remember_efforts(self, context: Context, efforts: np.ndarray) -> None:
-        """Efforts to publish at the present time, which a plant that has just been built does not know."""
-        self._last_step.remember(context, efforts)
-
     def efforts(self, context: Context) -> np.ndarray:
-        """The efforts that the robot's actuators applied in the last step (N·m or N)."""
-        remembered = self._last_step.recall(context)
-        return np.asarray(self._net_actuation.Eval(context)) if remembered is None else remembered
+        """The efforts that the robot's actuators apply (N·m or N)."""
+        return np.asarray(self._net_actuation.Eval(context))
 
     def _values(self, context: Context) -> np.ndarray:
         return np.concatenate([self._state.Eval(context), self.efforts(context), [np.nan, 0.0]])

@@ -59,11 +59,10 @@ class JointTrajectoryController(PeriodicController):
     Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy, read from its sources;
     where it differs, a reason is given here:
 
-    - What is written at ``t`` acts from ``t + h`` on for an update period ``P``, as the plant's step at ``t`` does not
-      see it yet (``h``: physics step), and the implicit servo aims at the end of each step. So the position is that of
-      ``t + h + (P + h) / 2``: with it the joint is on its trajectory in the mean. Upstream writes that of ``t + P``,
-      which leads by half a period. With it goes a hint for the servo's damping: the trajectory's mean velocity while
-      it acts. Velocities and efforts are those in the middle of that time.
+    - What is written at ``t`` acts for an update period ``P``, and the implicit servo aims at the end of each physics
+      step ``h``. So the position is that of ``t + (P + h) / 2``: with it the joint is on its trajectory in the mean.
+      Upstream writes that of ``t + P``, which leads by half a period. With it goes a hint for the servo's damping: the
+      trajectory's mean velocity while it acts. Velocities and efforts are those in the middle of that time.
     - A joint that wraps around is commanded the turns that it has made, so that it goes the short way; upstream leaves
       that to the hardware.
     - A goal ends at the update at which it is so, upstream's up to a period of ``action_monitor_rate`` later; after an
@@ -381,10 +380,10 @@ class JointTrajectoryController(PeriodicController):
     def _with_output(self, time: float, period: float, memory: JointTrajectoryMemory) -> JointTrajectoryMemory:
         """The memory with what is commanded of each joint until the next update."""
         hold, step = self.setup.update_period, self.setup.physics_step
-        middle = self._sampled(time, memory, step + 0.5 * hold).point
+        middle = self._sampled(time, memory, 0.5 * hold).point
         positions: tuple[float, ...] = ()
         if "position" in self._names:
-            point = self._sampled(time, memory, step + 0.5 * (hold + step)).point if step else middle
+            point = self._sampled(time, memory, 0.5 * (hold + step)).point if step else middle
             positions = _turned(point, memory.running.turns).positions
         velocities, effort, pids = middle.velocities, middle.effort, memory.pids
         if self._pids:
@@ -415,8 +414,8 @@ class JointTrajectoryController(PeriodicController):
         values = {"position": output.positions, "velocity": output.velocities, "effort": output.effort}
         commands = [values[name][i] for i in self._indices for name in self._names]
         if self._has_hint:
-            hold, step = self.setup.update_period, self.setup.physics_step
-            begin, end = (self._sampled(time, memory, ahead).point.positions for ahead in (step, step + hold))
+            hold = self.setup.update_period
+            begin, end = (self._sampled(time, memory, ahead).point.positions for ahead in (0.0, hold))
             no_hint = self.setup.parameters.interpolation_method == "none"
             commands += [0.0 if no_hint else (end[i] - begin[i]) / hold for i in self._indices]
         return commands

@@ -225,14 +225,14 @@ def test_position_velocity_and_acceleration_are_quintic():
 
 
 def test_the_set_point_is_that_of_the_time_at_which_it_acts():
-    # Written at t, it acts in the steps that end from t + 2 h to t + P + h: their mean is t + h + (P + h) / 2.
+    # Written at t, it acts in the steps that end from t + h to t + P: their mean is t + (P + h) / 2.
     point = [{"positions": (1.0, -2.0), "velocities": (0.0, 0.0)}]
     step = 0.002
     rig = started(message(point, [1.0]), step=step)
     spline = CubicHermiteSpline(rig.start + np.array([0.0, 1.0]), [(0.0, 0.0), (1.0, -2.0)], np.zeros((2, 2)))
     times, commands = rig.advance(0.9)
-    assert commands[:, :2] == pytest.approx(spline(times + step + (PERIOD + step) / 2), abs=1e-12)
-    assert commands[:, 2:] == pytest.approx(mean_velocity(spline, times + step), abs=1e-11)
+    assert commands[:, :2] == pytest.approx(spline(times + (PERIOD + step) / 2), abs=1e-12)
+    assert commands[:, 2:] == pytest.approx(mean_velocity(spline, times), abs=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -847,6 +847,7 @@ def tracking_error(step, duration=2.0):
     """The largest error of two joints under gravity that follow a cubic with implicit PD servos (rad)."""
     builder = DiagramBuilder()
     plant = builder.AddSystem(MultibodyPlant(step))
+    plant.SetUseSampledOutputPorts(False)
     (instance,) = Parser(plant).AddModelsFromString(ARM, "urdf")
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base"))
     for name, inertia, load in (("a", 1.2, 18.0), ("b", 0.12, 4.0)):

@@ -200,6 +200,7 @@ def test_a_mass_on_a_critically_damped_pid_follows_the_closed_form():
     omega, mass = 8.0, 2.0
     builder = DiagramBuilder()
     plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=1e-3)
+    plant.SetUseSampledOutputPorts(False)
     body = plant.AddRigidBody("mass", SpatialInertia.SolidSphereWithMass(mass, 0.1))
     joint = plant.AddJoint(PrismaticJoint("slide", plant.world_frame(), body.body_frame(), np.array([1.0, 0.0, 0.0])))
     plant.AddJointActuator("slide", joint)
