@@ -128,6 +128,10 @@ class ControllerManager:
         """The active controllers, in the order of loading."""
         return tuple(name for name, state in self._states.items() if state == ACTIVE)
 
+    def is_active(self, controller: str) -> bool:
+        """Whether a controller is active."""
+        return self._states.get(controller) == ACTIVE
+
     @property
     def claims(self) -> dict[Interface, str]:
         """Command interface → the active controller that has claimed it."""

@@ -41,6 +41,7 @@ RESERVED_NAMES = frozenset(
         "scene_graph",
         "clock",
         "tf",
+        "ground_truth",
         "entity_states",
         "meshcat_visualizer",
         "WorldModelInstance",

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -70,7 +71,8 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
     Raises:
         RunError: names the first robot and joint, or model of the world, that is nowhere.
     """
-    if np.isfinite(built.plant.GetPositionsAndVelocities(plant_context)).all():
+    state = built.plant.GetPositionsAndVelocities(plant_context)
+    if isfinite(state.sum()) or np.isfinite(state).all():  # the sum is five times as fast, and looked at in every slice
         return
     for plan in built.plans:
         parts = built.robots[plan.name]

@@ -69,32 +69,45 @@ class Subscriptions:
     def __init__(self, latest: Callable[[str], Any]):
         self._latest = latest
         self._items: list[Subscription] = []
+        self._due_step: tuple[float, float] | None = None  # the time step and the step; looked at in every slice
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
         """Adds one; returns a function that ends it."""
         self._items.append(subscription)
-        return lambda: self._items.remove(subscription) if subscription in self._items else None
+        self._due_step = None
+        return lambda: self._end(subscription)
 
-    def due_steps(self, time_step: float) -> list[float]:
-        """The steps at which a delivery is due."""
-        return [item.due_step(time_step) for item in self._items]
+    def due_step(self, time_step: float) -> float:
+        """The step at which the next delivery is due; infinite when there is none."""
+        if self._due_step is None or self._due_step[0] != time_step:
+            self._due_step = time_step, min((item.due_step(time_step) for item in self._items), default=inf)
+        return self._due_step[1]
 
     def deliver(self, step: int, time_step: float) -> None:
         """Delivers what is due at a step; callbacks may subscribe and end subscriptions, theirs and others'."""
-        while due := [item for item in self._items if item.due_step(time_step) <= step]:
-            for subscription in (item for item in due if item in self._items):
-                message = self._latest(subscription.topic)
-                subscription.pass_time(step * time_step)
-                if message is not None:
-                    subscription.take(message)
+        while self.due_step(time_step) <= step:
+            for subscription in [item for item in self._items if item.due_step(time_step) <= step]:
+                if subscription in self._items:
+                    message = self._latest(subscription.topic)
+                    subscription.pass_time(step * time_step)
+                    self._due_step = None
+                    if message is not None:
+                        subscription.take(message)
 
     def begin(self, time: float) -> None:
         """Lets all begin again at a time (s)."""
+        self._due_step = None
         for subscription in self._items:
             subscription.begin(time)
 
     def look_again(self) -> None:
         """Looks whether messages that never change have, because their robots are others."""
+        self._due_step = None
         for subscription in self._items:
             if subscription.is_latched:
                 subscription.look_again(self._latest(subscription.topic))
+
+    def _end(self, subscription: Subscription) -> None:
+        if subscription in self._items:
+            self._items.remove(subscription)
+            self._due_step = None

@@ -644,7 +644,7 @@ class Twin:
             InputError: nothing is published on the topic.
         """
         item = self._published(topic)
-        if item.controller and item.controller not in self._controls[item.robot].manager.active:
+        if item.controller and not self._controls[item.robot].manager.is_active(item.controller):
             return None
         return item.port.Eval(self._context)
 
@@ -860,27 +860,35 @@ class Twin:
             # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.
             next_step = self._step + 1 if self.scenario.engine == CENIC else self._next_stop(target)
             try:
-                status = self._simulator.AdvanceTo(next_step * time_step)
-                if status.reason() == SimulatorStatus.ReturnReason.kReachedTerminationCondition:
-                    # A controller has something to say. All that happens at this time has happened, but Drake would do
-                    # it again when it goes on from here, the plant's step too: so it goes on from between two steps.
-                    if self.scenario.engine == CENIC:
-                        next_step = floor(self._context.get_time() / time_step + 1e-6) + 1
-                        self._context.SetTime(self._context.get_time() + _INSTANT)
-                    else:
-                        next_step = round(self._context.get_time() / time_step) + 1
-                        self._context.SetTime((next_step - 0.5) * time_step)
-                    self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
-                    self._simulator.AdvanceTo(next_step * time_step)
+                noticed = self._advance_simulator(next_step * time_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
                 check_finite(self._built, self._plant_context, self.time)
                 reason = " ".join(str(error).split())
                 raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
             check_finite(self._built, self._plant_context, self.time)
-            self._step = next_step
-            for control in self._controls.values():
-                control.give_up_faulty()
+            self._step = round(self._context.get_time() / time_step)
+            if noticed:
+                for control in self._controls.values():
+                    control.give_up_faulty()
             self._goals = [goal for goal in self._goals if not goal.deliver()]
+
+    def _advance_simulator(self, time: float) -> bool:
+        """Advances to a time (s), or to the first step at which a controller has something to say; whether one has."""
+        status = self._simulator.AdvanceTo(time)
+        if status.reason() != SimulatorStatus.ReturnReason.kReachedTerminationCondition:
+            return False
+        # All that happens at this time has happened, but Drake would do it again when it goes on from here, the plant's
+        # step too: so it goes on from between two steps.
+        now, time_step = self._context.get_time(), self.scenario.time_step
+        if self.scenario.engine == CENIC:
+            next_step = floor(now / time_step + 1e-6) + 1
+            self._context.SetTime(now + _INSTANT)
+        else:
+            next_step = round(now / time_step) + 1
+            self._context.SetTime((next_step - 0.5) * time_step)
+        self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+        self._simulator.AdvanceTo(next_step * time_step)
+        return True
 
     def _switch_time_step(self) -> bool:
         """Takes up the next step length if its time has come; returns whether it has."""
@@ -909,7 +917,7 @@ class Twin:
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
         time_step = self.scenario.time_step
-        due = self._commands.due_steps() + self._subscriptions.due_steps(time_step)
+        due = [*self._commands.due_steps(), self._subscriptions.due_step(time_step)]
         due += [step_at(item.until, time_step) for item in self._wrenches]
         if self._next_time_step is not None:
             due.append(meeting_step(self._step, self.time_step, self._next_time_step))

@@ -28,10 +28,18 @@ from drake_twin.systems.state_layout import StateLayout
 
 @dataclass(frozen=True)
 class RobotInPlant:
-    """A robot's model instance, the layout of its state, and the gains of its actuators (None: joint friction)."""
+    """A robot in the plant.
+
+    Attributes:
+        instance: its model instance.
+        layout: where its joints stand in its model instance's state.
+        layout_in_plant: where they stand in the plant's state.
+        gains: the gains of its actuators; None for one that models joint friction.
+    """
 
     instance: ModelInstanceIndex
     layout: StateLayout
+    layout_in_plant: StateLayout
     gains: tuple[ServoGains | None, ...]
 
 
@@ -92,7 +100,10 @@ def add_plant(
             if plan.description.base_joints:
                 limit_planar_efforts(plant, scene_graph, instances[plan.name])
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans], known_gains)
-    robots = {name: RobotInPlant(instance, layouts[name], gains[name]) for name, instance in instances.items()}
+    robots = {
+        name: RobotInPlant(instance, layout, layout.within(_state_indices(plant, instance)), gains[name])
+        for (name, instance), layout in zip(instances.items(), layouts.values(), strict=True)
+    }
     return PlantOfTwin(plant, scene_graph, robots, tuple(warnings), world_models)
 
 
@@ -157,26 +168,33 @@ def _exclude_self_collision(
     scene_graph.collision_filter_manager().Apply(declaration)
 
 
+def _state_indices(plant: MultibodyPlant, instance: ModelInstanceIndex) -> list[int]:
+    """Where each element of an instance's ``[q; v]`` stands in the plant's."""
+    positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions()))
+    velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities()))
+    return [*positions.astype(int).tolist(), *(plant.num_positions() + velocities.astype(int)).tolist()]
+
+
 def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan) -> StateLayout:
-    positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).astype(int).tolist()
-    velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities())).astype(int).tolist()
+    places = {index: place for place, index in enumerate(_state_indices(plant, instance))}
+    nq = plant.num_positions()
     named = (*plan.description.movable_joints, *plan.description.base_joints)
     joints = {joint.name: plant.GetJointByName(joint.name, instance) for joint in named}
     actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices(instance)]
     root = plant.GetBodyByName(plan.model.root_body, instance)
     floats = root.is_floating_base_body()
     return StateLayout(
-        size=len(positions) + len(velocities),
-        positions={name: positions.index(joint.position_start()) for name, joint in joints.items()},
-        velocities={name: len(positions) + velocities.index(joint.velocity_start()) for name, joint in joints.items()},
+        size=len(places),
+        positions={name: places[joint.position_start()] for name, joint in joints.items()},
+        velocities={name: places[nq + joint.velocity_start()] for name, joint in joints.items()},
         efforts={
             actuator.joint().name(): index
             for index, actuator in enumerate(actuators)
             if not actuator.name().endswith(FRICTION_SUFFIX)
         },
         num_actuators=len(actuators),
-        base_position=positions.index(root.floating_positions_start()) if floats else None,
-        base_velocity=(len(positions) + velocities.index(root.floating_velocities_start_in_v()) if floats else None),
+        base_position=places[root.floating_positions_start()] if floats else None,
+        base_velocity=places[nq + root.floating_velocities_start_in_v()] if floats else None,
         planar_base=planar_base(plant, instance, plan.spawn_pose) if plan.description.base_joints else None,
     )
 

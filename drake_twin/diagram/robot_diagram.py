@@ -19,11 +19,9 @@ from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import MODES, ServoGains
 from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
 from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
-from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher
 from drake_twin.systems.imu_sensor import ImuSensor
 from drake_twin.systems.joint_servo import JointServo
 from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters, JointStatePublisher
-from drake_twin.systems.robot_state_publisher import RobotStatePublisher
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 from drake_twin.systems.state_layout import StateLayout
 
@@ -31,8 +29,6 @@ from drake_twin.systems.state_layout import StateLayout
 PUBLISHED = {
     "joint_states": "sensor_msgs/msg/JointState",
     "dynamic_joint_states": "control_msgs/msg/DynamicJointState",
-    "robot_description": "std_msgs/msg/String",
-    "ground_truth/odom": "nav_msgs/msg/Odometry",
 }
 
 
@@ -66,7 +62,7 @@ def build_robot_diagram(
 
     Its input ports are ``state``, ``net_actuation`` and those of ``plant_inputs`` (from the plant), and
     ``<controller>/<topic>``; its output ports are ``desired_state`` and, where an effort may be commanded,
-    ``actuation`` (to the plant), ``tf``, ``tf_static``, ``<controller>/<topic>`` and those of `PUBLISHED`.
+    ``actuation`` (to the plant), ``<controller>/<topic>`` and those of `PUBLISHED`.
 
     Args:
         plan: the robot.
@@ -88,26 +84,13 @@ def build_robot_diagram(
         _free_name(builder, "joint_state_publisher"),
         JointStatePublisher(_state_interfaces(description), layout, *_broadcaster(plan, description)),
     )
-    robot_state = builder.AddNamedSystem(
-        _free_name(builder, "robot_state_publisher"), RobotStatePublisher(description, layout, plan.frame_prefix)
-    )
-    ground_truth = builder.AddNamedSystem(
-        _free_name(builder, "ground_truth_publisher"),
-        GroundTruthPublisher(plan.base_frame, layout, plan.spawn_pose if plan.model.is_fixed else None),
-    )
     builder.ExportInput(joint_states.get_state_input_port(), "state")
-    builder.ConnectInput("state", robot_state.get_state_input_port())
-    builder.ConnectInput("state", ground_truth.get_state_input_port())
     for name, controller in controllers.items():
         _wire_controller(builder, name, controller, controllers)
     plant_inputs = _add_sensors(builder, plan, plant, instance, controllers)
     builder.ExportInput(joint_states.get_net_actuation_input_port(), "net_actuation")
     builder.ExportOutput(joint_states.get_joint_states_output_port(), "joint_states")
     builder.ExportOutput(joint_states.get_dynamic_joint_states_output_port(), "dynamic_joint_states")
-    builder.ExportOutput(robot_state.get_tf_output_port(), "tf")
-    builder.ExportOutput(robot_state.get_tf_static_output_port(), "tf_static")
-    builder.ExportOutput(robot_state.get_robot_description_output_port(), "robot_description")
-    builder.ExportOutput(ground_truth.get_odom_output_port(), "ground_truth/odom")
     diagram = builder.Build()
     diagram.set_name(plan.name)
     return RobotDiagram(diagram, controllers, servo, joint_states, joints, plant_inputs, warnings)

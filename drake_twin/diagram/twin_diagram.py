@@ -25,8 +25,11 @@ from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
-from drake_twin.systems.transform_broadcaster import FixedFrame, TransformBroadcaster
+from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
+from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
 
+ROBOT_DESCRIPTION, GROUND_TRUTH = "robot_description", "ground_truth/odom"
+ROBOT_TOPICS = (*PUBLISHED, ROBOT_DESCRIPTION, GROUND_TRUTH)  # that every robot has, below its namespace
 TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is no topic of its own
 
 
@@ -157,12 +160,13 @@ def _build(
     parts = add_plant(builder, scenario, plans, world_file, known_gains)
     topics = _Topics(builder)
     robots = {plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step) for plan in plans}
-    broadcaster = _add_transform_broadcaster(builder, scenario, plans, robots)
+    frames = _add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
     tf_type = "tf2_msgs/msg/TFMessage"
-    topics.publish("/tf", broadcaster.get_tf_output_port(), tf_type, 20.0)
-    topics.publish("/tf_static", broadcaster.get_tf_static_output_port(), tf_type, None)
+    topics.publish("/tf", frames.get_tf_output_port(), tf_type, 20.0)
+    topics.publish("/tf_static", frames.get_tf_static_output_port(), tf_type, None)
+    _add_ground_truth(builder, parts, plans, topics)
     _add_entity_states(builder, parts, plans, topics)
     visualizer = None
     if meshcat is not None:
@@ -253,10 +257,9 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     broadcaster = next((item for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), None)
     for name, kind in PUBLISHED.items():
-        rate = None if name == "robot_description" else plan.update_rate
-        if broadcaster is None or not name.endswith("joint_states"):
+        if broadcaster is None:
             topic = plan.robot.remapped(f"{namespace}/{name}")
-            topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name)
+            topics.publish(topic, system.GetOutputPort(name), kind, plan.update_rate, plan.name)
         elif (broadcast := _broadcast_topic(plan, broadcaster, name)) is not None:
             rate = broadcaster.update_rate
             topics.publish(broadcast, system.GetOutputPort(name), kind, rate, plan.name, broadcaster.name)
@@ -274,6 +277,24 @@ def _add_robot(
                 output = system.GetOutputPort(f"{name}/{own}")
                 topics.publish(published, output, kind, plans[name].update_rate, plan.name, name)
     return robot
+
+
+def _add_ground_truth(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequence[RobotPlan], topics: _Topics) -> None:
+    bases = [
+        RobotBase(
+            plan.name,
+            plan.base_frame,
+            parts.robots[plan.name].layout_in_plant,
+            plan.spawn_pose if plan.model.is_fixed else None,
+        )
+        for plan in plans
+    ]
+    publisher = builder.AddNamedSystem("ground_truth", GroundTruthPublisher(bases, parts.plant.num_multibody_states()))
+    builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
+    for plan in plans:
+        topic = plan.robot.remapped(f"{plan.robot.topic_namespace}/{GROUND_TRUTH}")
+        port = publisher.get_odom_output_port(plan.name)
+        topics.publish(topic, port, "nav_msgs/msg/Odometry", plan.update_rate, plan.name)
 
 
 def _add_entity_states(
@@ -319,9 +340,14 @@ def _broadcast_topic(robot: RobotPlan, plan: ControllerPlan, name: str) -> str |
     return robot.robot.remapped(f"{namespace}/{plan.name}/{name}" if local else f"{namespace}/{name}")
 
 
-def _add_transform_broadcaster(
-    builder: DiagramBuilder, scenario: Scenario, plans: Sequence[RobotPlan], robots: Mapping[str, RobotDiagram]
-) -> TransformBroadcaster:
+def _add_frames(
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    parts: PlantOfTwin,
+    plans: Sequence[RobotPlan],
+    robots: Mapping[str, RobotDiagram],
+    topics: _Topics,
+) -> RobotStatePublisher:
     """A frame has one parent: a true base pose goes to tf only where nobody else places that frame."""
     static_transforms = [
         FixedFrame(item.parent, item.child, Pose(item.xyz, item.rpy)) for item in scenario.static_transforms
@@ -349,22 +375,36 @@ def _add_transform_broadcaster(
         if controller.odometry_frames is not None
     }
     placed_by_odometry = {child for _, child in odometry.values()}
-    broadcaster = TransformBroadcaster(
-        robots=[plan.name for plan in plans],
-        moving_bases=[
-            plan.name for plan in own if not plan.model.is_fixed and plan.base_frame not in placed_by_odometry
+    bases = {
+        plan.name: plan.base_frame
+        for plan in own
+        if not plan.model.is_fixed and plan.base_frame not in placed_by_odometry
+    }
+    publisher = RobotStatePublisher(
+        [
+            RobotFrames(
+                plan.name,
+                plan.description,
+                parts.robots[plan.name].layout_in_plant,
+                plan.frame_prefix,
+                bases.get(plan.name, ""),
+            )
+            for plan in plans
         ],
+        parts.plant.num_multibody_states(),
         static_transforms=[*static_transforms, *fixed_bases],
         odometry=[f"{robot}/{name}/{TF_ODOMETRY}" for robot, name in odometry],
     )
-    builder.AddNamedSystem("tf", broadcaster)
-    for robot, parts in robots.items():
-        names = ["tf", "tf_static", "ground_truth/odom"]
-        names += [f"{name}/{TF_ODOMETRY}" for owner, name in odometry if owner == robot]
-        for name in names:
-            if broadcaster.HasInputPort(f"{robot}/{name}"):
-                builder.Connect(parts.diagram.GetOutputPort(name), broadcaster.GetInputPort(f"{robot}/{name}"))
-    return broadcaster
+    builder.AddNamedSystem("tf", publisher)
+    builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
+    for robot, name in odometry:
+        port = robots[robot].diagram.GetOutputPort(f"{name}/{TF_ODOMETRY}")
+        builder.Connect(port, publisher.GetInputPort(f"{robot}/{name}/{TF_ODOMETRY}"))
+    for plan in plans:
+        topic = plan.robot.remapped(f"{plan.robot.topic_namespace}/{ROBOT_DESCRIPTION}")
+        port = publisher.GetOutputPort(f"{plan.name}/robot_description")
+        topics.publish(topic, port, "std_msgs/msg/String", None, plan.name)
+    return publisher
 
 
 def _refuse_circles(plans: Sequence[RobotPlan], static_transforms: Sequence[FixedFrame]) -> None:

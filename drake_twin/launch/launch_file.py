@@ -430,10 +430,10 @@ def _not_faster(command: Command, step: float) -> Command:
 
 def _topics_of(plan: RobotPlan) -> set[str]:
     """The topics that a robot has, and another one cannot have too."""
-    from drake_twin.diagram.robot_diagram import PUBLISHED
+    from drake_twin.diagram.twin_diagram import ROBOT_TOPICS
 
     robot, namespace = plan.robot, plan.robot.topic_namespace
-    names = [f"{namespace}/{name}" for name in PUBLISHED]
+    names = [f"{namespace}/{name}" for name in ROBOT_TOPICS]
     for item in plan.controllers:
         names += [name for name in robot.remappings if name.startswith(f"{namespace}/{item.name}/")]
         names += ["/" + name.format(model=robot.name).lstrip("/") for name in item.gz_topics.values()]

@@ -12,6 +12,7 @@ from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
 _INTERFACES = ("position", "velocity", "effort")
+_CONSTANTS = np.array([np.nan, 0.0])
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class JointStatePublisher(LeafSystem):
         super().__init__()
         self._frame_id = frame_id
         self._with_dynamic = parameters.publish_dynamic_joint_states
-        # Two constants stand behind the last value: NaN for what is missing, 0 for extra joints.
+        # Behind the last value stand NaN for what is missing and 0 for extra joints.
         missing = layout.size + layout.num_actuators
         # Joint → what it is called in the messages → where the value stands.
         places: dict[str, dict[str, int]] = {}
@@ -140,6 +141,9 @@ class JointStatePublisher(LeafSystem):
         self._places = {
             joint: (tuple(where), np.array([*where.values()], dtype=int)) for joint, where in places.items()
         }
+        # Efforts are not asked for in vain: after a command they take as long as a step.
+        self._no_efforts = np.full(layout.num_actuators, np.nan)
+        self._has_efforts = any(layout.size <= place < missing for where in places.values() for place in where.values())
         self._state = self.DeclareVectorInputPort("state", layout.size)
         self._net_actuation = self.DeclareVectorInputPort("net_actuation", layout.num_actuators)
         prerequisites = {
@@ -178,21 +182,14 @@ class JointStatePublisher(LeafSystem):
         return np.asarray(self._net_actuation.Eval(context))
 
     def _values(self, context: Context) -> np.ndarray:
-        return np.concatenate([self._state.Eval(context), self.efforts(context), [np.nan, 0.0]])
+        efforts = self.efforts(context) if self._has_efforts else self._no_efforts
+        return np.concatenate((self._state.Eval(context), efforts, _CONSTANTS))
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         values = self._values(context)[self._gather]
         values.setflags(write=False)  # the port hands the same message to everybody
-        position, velocity, effort = values
-        output.set_value(
-            messages.JointState(
-                header=messages.header(context.get_time(), self._frame_id),
-                name=list(self.joints),
-                position=position,
-                velocity=velocity,
-                effort=effort,
-            )
-        )
+        header = messages.header(context.get_time(), self._frame_id)
+        output.set_value(messages.JointState(header, list(self.joints), values[0], values[1], values[2]))
 
     def _calc_dynamic_joint_states(self, context: Context, output: AbstractValue) -> None:
         if not self._with_dynamic:

@@ -1,12 +1,13 @@
 """The pose and velocity of a base that moves over the plane on joints, from their state."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import cos, sin
 
 import numpy as np
 
 from drake_twin.description.robot_description import Pose
-from drake_twin.systems.frames import quaternion_from_rpy
+from drake_twin.systems.rotations import quaternion_from_rpy
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,11 @@ class PlanarBase:
     start: Pose
     positions: tuple[int, ...]
     velocities: tuple[int, ...]
+
+    def within(self, indices: Sequence[int]) -> "PlanarBase":
+        """Where the same stands in the plant's state; as `StateLayout.within`."""
+        positions, velocities = ([indices[index] for index in own] for own in (self.positions, self.velocities))
+        return replace(self, positions=tuple(positions), velocities=tuple(velocities))
 
     def as_floating(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What a floating base would have in the same place.

@@ -1,6 +1,8 @@
-"""A robot's link frames from its joint positions, as robot_state_publisher publishes them."""
+"""The frames of all robots, as they meet on ROS's ``/tf`` and ``/tf_static``."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -8,63 +10,107 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
 
 from drake_twin import messages
-from drake_twin.description.robot_description import Joint, RobotDescription
-from drake_twin.systems.frames import quaternion_from_rpy, quaternion_product, rotated, transform_messages
+from drake_twin.description.robot_description import Joint, Pose, RobotDescription
+from drake_twin.systems.joint_frames import JointFrames
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
+
+
+@dataclass(frozen=True)
+class FixedFrame:
+    """A frame fixed in another one."""
+
+    parent: str
+    child: str
+    pose: Pose
+
+
+@dataclass(frozen=True)
+class RobotFrames:
+    """A robot whose frames are published.
+
+    Attributes:
+        name: the robot.
+        description: its joints and links, and the text that it was read from.
+        layout: where its joints and its base stand in the plant's state.
+        frame_prefix: put before every link's name.
+        base_frame: the frame of its root link, when the true pose of that in ``world`` is to be on ``tf``.
+    """
+
+    name: str
+    description: RobotDescription
+    layout: StateLayout
+    frame_prefix: str = ""
+    base_frame: str = ""
 
 
 class RobotStatePublisher(LeafSystem):
     """Turns joint positions into one transform for each joint: the child link in the parent link.
 
-    Behaves as ``robot_state_publisher`` in ROS 2 Jazzy: moving joints on ``tf``, fixed ones on ``tf_static``, the frame
-    prefix put before every frame name, floating and planar joints skipped.
+    Behaves for each robot as ``robot_state_publisher`` in ROS 2 Jazzy: moving joints on ``tf``, fixed ones on
+    ``tf_static``, the frame prefix put before every frame name, floating and planar joints skipped; and as
+    ``static_transform_publisher`` for further frames. One system does it for all robots, since all joints together
+    take hardly longer than those of one.
 
     .. pydrake_system::
 
         name: RobotStatePublisher
         input_ports:
         - state
+        - <robot>/<controller>/tf_odometry
         output_ports:
         - tf
         - tf_static
-        - robot_description
+        - <robot>/robot_description
 
-    - ``state``: vector ``[q; v]`` of the model instance (rad, rad/s, or m, m/s).
-    - ``tf``: ``tf2_msgs/msg/TFMessage`` with one transform for each revolute, continuous and prismatic joint.
-    - ``tf_static``: ``tf2_msgs/msg/TFMessage`` with one transform for each fixed joint; never changes.
-    - ``robot_description``: ``std_msgs/msg/String`` with the URDF (or SDF) text; never changes.
+    - ``state``: vector ``[q; v]`` of the plant (rad, rad/s, or m, m/s).
+    - ``<robot>/<controller>/tf_odometry``: ``tf2_msgs/msg/TFMessage``, or ``None``, from the drives' controllers.
+    - ``tf``: ``tf2_msgs/msg/TFMessage``: true base poses, odometry, then one transform for each revolute, continuous
+      and prismatic joint, in the order of the robots; topic ``/tf``.
+    - ``tf_static``: ``tf2_msgs/msg/TFMessage``: the static transforms, then one for each fixed joint; never changes;
+      topic ``/tf_static``.
+    - ``<robot>/robot_description``: ``std_msgs/msg/String`` with the URDF (or SDF) text; never changes.
 
     Args:
-        description: the robot.
-        layout: where the joints stand in ``state``.
-        frame_prefix: put before every link's name.
+        robots: the robots.
+        size: the size of ``state``.
+        static_transforms: further frames for ``tf_static``.
+        odometry: the names of the ports for drives' transforms.
+
+    Raises:
+        ValueError: a base is to be published and does not move.
     """
 
-    def __init__(self, description: RobotDescription, layout: StateLayout, frame_prefix: str = ""):
+    def __init__(
+        self,
+        robots: Sequence[RobotFrames],
+        size: int,
+        static_transforms: Iterable[FixedFrame] = (),
+        odometry: Iterable[str] = (),
+    ):
         super().__init__()
-        self._text = description.text
-        self._moving = _JointFrames(
-            [joint for joint in description.movable_joints if joint.name in layout.positions], frame_prefix
+        moving, indices = [], []
+        for robot in robots:
+            joints = [joint for joint in robot.description.movable_joints if joint.name in robot.layout.positions]
+            moving += [(robot.frame_prefix, joint) for joint in joints]
+            indices += [robot.layout.positions[joint.name] for joint in joints]
+        fixed = [(robot.frame_prefix, j) for robot in robots for j in robot.description.joints if j.type == "fixed"]
+        self._moving, self._fixed = _Transforms(moving), _Transforms(fixed)
+        self._indices = np.array(indices, dtype=int)
+        self._bases = [(robot.base_frame, robot.layout) for robot in robots if robot.base_frame]
+        if not all(layout.has_moving_base for _, layout in self._bases):
+            raise ValueError("a base that is welded is a static transform")
+        self._static = _Transforms(
+            [("", Joint(frame.child, "fixed", frame.parent, frame.child, frame.pose)) for frame in static_transforms]
         )
-        self._fixed = _JointFrames([joint for joint in description.joints if joint.type == "fixed"], frame_prefix)
-        self._position_indices = np.array([layout.positions[name] for name in self._moving.names], dtype=int)
-        self._state = self.DeclareVectorInputPort("state", layout.size)
-        self._tf = self.DeclareAbstractOutputPort(
-            "tf",
-            lambda: AbstractValue.Make(None),
-            weakly(self._calc_tf),
-            {self.time_ticket(), self.input_port_ticket(self._state.get_index())},
-        )
-        self._tf_static = self.DeclareAbstractOutputPort(
-            "tf_static", lambda: AbstractValue.Make(None), weakly(self._calc_tf_static), {self.nothing_ticket()}
-        )
-        self._robot_description = self.DeclareAbstractOutputPort(
-            "robot_description",
-            lambda: AbstractValue.Make(None),
-            weakly(self._calc_robot_description),
-            {self.nothing_ticket()},
-        )
+        self._state = self.DeclareVectorInputPort("state", size)
+        self._odometry = [self.DeclareAbstractInputPort(name, AbstractValue.Make(None)) for name in odometry]
+        inputs = {self.input_port_ticket(port.get_index()) for port in (self._state, *self._odometry)}
+        self._tf = self._declare_output("tf", weakly(self._calc_tf), {self.time_ticket(), *inputs})
+        self._tf_static = self._declare_output("tf_static", weakly(self._calc_tf_static), {self.nothing_ticket()})
+        for robot in robots:
+            calc = weakly(self._calc_robot_description, robot.description.text)
+            self._declare_output(f"{robot.name}/robot_description", calc, {self.nothing_ticket()})
 
     def get_state_input_port(self) -> InputPort:
         """The port ``state``."""
@@ -78,46 +124,66 @@ class RobotStatePublisher(LeafSystem):
         """The port ``tf_static``."""
         return self._tf_static
 
-    def get_robot_description_output_port(self) -> OutputPort:
-        """The port ``robot_description``."""
-        return self._robot_description
+    def _declare_output(self, name: str, calc: Callable[..., None], prerequisites: set[Any]) -> OutputPort:
+        return self.DeclareAbstractOutputPort(name, lambda: AbstractValue.Make(None), calc, prerequisites)
 
     def _calc_tf(self, context: Context, output: AbstractValue) -> None:
-        positions = self._state.Eval(context)[self._position_indices]
-        output.set_value(self._moving.message(positions, context.get_time()))
+        state = self._state.Eval(context)
+        stamp = messages.time_message(context.get_time())
+        transforms = []
+        if self._bases:
+            header = messages.Header(stamp, "world")
+            transforms = [_base_transform(header, frame, layout, state) for frame, layout in self._bases]
+        for message in (port.Eval(context) for port in self._odometry):
+            if message is not None:
+                transforms += message.transforms
+        transforms += self._moving.messages(state[self._indices], stamp)
+        output.set_value(messages.TFMessage(transforms))
 
     def _calc_tf_static(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._fixed.message(np.zeros(len(self._fixed.names)), 0.0))
+        stamp = messages.time_message(0.0)
+        output.set_value(messages.TFMessage([*self._static.messages(None, stamp), *self._fixed.messages(None, stamp)]))
 
-    def _calc_robot_description(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(messages.String(data=self._text))
+    def _calc_robot_description(self, text: str, context: Context, output: AbstractValue) -> None:
+        output.set_value(messages.String(text))
 
 
-class _JointFrames:
-    """The transforms of a list of joints, computed for all of them at once."""
+class _Transforms:
+    """Joints, each with its frame prefix, as ``geometry_msgs/msg/TransformStamped`` messages."""
 
-    def __init__(self, joints: Sequence[Joint], frame_prefix: str):
-        self.names = tuple(joint.name for joint in joints)
-        self._parents = [frame_prefix + joint.parent for joint in joints]
-        self._children = [frame_prefix + joint.child for joint in joints]
-        self._xyz = np.array([joint.origin.xyz for joint in joints]).reshape(-1, 3)
-        self._quaternions = quaternion_from_rpy(np.array([joint.origin.rpy for joint in joints]).reshape(-1, 3))
-        axes = np.array([joint.axis for joint in joints]).reshape(-1, 3)
-        slides = np.array([[joint.type == "prismatic"] for joint in joints], dtype=bool).reshape(-1, 1)
-        self._sliding_axes = np.where(slides, axes, 0.0)
-        self._turning_axes = np.where(slides, 0.0, axes)
-        self._child_xyz = np.array([joint.child_origin.xyz for joint in joints]).reshape(-1, 3)
-        self._child_quaternions = quaternion_from_rpy(
-            np.array([joint.child_origin.rpy for joint in joints]).reshape(-1, 3)
-        )
+    def __init__(self, joints: Sequence[tuple[str, Joint]]):
+        self._frames = JointFrames([joint for _, joint in joints])
+        self._parents = [prefix + joint.parent for prefix, joint in joints]
+        self._children = [prefix + joint.child for prefix, joint in joints]
+        self._at_zero = np.zeros(len(joints))
+        self._moves = [bool(moves) for moves in self._frames.moves_along]
+        self._translations: list[Any] | None = None  # those that no position changes are made once
 
-    def message(self, positions: np.ndarray, time: float) -> Any:
-        """A ``TFMessage`` for joint positions (rad or m) at a simulation time (s)."""
-        half = 0.5 * positions[:, None]
-        turn = np.hstack([np.cos(half), np.sin(half) * self._turning_axes])
-        turn[~self._turning_axes.any(axis=1)] = (1.0, 0.0, 0.0, 0.0)
-        joint_xyz = self._xyz + rotated(self._quaternions, positions[:, None] * self._sliding_axes)
-        joint_quaternions = quaternion_product(self._quaternions, turn)
-        xyz = joint_xyz + rotated(joint_quaternions, self._child_xyz)
-        quaternions = quaternion_product(joint_quaternions, self._child_quaternions)
-        return messages.TFMessage(transforms=transform_messages(self._parents, self._children, xyz, quaternions, time))
+    def messages(self, positions: np.ndarray | None, stamp: Any) -> list[Any]:
+        """The transforms for joint positions (rad or m; None: all zero) at a time."""
+        positions = self._at_zero if positions is None else positions
+        if self._translations is None:
+            self._translations = [messages.Vector3(*xyz) for xyz in self._frames.xyz(self._at_zero).tolist()]
+        translations = self._translations
+        if any(self._moves):
+            translations = [
+                messages.Vector3(*xyz) if changes else constant
+                for xyz, changes, constant in zip(
+                    self._frames.xyz(positions).tolist(), self._moves, translations, strict=True
+                )
+            ]
+        headers = {parent: messages.Header(stamp, parent) for parent in self._parents}
+        stamped, transform, rotation = messages.TransformStamped, messages.Transform, messages.Quaternion
+        return [
+            stamped(headers[parent], child, transform(translation, rotation(x, y, z, w)))
+            for parent, child, translation, (w, x, y, z) in zip(
+                self._parents, self._children, translations, self._frames.quaternions(positions).tolist(), strict=True
+            )
+        ]
+
+
+def _base_transform(header: Any, frame: str, layout: StateLayout, state: np.ndarray) -> Any:
+    w, x, y, z, *xyz = layout.base_state(state)[0].tolist()
+    norm = sqrt(w * w + x * x + y * y + z * z)
+    rotation = messages.Quaternion(x / norm, y / norm, z / norm, w / norm)
+    return messages.TransformStamped(header, frame, messages.Transform(messages.Vector3(*xyz), rotation))

@@ -1,7 +1,7 @@
 """Where each joint of a robot stands in its model instance's state vector."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,22 @@ class StateLayout:
     base_position: int | None = None
     base_velocity: int | None = None
     planar_base: PlanarBase | None = None
+
+    def within(self, indices: Sequence[int]) -> "StateLayout":
+        """Where the same stands in the plant's state.
+
+        Args:
+            indices: where each element of the model instance's state stands in the plant's.
+        """
+        planar, base_position, base_velocity = self.planar_base, self.base_position, self.base_velocity
+        return replace(
+            self,
+            positions={name: indices[index] for name, index in self.positions.items()},
+            velocities={name: indices[index] for name, index in self.velocities.items()},
+            base_position=None if base_position is None else indices[base_position],
+            base_velocity=None if base_velocity is None else indices[base_velocity],
+            planar_base=None if planar is None else planar.within(indices),
+        )
 
     @property
     def has_moving_base(self) -> bool:

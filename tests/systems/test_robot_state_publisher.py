@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
+from pydrake.common.value import AbstractValue
 
+from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
-from drake_twin.systems.robot_state_publisher import RobotStatePublisher
+from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
 from drake_twin.systems.state_layout import StateLayout
 
 LAYOUT = StateLayout(size=4, positions={"turn": 0, "slide": 1}, velocities={"turn": 2, "slide": 3}, efforts={})
@@ -20,7 +22,11 @@ DESCRIPTION = RobotDescription(
 
 
 def evaluate(port, state=(0.0, 0.0, 0.0, 0.0), time=0.0, prefix="", description=DESCRIPTION):
-    dut = RobotStatePublisher(description, LAYOUT, prefix)
+    dut = RobotStatePublisher([RobotFrames("r", description, LAYOUT, prefix)], len(state))
+    return at(dut, state, time, port)
+
+
+def at(dut, state, time=0.0, port="tf"):
     context = dut.CreateDefaultContext()
     context.SetTime(time)
     dut.get_state_input_port().FixValue(context, list(state))
@@ -75,4 +81,71 @@ def test_a_child_link_away_from_its_joint_frame_is_placed_as_in_sdf():
 
 
 def test_the_robot_description_is_the_text_of_the_robot():
-    assert evaluate("robot_description").data == "<robot/>"
+    assert evaluate("r/robot_description").data == "<robot/>"
+
+
+# Several robots
+
+FLOATING = StateLayout(size=13, positions={}, velocities={}, efforts={}, base_position=0, base_velocity=7)
+BUOY = RobotDescription("buoy", ("buoy",), ())
+UNTURNED = [2.0, 0, 0, 0, 5.0, 6.0, 7.0, *[0.0] * 6]
+
+
+def children(message):
+    return [transform.child_frame_id for transform in message.transforms]
+
+
+def two_arms():
+    layouts = [LAYOUT.within([index, 2 + index, 4 + index, 6 + index]) for index in (0, 1)]
+    frames = [RobotFrames(name, DESCRIPTION, layout, f"{name}/") for name, layout in zip("ab", layouts, strict=True)]
+    return RobotStatePublisher(frames, 8)
+
+
+def test_the_frames_of_all_robots_meet_on_one_port_in_their_order():
+    message = at(two_arms(), (np.pi, 0, 0, 0.25, 0, 0, 0, 0))
+    assert children(message) == ["a/arm", "a/hand", "b/arm", "b/hand"]
+    assert [wxyz(transform)[3] for transform in message.transforms[::2]] == pytest.approx([1, 0])
+    assert [xyz(transform)[1] for transform in message.transforms[1::2]] == pytest.approx([0, 0.25])
+
+
+def test_a_true_base_pose_is_broadcast_only_for_the_robots_asked_for_and_first():
+    quiet = RobotFrames("a", DESCRIPTION, LAYOUT.within([13, 14, 15, 16]))
+    dut = RobotStatePublisher([quiet, RobotFrames("b", BUOY, FLOATING, base_frame="b/buoy")], 17)
+    base, *others = at(dut, [*UNTURNED, 0, 0, 0, 0], time=1.5).transforms
+    assert (base.header.frame_id, base.header.stamp.nanosec, base.child_frame_id) == ("world", 500_000_000, "b/buoy")
+    assert (xyz(base), wxyz(base)) == ([5, 6, 7], [1, 0, 0, 0])
+    assert [transform.child_frame_id for transform in others] == ["arm", "hand"]
+
+
+def test_a_welded_base_is_refused():
+    with pytest.raises(ValueError, match="is a static transform"):
+        RobotStatePublisher([RobotFrames("a", DESCRIPTION, LAYOUT, base_frame="base")], 4)
+
+
+def test_odometry_comes_before_the_joints_and_only_when_there_is_some():
+    dut = RobotStatePublisher([RobotFrames("r", DESCRIPTION, LAYOUT)], 4, odometry=["r/drive/tf_odometry"])
+    context = dut.CreateDefaultContext()
+    dut.get_state_input_port().FixValue(context, [0.0] * 4)
+    odometry = dut.GetInputPort("r/drive/tf_odometry")
+    odometry.FixValue(context, AbstractValue.Make(None))
+    assert children(dut.get_tf_output_port().Eval(context)) == ["arm", "hand"]
+    place = messages.Transform(messages.Vector3(1.0, 0.0, 0.0), messages.Quaternion(0.0, 0.0, 0.0, 1.0))
+    driven = messages.TransformStamped(messages.header(0.0, "odom"), "base", place)
+    odometry.FixValue(context, AbstractValue.Make(messages.TFMessage([driven])))
+    assert children(dut.get_tf_output_port().Eval(context)) == ["base", "arm", "hand"]
+
+
+def test_static_transforms_come_first_and_with_their_pose():
+    frame = FixedFrame("world", "odom", Pose((1, 2, 3), (0, 0, np.pi)))
+    dut = RobotStatePublisher([RobotFrames("r", DESCRIPTION, LAYOUT)], 4, static_transforms=[frame])
+    first, second = at(dut, [0.0] * 4, port="tf_static").transforms
+    assert (first.header.frame_id, first.child_frame_id, second.child_frame_id) == ("world", "odom", "camera")
+    assert xyz(first) == [1, 2, 3]
+    assert first.transform.rotation.z == pytest.approx(1)
+
+
+def test_a_message_is_not_changed_by_the_next():
+    dut = RobotStatePublisher([RobotFrames("r", DESCRIPTION, LAYOUT)], 4)
+    before = at(dut, (0.0, 0.0, 0, 0)).transforms[1]
+    after = at(dut, (0.0, 0.5, 0, 0)).transforms[1]
+    assert (xyz(before), xyz(after)) == (pytest.approx([0, 0, 0]), pytest.approx([0, 0.5, 0]))

@@ -1,11 +1,6 @@
-"""Rotations of many frames at once, and transforms as messages. Quaternions are (w, x, y, z), as in Drake."""
-
-from collections.abc import Sequence
-from typing import Any
+"""Rotations of many frames at once. Quaternions are (w, x, y, z), as in Drake."""
 
 import numpy as np
-
-from drake_twin import messages
 
 
 def quaternion_from_rpy(rpy: np.ndarray) -> np.ndarray:
@@ -43,30 +38,3 @@ def rotated(quaternions: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     w, u = quaternions[:, :1], quaternions[:, 1:]
     twice_cross = 2.0 * np.cross(u, vectors)
     return np.asarray(vectors + w * twice_cross + np.cross(u, twice_cross))
-
-
-def transform_messages(
-    parents: Sequence[str], children: Sequence[str], xyz: np.ndarray, quaternions: np.ndarray, time: float
-) -> list[Any]:
-    """``geometry_msgs/msg/TransformStamped`` messages for frames given row by row.
-
-    Args:
-        parents: the frames that the transforms are expressed in.
-        children: the frames they place.
-        xyz: translations (m), shape (n, 3).
-        quaternions: rotations, shape (n, 4).
-        time: the stamp (s).
-    """
-    return [
-        messages.TransformStamped(
-            header=messages.header(time, parent),
-            child_frame_id=child,
-            transform=messages.Transform(
-                translation=messages.Vector3(x=x, y=y, z=z),
-                rotation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
-            ),
-        )
-        for parent, child, (x, y, z), (qw, qx, qy, qz) in zip(
-            parents, children, xyz.tolist(), quaternions.tolist(), strict=True
-        )
-    ]
