@@ -19,12 +19,15 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
 from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
-from drake_twin.scenario import CENIC, Scenario
+from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.state import read_robot_state
 from drake_twin.systems.controller import PeriodicController
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
-_LONGEST_STEP_OF_CENIC = 0.1  # s
+# Longer than the longest grid (s): a limit that is met by rounding leaves a step of 1e-16 s. In such a step the velocity
+# that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
+_LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
+_SAME_TIME = 1e-9  # s
 
 
 class Running:
@@ -52,6 +55,15 @@ class Running:
             ApplySimulatorConfig(configuration, self.simulator)
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
+        self._time_step = scenario.time_step
+        self._updates: set[tuple[float, float]] = set()
+        if scenario.engine == CENIC:
+            self._updates = {
+                (item.setup.update_period, item.setup.update_offset)
+                for parts in self.built.parts.values()
+                for item in parts.controllers.values()
+                if isinstance(item, PeriodicController | SensorBroadcaster)
+            }
 
     def initialize(self) -> None:
         """Makes the simulator begin at the context's time and state.
@@ -63,6 +75,18 @@ class Running:
             self.simulator.Initialize()
         except (RuntimeError, SystemExit) as error:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
+
+    def time_of(self, step: int) -> float:
+        """The time at which a step ends (s), or the time of an update that differs from it by rounding alone.
+
+        With CENIC a controller's update just behind a step's end would leave a step of 1e-16 s between the two.
+        """
+        time = step * self._time_step
+        for period, offset in self._updates:
+            update = offset + round((time - offset) / period) * period
+            if abs(update - time) < _SAME_TIME:
+                time = max(time, update)
+        return time
 
     def start_at_rest(self) -> None:
         """Puts the context into its default state at time zero, with no command on any port."""

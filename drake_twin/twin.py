@@ -860,7 +860,7 @@ class Twin:
             # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.
             next_step = self._step + 1 if self.scenario.engine == CENIC else self._next_stop(target)
             try:
-                noticed = self._advance_simulator(next_step * time_step)
+                noticed = self._advance_simulator(next_step)
             except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
                 check_finite(self._built, self._plant_context, self.time)
                 reason = " ".join(str(error).split())
@@ -872,9 +872,9 @@ class Twin:
                     control.give_up_faulty()
             self._goals = [goal for goal in self._goals if not goal.deliver()]
 
-    def _advance_simulator(self, time: float) -> bool:
-        """Advances to a time (s), or to the first step at which a controller has something to say; whether one has."""
-        status = self._simulator.AdvanceTo(time)
+    def _advance_simulator(self, step: int) -> bool:
+        """Advances to a step, or to the first one at which a controller has something to say; whether one has."""
+        status = self._simulator.AdvanceTo(self._running.time_of(step))
         if status.reason() != SimulatorStatus.ReturnReason.kReachedTerminationCondition:
             return False
         # All that happens at this time has happened, but Drake would do it again when it goes on from here, the plant's
@@ -887,7 +887,7 @@ class Twin:
             next_step = round(now / time_step) + 1
             self._context.SetTime((next_step - 0.5) * time_step)
         self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
-        self._simulator.AdvanceTo(next_step * time_step)
+        self._simulator.AdvanceTo(self._running.time_of(next_step))
         return True
 
     def _switch_time_step(self) -> bool:

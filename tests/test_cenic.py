@@ -111,3 +111,42 @@ def test_robots_come_and_go_and_snapshots_hold_to_the_accuracy(tmp_path):
 def test_what_is_no_engine_is_refused(option, value):
     with pytest.raises(InputError, match=option):
         rovers(1, **{option: value}).build()
+
+
+# A step of 1e-16 s, where two times differ by rounding, throws joints that mimic others: 6 · 0.1 s lies behind 0.5 s and
+# CENIC's longest step by so much, and 25 ms is no sum of five doubles that are 5 ms.
+
+
+def arm_at(twin, time):
+    fastest = 0.0
+    for step in range(round(twin.time / twin.time_step), round(time / twin.time_step)):
+        twin.advance_to((step + 1) * twin.time_step)
+        fastest = max(fastest, *map(abs, twin.robot_state("arm").velocities))
+    return fastest
+
+
+def test_the_longest_grid_leaves_no_step_of_rounding():
+    twin = TwinBuilder(engine="cenic", time_step=0.1).robot("arm", ARM).build()
+    topic = "/arm/forward_velocity_controller/commands"
+    for tick in range(13):
+        twin.publish(topic, [0.4, 0.3, -0.3, 0.1 if tick % 2 else -0.1])
+        assert arm_at(twin, 0.1 * (tick + 1)) < 0.5
+    assert twin.robot_state("arm").positions[:3] == pytest.approx([0.52, 0.39, -0.39], abs=0.01)
+
+
+def test_updates_beside_the_grid_by_rounding_leave_no_step_of_rounding(tmp_path):
+    joints = [f"joint_{index}" for index in range(1, 5)]
+    gains = ", ".join(f"{joint}: {{p: 5.0, ff_velocity_scale: 1.0}}" for joint in joints)
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager: {ros__parameters: {update_rate: 40,"
+        " c: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        f"c: {{ros__parameters: {{joints: [{', '.join(joints)}], command_interfaces: [velocity],"
+        f" state_interfaces: [position, velocity], gains: {{{gains}}}}}}}\n"
+    )
+    builder = TwinBuilder(engine="cenic", time_step=0.005, accuracy=1e-2)
+    twin = builder.robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    there = [0.5, 0.4, -0.4, 0.5]
+    points = [{"positions": there, "velocities": [0.0] * 4, "time_from_start": 2.0}]
+    twin.publish("/arm/c/joint_trajectory", {"joint_names": joints, "points": points})
+    assert arm_at(twin, 4.0) < 0.5
+    assert twin.robot_state("arm").positions[:4] == pytest.approx(there, abs=1e-3)

@@ -63,6 +63,8 @@ def add_plant(
     plans: Sequence[RobotPlan],
     world_file: WorldFile | None = None,
     known_gains: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
+    *,
+    sampled_output_ports: bool = False,
 ) -> PlantOfTwin:
     """Adds the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
 
@@ -72,16 +74,17 @@ def add_plant(
         plans: the robots, in the scenario's order.
         world_file: what the scenario's world file says.
         known_gains: robot → the gains of its actuators, where they were found before.
+        sampled_output_ports: whether the plant's ports keep what was at the last step, as Drake has it by default.
+            Then every step is an unrestricted update, for which Drake copies the state of all systems twice and asks
+            each for its witness functions: a tenth to a fifth of a step with 8 robots. A port that is computed from the
+            present state shares its solution with the step that follows.
 
     Raises:
         InputError: a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
     """
     config = MultibodyPlantConfig(
         time_step=0.0 if scenario.engine == CENIC else scenario.time_step,
-        # Ports that keep what was at the last step make every step an unrestricted update, for which Drake copies the
-        # state of all systems twice and asks each for its witness functions: a tenth to a fifth of a step (8 robots).
-        # A port that is computed from the present state shares its solution with the step that follows.
-        use_sampled_output_ports=False,
+        use_sampled_output_ports=sampled_output_ports and scenario.engine != CENIC,
         discrete_contact_approximation=scenario.contact_approximation,
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)

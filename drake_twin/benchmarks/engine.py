@@ -1,0 +1,98 @@
+"""What every engine answers to, and which settings of which engine there are."""
+
+from dataclasses import dataclass, replace
+from importlib import import_module
+from math import floor
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from drake_twin.benchmarks.workloads import Workload
+
+
+class Engine(Protocol):
+    """Robots of a workload at time zero, in one engine."""
+
+    def command(self, velocities: np.ndarray) -> None:
+        """Commands joint velocities (rad/s), shape (robots, joints), from now on."""
+
+    def advance_to(self, time: float) -> None:
+        """Advances to a simulation time (s)."""
+
+    def positions(self) -> np.ndarray:
+        """Positions of the commanded joints (rad), shape (robots, joints)."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """An engine with its step or accuracy.
+
+    Attributes:
+        engine: one of `ENGINES`.
+        step: its step (s); with ``cenic`` the grid on which the twin meets it.
+        accuracy: what ``cenic`` is asked for.
+    """
+
+    engine: str
+    step: float = 0.001
+    accuracy: float | None = None
+
+    def __str__(self) -> str:
+        value = f"{self.step * 1e3:g} ms" if self.accuracy is None else f"{self.accuracy:g}"
+        return f"{self.engine} {value}"
+
+    def with_events(self, period: float) -> "Setting":
+        """The same, stopped every so many seconds."""
+        return self if self.accuracy is None else replace(self, step=period)
+
+    def make(self, workload: Workload, count: int, folder: Path) -> Engine:
+        """The workload's robots in this engine.
+
+        Args:
+            workload: the work.
+            count: how many robots.
+            folder: for files that the engine reads.
+        """
+        module, name = ENGINES[self.engine]
+        engine: Engine = getattr(import_module(f"drake_twin.benchmarks.engines.{module}"), name)(
+            workload, count, folder, self
+        )
+        return engine
+
+
+ENGINES = {
+    "twin": ("twin", "TwinEngine"),
+    "twin, cenic": ("twin", "TwinEngine"),
+    "bare plant": ("bare_plant", "BarePlant"),
+    "bare plant, sampled ports": ("bare_plant", "SampledBarePlant"),
+    "MuJoCo": ("mujoco", "MujocoEngine"),
+    "PyBullet": ("pybullet", "PybulletEngine"),
+}
+
+
+def drive(engine: Engine, workload: Workload, count: int, begin: float, end: float, event: float | None = None) -> None:
+    """Lets the robots do their work.
+
+    Args:
+        engine: at the time ``begin``.
+        workload: the work.
+        count: how many robots.
+        begin: the present time (s), a multiple of both periods.
+        end: when to stop (s).
+        event: how often somebody looks at the simulation besides (s).
+    """
+    if begin == 0.0 or workload.period is not None:
+        engine.command(workload.commands(count, begin))
+    every = min((period for period in (workload.period, event) if period is not None), default=None)
+    if every is not None:
+        for index in range(1, floor((end - begin) / every + 1e-9) + 1):
+            time = begin + index * every
+            engine.advance_to(time)
+            if workload.period is not None and time < end - 1e-9 and _is_multiple(time, workload.period):
+                engine.command(workload.commands(count, time))
+    engine.advance_to(end)
+
+
+def _is_multiple(time: float, period: float) -> bool:
+    return abs(time / period - round(time / period)) < 1e-6

@@ -1,0 +1,91 @@
+"""MuJoCo with what it is best at here: implicitfast integration, elliptic cones, velocity actuators."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from drake_twin.benchmarks.engine import Setting
+from drake_twin.benchmarks.robots import FRICTION, Prepared, prepare
+from drake_twin.benchmarks.workloads import Box, Workload
+
+_ROBOT, _WORLD = 1, 2  # what robots collide with: the world, and not each other, which spares MuJoCo some work
+_COMPILER = (
+    '<mujoco><compiler strippath="false" discardvisual="true" fusestatic="true" balanceinertia="true"/></mujoco>'
+)
+
+
+class MujocoEngine:
+    """The robots in one model."""
+
+    def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
+        prepared = prepare(workload, count, folder, 0.001)
+        spec = mujoco.MjSpec()
+        spec.option.timestep = setting.step
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        ground = spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[100, 100, 1])
+        _collide(ground, _WORLD, _ROBOT | _WORLD)
+        for index, box in enumerate(prepared.boxes):
+            _add_box(spec, index, box)
+        for index, robot in enumerate(prepared.robots):
+            _add_robot(spec, index, robot)
+        self._model = spec.compile()
+        self._data = mujoco.MjData(self._model)
+        names = [[f"{index}/{joint.name}" for joint in robot.joints] for index, robot in enumerate(prepared.robots)]
+        self._positions = np.array([[self._model.joint(name).qposadr[0] for name in row] for row in names])
+        self._actuators = np.array([[self._model.actuator(name).id for name in row] for row in names])
+
+    def command(self, velocities: np.ndarray) -> None:
+        """Commands joint velocities."""
+        self._data.ctrl[self._actuators] = velocities
+
+    def advance_to(self, time: float) -> None:
+        """Advances to a time (s)."""
+        steps = round((time - self._data.time) / self._model.opt.timestep)
+        if steps > 0:
+            mujoco.mj_step(self._model, self._data, steps)
+
+    def positions(self) -> np.ndarray:
+        """The commanded joints' positions."""
+        return np.array(self._data.qpos[self._positions])
+
+
+def _add_robot(spec: mujoco.MjSpec, index: int, robot: Prepared) -> None:
+    child = mujoco.MjSpec.from_string(robot.urdf.replace(">", f">{_COMPILER}", 1))
+    for geom in child.geoms:
+        geom.name = ""
+        _collide(geom, _ROBOT, _WORLD)
+    for joint in robot.description.movable_joints:
+        if joint.mimic is not None:
+            child.add_equality(
+                type=mujoco.mjtEq.mjEQ_JOINT,
+                name1=joint.name,
+                name2=joint.mimic.joint,
+                data=[joint.mimic.offset, joint.mimic.multiplier, *[0.0] * (mujoco.mjNEQDATA - 2)],
+            )
+    for commanded in robot.joints:
+        actuator = child.add_actuator(name=commanded.name, target=commanded.name)
+        actuator.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        actuator.set_to_velocity(kv=commanded.damping)
+        actuator.forcelimited = True
+        actuator.forcerange = [-commanded.effort, commanded.effort]
+    frame = spec.worldbody.add_frame(pos=robot.xyz)
+    spec.attach(child, prefix=f"{index}/", frame=frame)
+    if not robot.plan.model.is_fixed:
+        spec.body(f"{index}/{robot.plan.model.root_body}").add_freejoint()
+
+
+def _add_box(spec: mujoco.MjSpec, index: int, box: Box) -> None:
+    half = 0.5 * box.pitch
+    body = spec.worldbody.add_body(name=f"box {index}", pos=box.xyz, quat=[np.cos(half), 0, np.sin(half), 0])
+    mass = {} if box.mass is None else {"mass": box.mass}
+    geom = body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[edge / 2 for edge in box.size], **mass)
+    _collide(geom, _WORLD, _ROBOT | _WORLD)
+    if box.mass is not None:
+        body.add_freejoint()
+
+
+def _collide(geom: mujoco.MjsGeom, kind: int, others: int) -> None:
+    geom.contype, geom.conaffinity = kind, others
+    geom.friction = [FRICTION, 0.0, 0.0]

@@ -1,0 +1,41 @@
+"""The twin, as `drake_twin.Twin` runs it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from drake_twin.benchmarks.engine import Setting
+from drake_twin.benchmarks.workloads import Workload
+from drake_twin.scenario import CENIC, DISCRETE
+from drake_twin.twin import Twin
+
+
+class TwinEngine:
+    """A twin that nobody listens to."""
+
+    def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
+        engine, accuracy = (DISCRETE, 1e-3) if setting.accuracy is None else (CENIC, setting.accuracy)
+        scenario = workload.scenario(count, folder, time_step=setting.step, engine=engine, accuracy=accuracy)
+        self.twin = Twin(scenario)
+        self._topics = [f"/{robot}/forward_velocity_controller/commands" for robot in self.twin.robots]
+        self._joints = [
+            [claim.joint for claim in next(item.claims for item in plan.controllers if item.claims)]
+            for plan in self.twin.plans
+        ]
+
+    def command(self, velocities: np.ndarray) -> None:
+        """Commands joint velocities."""
+        for topic, values in zip(self._topics, velocities.tolist(), strict=True):
+            self.twin.publish(topic, values)
+
+    def advance_to(self, time: float) -> None:
+        """Advances to a time (s)."""
+        self.twin.advance_to(time)
+
+    def positions(self) -> np.ndarray:
+        """The commanded joints' positions."""
+        rows = []
+        for robot, joints in zip(self.twin.robots, self._joints, strict=True):
+            state = self.twin.robot_state(robot)
+            rows.append([state.positions[state.joints.index(joint)] for joint in joints])
+        return np.array(rows)

@@ -1,0 +1,102 @@
+"""The robots of a workload as the twin prepares them: what the other engines are given, too."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_twin.benchmarks.workloads import Box, Workload
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.world_file import read_world
+from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
+from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
+
+FRICTION = 2 * 0.9 * 1.0 / (0.9 + 1.0)  # of tyres on the ground, as Drake combines the two
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A commanded joint: its name, its servo's damping (N·m·s/rad) and its largest effort (N·m)."""
+
+    name: str
+    damping: float
+    effort: float
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """One robot.
+
+    Attributes:
+        urdf: its URDF, with the paths of its collision meshes and without what only Drake understands.
+        plan: what its files amount to.
+        joints: the commanded joints.
+        in_plant: where they stand in the plant.
+    """
+
+    urdf: str
+    plan: RobotPlan
+    joints: tuple[Joint, ...]
+    in_plant: RobotInPlant
+
+    @property
+    def description(self) -> RobotDescription:
+        """Its joints and links."""
+        return self.plan.description
+
+    @property
+    def xyz(self) -> tuple[float, float, float]:
+        """Where it starts (m)."""
+        return self.plan.spawn_pose.xyz
+
+
+@dataclass(frozen=True)
+class PreparedRobots:
+    """All robots of a workload, the plant that they are in, and the boxes around them."""
+
+    robots: tuple[Prepared, ...]
+    builder: DiagramBuilder
+    parts: PlantOfTwin
+    boxes: tuple[Box, ...]
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Indices of the commanded joints in the plant's state, shape (robots, joints)."""
+        return np.array(
+            [[robot.in_plant.layout_in_plant.positions[joint.name] for joint in robot.joints] for robot in self.robots]
+        )
+
+
+def prepare(
+    workload: Workload, count: int, folder: Path, time_step: float, *, sampled_output_ports: bool = False
+) -> PreparedRobots:
+    """Reads the robots, and puts them into a plant.
+
+    Args:
+        workload: the work.
+        count: how many robots.
+        folder: for the world file.
+        time_step: the plant's step (s).
+        sampled_output_ports: as `add_plant`.
+    """
+    packages = PackageIndex(())
+    scenario = workload.scenario(count, folder, time_step=time_step)
+    plans = [plan_robot(robot, packages) for robot in scenario.robots]
+    world = None if scenario.world.file is None else read_world(scenario.world.file, packages)
+    builder = DiagramBuilder()
+    parts = add_plant(builder, scenario, plans, world, sampled_output_ports=sampled_output_ports)
+    robots = []
+    for plan in plans:
+        in_plant, joints = parts.robots[plan.name], []
+        for claim in next(item.claims for item in plan.controllers if item.claims):
+            gains = in_plant.gains[in_plant.layout.efforts[claim.joint]]
+            assert gains is not None
+            effort = plan.description.joints_by_name[claim.joint].limits.effort
+            joints.append(Joint(claim.joint, gains.velocity.d, effort))
+        text = plan.model.drake_text.replace("file://", "")
+        text = re.sub(r"<drake:(\w+)[ >].*?</drake:\1>", "", text, flags=re.DOTALL)
+        robots.append(Prepared(text, plan, tuple(joints), in_plant))
+    return PreparedRobots(tuple(robots), builder, parts, workload.placed_boxes(scenario.robots))

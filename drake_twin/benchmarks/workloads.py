@@ -1,0 +1,158 @@
+"""What the robots do while they are timed: three kinds of work, so that no engine is flattered."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import sin
+from pathlib import Path
+
+import numpy as np
+
+from drake_twin.launch.demo import demo_scenario
+from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, World
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box in a robot's way.
+
+    Attributes:
+        size: its edges (m).
+        xyz: its center in front of the robot, from the place on the ground where the robot starts (m).
+        pitch: how it is turned about the robot's y axis (rad).
+        mass: kg; None for one that does not move.
+    """
+
+    size: tuple[float, float, float]
+    xyz: tuple[float, float, float]
+    pitch: float = 0.0
+    mass: float | None = None
+
+
+@dataclass(frozen=True)
+class Workload:
+    """Robots and what they are commanded.
+
+    Attributes:
+        name: what tables call it.
+        robot: one of `drake_twin.launch.demo.DEMOS`; all its joints are commanded velocities.
+        velocities: (number of the robot, time in s) → the velocity of each commanded joint (rad/s).
+        period: how often the command changes (s); None when it never does.
+        boxes: what lies around each robot.
+    """
+
+    name: str
+    robot: str
+    velocities: Callable[[int, float], tuple[float, ...]]
+    period: float | None = None
+    boxes: tuple[Box, ...] = ()
+
+    def commands(self, count: int, time: float) -> np.ndarray:
+        """What is commanded of each robot at a time (s), shape (robots, joints)."""
+        return np.array([self.velocities(index, time) for index in range(count)])
+
+    def scenario(
+        self, count: int, folder: Path, *, time_step: float, engine: str = DISCRETE, accuracy: float = 1e-3
+    ) -> Scenario:
+        """The twin's scenario of this work, without commands.
+
+        Args:
+            count: how many robots.
+            folder: where the world file is written.
+            time_step: as `Scenario.time_step`.
+            engine: as `Scenario.engine`.
+            accuracy: as `Scenario.accuracy`.
+        """
+        scenario = demo_scenario(self.robot, count, drive=False, time_step=time_step)
+        scenario = replace(scenario, engine=engine, accuracy=accuracy)
+        if not self.boxes:
+            return scenario
+        file = folder / f"{self.name.replace(' ', '_')}_{count}.sdf"
+        file.write_text(_world(self.placed_boxes(scenario.robots)), encoding="utf-8")
+        return replace(scenario, world=World(file=str(file)))
+
+    def placed_boxes(self, robots: tuple[Robot, ...]) -> tuple[Box, ...]:
+        """The boxes of all robots, in the world."""
+        return tuple(
+            replace(box, xyz=(robot.xyz[0] + box.xyz[0], robot.xyz[1] + box.xyz[1], box.xyz[2]))
+            for robot in robots
+            for box in self.boxes
+        )
+
+    def scheduled(self, scenario: Scenario, until: float) -> Scenario:
+        """A scenario with the commands up to a time (s) in it."""
+        times = [0.0] if self.period is None else [index * self.period for index in range(int(until / self.period) + 1)]
+        return replace(
+            scenario,
+            commands=tuple(
+                Command(f"/{robot.name}/forward_velocity_controller/commands", self.velocities(index, time), time)
+                for time in times
+                for index, robot in enumerate(scenario.robots)
+            ),
+        )
+
+
+def _world(boxes: tuple[Box, ...]) -> str:
+    models = []
+    for index, box in enumerate(boxes):
+        size = " ".join(map(str, box.size))
+        inertial = ""
+        if box.mass is not None:
+            x, y, z = (edge * edge for edge in box.size)
+            ixx, iyy, izz = (box.mass / 12 * moment for moment in (y + z, x + z, x + y))
+            inertial = (
+                f"<inertial><mass>{box.mass}</mass><inertia><ixx>{ixx}</ixx><iyy>{iyy}</iyy><izz>{izz}</izz>"
+                "<ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>"
+            )
+        geometry = f"<geometry><box><size>{size}</size></box></geometry>"
+        pose = f"{' '.join(map(str, box.xyz))} 0 {box.pitch} 0"
+        models.append(
+            f'<model name="box_{index}"><static>{str(box.mass is None).lower()}</static><pose>{pose}</pose>'
+            f'<link name="link">{inertial}<collision name="c">{geometry}</collision>'
+            f'<visual name="v">{geometry}</visual></link></model>'
+        )
+    ground = (
+        '<model name="ground"><static>true</static><link name="link"><collision name="c"><geometry><plane>'
+        "<normal>0 0 1</normal><size>100 100</size></plane></geometry></collision></link></model>"
+    )
+    return f'<sdf version="1.9"><world name="benchmark">{ground}{"".join(models)}</world></sdf>\n'
+
+
+def _wander(robot: int, time: float) -> tuple[float, ...]:
+    left, right = 5.0 + 3.0 * sin(2.0 * time + robot), 5.0 + 3.0 * sin(3.1 * time + 2.0 * robot)
+    return left, right, left, right
+
+
+def _straight(robot: int, _time: float) -> tuple[float, ...]:
+    speed = 5.5 + 0.5 * (robot % 3)
+    return speed, speed, speed, speed
+
+
+def _wave(robot: int, time: float) -> tuple[float, ...]:
+    return (
+        0.5 * sin(3.0 * time + robot),
+        0.4 * sin(2.3 * time + 2.0 * robot),
+        0.4 * sin(4.1 * time + 0.5 * robot),
+        0.2 * sin(5.0 * time),
+    )
+
+
+def _sweep(robot: int, _time: float) -> tuple[float, ...]:
+    return 0.7 + 0.05 * (robot % 3), 0.05, 0.0, 0.0
+
+
+STEP_AND_RAMP = (
+    Box((0.30, 1.0, 0.04), (0.50, 0.0, 0.0)),
+    Box((0.60, 1.0, 0.04), (1.05, 0.0, 0.02), pitch=-0.12),
+)
+PILLAR = (Box((0.08, 0.08, 0.50), (0.26, 0.14, 0.25), mass=0.5),)
+
+WORKLOADS = {
+    workload.name: workload
+    for workload in (
+        Workload("cruising rovers", "rover", _straight),
+        Workload("rovers whose commands change", "rover", _wander, period=0.1),
+        Workload("rovers over steps and ramps", "rover", _straight, boxes=STEP_AND_RAMP),
+        Workload("arms whose commands change", "arduinobot", _wave, period=0.1),
+        Workload("arms that push boxes", "arduinobot", _sweep, boxes=PILLAR),
+    )
+}
