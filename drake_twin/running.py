@@ -24,8 +24,8 @@ from drake_twin.state import read_robot_state
 from drake_twin.systems.controller import PeriodicController
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
-# Longer than the longest grid (s): a limit that is met by rounding leaves a step of 1e-16 s. In such a step the velocity
-# that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
+# Longer than the longest grid (s): a limit that is met but for rounding leaves a step of 1e-16 s. In such a step the
+# velocity that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
 _LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
 _SAME_TIME = 1e-9  # s
 

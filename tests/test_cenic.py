@@ -113,8 +113,8 @@ def test_what_is_no_engine_is_refused(option, value):
         rovers(1, **{option: value}).build()
 
 
-# A step of 1e-16 s, where two times differ by rounding, throws joints that mimic others: 6 · 0.1 s lies behind 0.5 s and
-# CENIC's longest step by so much, and 25 ms is no sum of five doubles that are 5 ms.
+# A step of 1e-16 s, where two times differ by rounding, throws joints that mimic others: 6 · 0.1 s lies so far behind
+# 0.5 s and CENIC's longest step, and some multiples of 25 ms behind those of 5 ms.
 
 
 def arm_at(twin, time):

@@ -1,0 +1,82 @@
+"""The results as pictures: real-time factors against the number of robots, and work against precision."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from drake_twin.benchmarks.report import Table
+
+
+def draw(tables: Sequence[Table], folder: Path) -> list[Path]:
+    """Draws the tables that have a picture.
+
+    Args:
+        tables: the results.
+        folder: where the files are written.
+
+    Returns:
+        The files.
+    """
+    files = []
+    robots = [table for table in tables if table.section == "robots"]
+    if robots:
+        files.append(_draw_robots(robots, folder / "robots.svg"))
+    precision = [table for table in tables if table.title.startswith("Work and precision")]
+    if precision:
+        files.append(_draw_precision(precision, folder / "precision.svg"))
+    return files
+
+
+def _draw_robots(tables: Sequence[Table], file: Path) -> Path:
+    figure, panels = _panels(len(tables))
+    for panel, table in zip(panels, tables, strict=False):
+        for index, name in enumerate(table.columns[1:], start=1):
+            panel.loglog([row[0] for row in table.rows], [row[index] for row in table.rows], "o-", label=name, ms=3)
+        panel.axhline(1.0, color="0.6", lw=0.8)
+        _label(panel, table.title.partition(": ")[2], "robots", "real-time factor")
+    panels[0].legend(fontsize=7)
+    return _save(figure, file)
+
+
+def _draw_precision(tables: Sequence[Table], file: Path) -> Path:
+    figure, panels = _panels(len(tables))
+    for panel, table in zip(panels, tables, strict=False):
+        engines: dict[str, list[tuple[float, float]]] = {}
+        for setting, error, factor in table.rows:
+            engine = str(setting).rpartition(" ")[0].removesuffix(" ms").rpartition(" ")[0] or str(setting)
+            name = next(
+                (known for known in ("twin, cenic", "twin", "MuJoCo") if str(setting).startswith(known)), engine
+            )
+            engines.setdefault(name, []).append((float(str(error)), float(str(factor))))
+        for name, points in engines.items():
+            panel.loglog(*zip(*points, strict=True), "o-", label=name, ms=3)
+        _label(panel, table.title.partition(": ")[2], "error (rad)", "real-time factor")
+    panels[0].legend(fontsize=7)
+    return _save(figure, file)
+
+
+def _panels(count: int):  # type: ignore[no-untyped-def]
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    columns = min(3, count)
+    rows = -(-count // columns)
+    figure, axes = pyplot.subplots(rows, columns, figsize=(4.6 * columns, 3.6 * rows), squeeze=False)
+    panels = list(axes.flat)
+    for panel in panels[count:]:
+        panel.set_visible(False)
+    return figure, panels
+
+
+def _label(panel, title: str, x: str, y: str) -> None:  # type: ignore[no-untyped-def]
+    panel.set_title(title, fontsize=8)
+    panel.set_xlabel(x, fontsize=8)
+    panel.set_ylabel(y, fontsize=8)
+    panel.grid(visible=True, which="both", lw=0.3)
+
+
+def _save(figure, file: Path) -> Path:  # type: ignore[no-untyped-def]
+    figure.tight_layout()
+    figure.savefig(file)
+    return file

@@ -1,0 +1,71 @@
+"""Results as a table on the screen, as Markdown and as JSON."""
+
+import json
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from datetime import date
+from importlib.metadata import version
+from pathlib import Path
+
+Cell = str | float | int | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table of results.
+
+    Attributes:
+        section: which part of the benchmarks it is of.
+        title: what it shows.
+        columns: the columns' names.
+        rows: the cells; None where nothing was measured.
+    """
+
+    section: str
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+    def markdown(self) -> str:
+        """The table in Markdown."""
+        lines = [self.columns, ["---"] * len(self.columns), *([_text(cell) for cell in row] for row in self.rows)]
+        return f"### {self.title}\n\n" + "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+
+
+def machine() -> dict[str, str]:
+    """What the figures were measured on."""
+    processor = platform.processor() or platform.machine()
+    file = Path("/proc/cpuinfo")
+    if file.exists():
+        names = [line.partition(":")[2].strip() for line in file.read_text().splitlines() if "model name" in line]
+        processor = f"{len(names)} x {names[0]}" if names else processor
+    packages = ("drake", "mujoco", "pybullet", "numpy")
+    return {
+        "date": date.today().isoformat(),
+        "processor": processor,
+        "system": platform.platform(),
+        "Python": platform.python_version(),
+    } | {name: version(name) for name in packages}
+
+
+def save(tables: Sequence[Table], folder: Path) -> None:
+    """Writes ``benchmarks.json`` and ``benchmarks.md``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    what = {"machine": machine(), "tables": [asdict(table) for table in tables]}
+    (folder / "benchmarks.json").write_text(json.dumps(what, indent=1) + "\n", encoding="utf-8")
+    measured_on = ", ".join(f"{name} {value}" for name, value in machine().items())
+    text = "\n".join([f"Measured on: {measured_on}.\n", *(table.markdown() for table in tables)])
+    (folder / "benchmarks.md").write_text(text, encoding="utf-8")
+
+
+def _text(cell: Cell) -> str:
+    if cell is None:
+        return "–"
+    return (
+        f"{cell:.3g}"
+        if isinstance(cell, float) and abs(cell) < 100
+        else f"{cell:.0f}"
+        if isinstance(cell, float)
+        else str(cell)
+    )

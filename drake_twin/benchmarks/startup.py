@@ -1,0 +1,87 @@
+"""How long a twin takes to start, phase by phase, and what memory each robot takes: each in a process of its own."""
+
+import json
+import subprocess
+import sys
+from functools import partial
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.benchmarks.measure import by_turns
+from drake_twin.benchmarks.report import Table
+
+if TYPE_CHECKING:
+    from drake_twin.benchmarks.sections import Size
+
+_IMPORTS = "import pydrake.multibody.plant, pydrake.geometry, pydrake.systems.analysis"
+_PROCESSES = {
+    "python -c pass": ["-c", "pass"],
+    "pydrake's three modules": ["-c", _IMPORTS],
+    "drake_twin.run --robots 2 --headless --duration 0.01": [
+        *("-m", "drake_twin.run", "--robots", "2", "--headless", "--duration", "0.01")
+    ],
+}
+_PHASES = """
+import json
+from time import perf_counter
+times, begin = {}, perf_counter()
+def phase(name):
+    global begin
+    now = perf_counter()
+    times[name], begin = now - begin, now
+import pydrake.multibody.plant, pydrake.geometry, pydrake.systems.analysis
+phase("import pydrake's three modules")
+import drake_twin.run, drake_twin.twin
+from drake_twin.launch.demo import demo_scenario
+phase("import drake_twin")
+scenario = demo_scenario("rover", 2)
+phase("the scenario")
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.diagram.robot_plan import plan_robot
+packages = PackageIndex(())
+plans = [plan_robot(robot, packages) for robot in scenario.robots]
+phase("xacro, URDF and parameters of two rovers")
+twin = drake_twin.twin.Twin(scenario)
+phase("the same again, the diagram and its first state")
+twin.step()
+phase("commands and the first step")
+print(json.dumps(times))
+"""
+_MEMORY = """
+import sys
+from pathlib import Path
+from drake_twin.launch.demo import demo_scenario
+from drake_twin.twin import Twin
+def resident():
+    return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
+Twin(demo_scenario("rover", 1)).step()
+kept, before = [], resident()
+twin = Twin(demo_scenario("rover", 1 + int(sys.argv[1])))
+twin.step()
+small = resident()
+print((small - before) / int(sys.argv[1]) / 1024)
+"""
+
+
+def startup(size: "Size") -> list[Table]:
+    """Whole processes, the phases of one, and the memory of a rover."""
+    times = by_turns({name: partial(_run, arguments) for name, arguments in _PROCESSES.items()}, size.repeats)
+    imports = median(times["pydrake's three modules"])
+    whole = tuple((name, median(values), median(values) / imports) for name, values in times.items())
+    phases = [json.loads(_run(["-c", _PHASES])) for _ in range(size.repeats)]
+    more = 4 if size.scale < 0.5 else 16
+    memory = float(_run(["-c", _MEMORY, str(more)]))
+    return [
+        Table("startup", "Whole processes, warm caches", ("process", "s", "÷ pydrake's three modules"), whole),
+        Table(
+            "startup",
+            "Phases of a start",
+            ("phase", "ms"),
+            tuple((name, 1e3 * median(item[name] for item in phases)) for name in phases[0]),
+        ),
+        Table("startup", f"Resident memory, mean of {more} rovers", ("per rover (MB)",), ((memory,),)),
+    ]
+
+
+def _run(arguments: list[str]) -> Any:
+    return subprocess.run([sys.executable, *arguments], check=True, capture_output=True, text=True).stdout
