@@ -9,7 +9,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
-from drake_twin.messages import shortened
+from drake_twin.messages import Numbers, shortened
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import Command
@@ -165,6 +165,9 @@ class Commands:
         subscribed = self._controls[item.robot].controllers[item.controller].subscribed.get(item.name, kind)
         if not is_dataclass(value) or (kind is not None and kind != subscribed):
             raise ValueError(f"{shortened(plain)} is no message of {topic}")
+        if isinstance(value, Numbers):
+            control = self._controls[item.robot]
+            return control.controllers[item.controller].read(item.name, value, control.context_of(item.controller))
         return value
 
     def _fix(self, topic: str, value: Any) -> None:

@@ -93,14 +93,18 @@ class RobotControl:
         """
         try:
             kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
-            message = messages.message(kind, data)
+            message: Any
+            if kind == "std_msgs/msg/Float64MultiArray" and messages.is_bare(data):
+                message = messages.Numbers.read(data)
+            else:
+                message = messages.message(kind, data)
         except (TypeError, ValueError) as error:
             is_list = topic.type == "std_msgs/msg/Float64MultiArray" and not isinstance(data, Mapping)
             text = f"{messages.shortened(data)} is not a list of numbers" if is_list else str(error)
             raise CommandError(text) from None
         controller = self.controllers[topic.controller]
         if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
-            message = messages.float64_multi_array([message.data] * len(controller.claims))
+            message = messages.Numbers((message.data,) * len(controller.claims))
         return controller.read(topic.name, message, self.context_of(topic.controller))
 
     def accepts(self, topic: CommandTopic) -> bool:

@@ -3,7 +3,6 @@
 Times are met at physics steps: something due at a time happens at the first step that is not before it.
 """
 
-from fractions import Fraction
 from math import ceil, inf, lcm
 
 from drake_twin.errors import InputError
@@ -29,6 +28,8 @@ def meeting_step(step: int, time_step: float, other: float) -> int:
     Raises:
         InputError: the two do not meet within an hour.
     """
+    from fractions import Fraction  # 15 ms that few need
+
     old, new = (Fraction(length).limit_denominator(10**9) for length in (time_step, other))
     common = lcm(old.numerator * new.denominator, new.numerator * old.denominator)
     every = common // (old.numerator * new.denominator)  # in steps of the old length

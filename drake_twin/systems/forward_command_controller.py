@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, InputPort
 
+from drake_twin import messages
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.systems.controller import Controller, ControllerSetup, Interface
@@ -68,8 +69,8 @@ class ForwardCommandController(Controller):
         output_ports:
         - command_interfaces
 
-    - ``commands``: ``std_msgs/msg/Float64MultiArray``, an element for each claim (rad, rad/s, N·m, or m, m/s, N); topic
-      ``~/commands``. ``None`` before the first message.
+    - ``commands``: `messages.Numbers`, those of a ``std_msgs/msg/Float64MultiArray``, one for each claim (rad, rad/s,
+      N·m, or m, m/s, N); topic ``~/commands``. ``None`` before the first message.
     - ``command_interfaces``: the same as a vector; NaN before the first message: nothing is written.
     """
 
@@ -97,8 +98,8 @@ class ForwardCommandController(Controller):
         """The parameter ``command_timeout``."""
         return self.setup.parameters.command_timeout or None
 
-    def read(self, topic: str, message: Any, context: Context) -> Any:
-        """The message, with an element for each claim.
+    def read(self, topic: str, message: Any, context: Context) -> messages.Numbers:
+        """The message's numbers, one for each claim.
 
         Raises:
             CommandError: a wrong number of elements, which ros2_control answers by deactivating the controller; or an
@@ -114,11 +115,11 @@ class ForwardCommandController(Controller):
         if not np.isfinite(data).all():
             bad = int(np.flatnonzero(~np.isfinite(data))[0])
             raise CommandError(f"the command for {self.claims[bad]} is {data[bad]}, which is not a finite number")
-        return message
+        return messages.Numbers(tuple(data.tolist()))
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
-        message = self._commands.Eval(context)
-        output.SetFromVector(np.full(len(self.claims), np.nan) if message is None else np.asarray(message.data))
+        numbers = self._commands.Eval(context)
+        output.SetFromVector([np.nan] * len(self.claims) if numbers is None else numbers.data)
 
 
 class MultiInterfaceForwardCommandController(ForwardCommandController):
