@@ -3,6 +3,8 @@
 import sys
 from importlib import import_module
 
+from drake_twin.program import leave
+
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
     "check": "report what a robot file holds, what is mended in it and what is ignored",
@@ -26,4 +28,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

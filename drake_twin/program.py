@@ -1,7 +1,9 @@
 """What the programs of this package share: errors in one paragraph, exit codes, output that never gets in the way."""
 
 import argparse
+import atexit
 import contextlib
+import gc
 import logging
 import os
 import signal
@@ -52,6 +54,28 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         return 2
     except KeyboardInterrupt:
         return 130
+
+
+def leave(code: int) -> NoReturn:
+    """Ends the process, without taking apart what the operating system frees anyway: 50 ms of a start and an end.
+
+    Handlers of ``atexit`` run, and nobody waits for threads.
+    """
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # nobody reads, or it was closed before
+            stream.flush()
+    os._exit(code)
+
+
+@contextlib.contextmanager
+def collecting_later() -> Iterator[None]:
+    """Puts garbage collection off while much is imported and made that stays."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
 
 
 class _LogHandler(logging.Handler):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError, RunError, TwinError
-from drake_twin.program import ArgumentParser, announce_page, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, announce_page, collecting_later, leave, run_program, say, stop_signals
 from drake_twin.scenario import LONGEST_TIME, scenario_to_yaml
 from drake_twin.target import Target, build_twin, find_launch_file, find_target, package_paths, target_name
 from drake_twin.watched_files import Watch, files_read
@@ -143,7 +143,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     _check(options)
     if options.show_args:
         return _show_arguments(options)
-    with files_read() as files:
+    with files_read() as files, collecting_later():
         target = find_target(options)
         if options.show_scenario:
             # What a launch file publishes where nobody listens is left out when the twin is built.
@@ -467,4 +467,4 @@ def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())
