@@ -51,7 +51,9 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
             raise InputError(f"xacro: {_reason(error)}{_chain()}", file=_file_at_fault(file)) from None
     # xacro's warnings are followed by lines with the chain of files.
     warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
-    return document.toxml(), [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
+    text = document.toxml()
+    document.unlink()  # its nodes refer to each other: the collector would find them only after many more robots
+    return text, [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
 
 
 def installed_xacro() -> Any:
