@@ -1,0 +1,161 @@
+"""What makes a twin fast, as counts that repeat, so that a regression fails whatever the machine does besides."""
+
+import collections
+import gc
+import sys
+
+import pytest
+from conftest import ARM, rovers
+from pydrake.systems.framework import Diagram, LeafSystem
+
+from drake_twin import TwinBuilder
+
+TRAJECTORIES = """controller_manager: {ros__parameters: {update_rate: 100,
+  arm: {type: joint_trajectory_controller/JointTrajectoryController}}}
+arm: {ros__parameters: {joints: [joint_1, joint_2], command_interfaces: [position],
+  state_interfaces: [position, velocity]}}
+"""
+
+
+def driving(count):
+    twin = rovers(count).build()
+    for robot in twin.robots:
+        twin.publish(f"/{robot}/forward_velocity_controller/commands", [2.0] * 4)
+    twin.advance_to(0.1)
+    return twin
+
+
+def listening(twin, *ends, rate=50):
+    """Subscribes to all topics with these ends; returns what arrives."""
+    received = []
+    for topic in twin.topics():
+        if topic.endswith(ends):
+            twin.subscribe(topic, received.append, rate)
+    return received
+
+
+def python_calls(twin, until):
+    """Function name → how often Python calls it while a twin advances."""
+    calls = collections.Counter()
+
+    def count(frame, event, argument):
+        if event == "call":
+            calls[frame.f_code.co_name] += 1
+
+    sys.setprofile(count)
+    try:
+        twin.advance_to(until)
+    finally:
+        sys.setprofile(None)
+    return calls
+
+
+def leaf_systems(diagram):
+    """The systems of a diagram that are written in Python."""
+    for system in diagram.GetSystems():
+        if isinstance(system, Diagram):
+            yield from leaf_systems(system)
+        elif isinstance(system, LeafSystem) and type(system).__module__.startswith("drake_twin"):
+            yield system
+
+
+def test_no_python_runs_in_a_physics_step():
+    twin = driving(2)
+    short, long = python_calls(twin, 0.2), python_calls(twin, 1.2)
+    assert sum(long.values()) == sum(short.values()) < 60
+
+
+def test_a_physics_step_is_one_discrete_update_of_the_plant_and_nothing_else():
+    """An unrestricted update would copy all systems' states, and ask each for its witness functions."""
+    twin = driving(2)
+    listening(twin, "/joint_states", "/tf", "/clock")
+    before = twin._simulator.get_num_steps_taken(), twin._simulator.get_num_discrete_updates()
+    twin.advance_to(1.1)
+    after = twin._simulator.get_num_steps_taken(), twin._simulator.get_num_discrete_updates()
+    assert [new - old for new, old in zip(after, before, strict=True)] == [1000, 1000]
+    assert twin._simulator.get_num_unrestricted_updates() == 0
+    assert twin._simulator.get_num_publishes() == 0
+
+
+def test_a_controller_that_samples_is_updated_at_its_rate_and_no_oftener(tmp_path):
+    (tmp_path / "c.yaml").write_text(TRAJECTORIES)
+    twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    twin.advance_to(0.1)
+    assert python_calls(twin, 1.1)["_update_sample"] == 100
+    assert twin._simulator.get_num_unrestricted_updates() == 110  # at 0 s, and not yet at 1.1 s
+
+
+def test_a_command_is_calculated_once():
+    twin = driving(2)
+    twin.publish("/robot_1/forward_velocity_controller/commands", [3.0] * 4)
+    assert python_calls(twin, 1.1)["_calc_command_interfaces"] == 1
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_a_message_is_made_when_it_is_delivered_and_once_for_all_who_listen(count):
+    twin = driving(count)
+    for _ in range(2):
+        listening(twin, "/joint_states", "/tf", "/clock")
+    calls = python_calls(twin, 1.1)
+    assert calls["_calc_joint_states"] == 50 * count
+    assert calls["_calc_tf"] == calls["_calc_clock"] == 50
+    assert calls["_calc_odom"] == calls["_calc_dynamic_joint_states"] == 0
+
+
+def test_a_tick_takes_few_calls_of_python_for_each_robot():
+    per_tick = {}
+    for count in (1, 5):
+        twin = driving(count)
+        listening(twin, "/joint_states", "/tf", "/clock")
+        per_tick[count] = sum(python_calls(twin, 1.1).values()) / 50
+    of_a_robot = (per_tick[5] - per_tick[1]) / 4
+    assert of_a_robot < 50
+    assert per_tick[1] - of_a_robot < 75
+
+
+def test_a_tick_makes_few_objects_for_each_robot():
+    made = {}
+    for count in (1, 5):
+        twin = driving(count)
+        received = listening(twin, "/joint_states", "/tf", "/clock")
+        twin.advance_to(0.2)
+        gc.collect()
+        gc.disable()
+        try:
+            before = gc.get_count()[0]
+            twin.advance_to(1.2)
+            made[count] = (gc.get_count()[0] - before) / 50
+        finally:
+            gc.enable()
+        assert len(received) == (2 + count) * 55
+    assert (made[5] - made[1]) / 4 < 24
+
+
+def test_a_robot_has_few_systems_and_the_twin_few_besides():
+    systems = {count: [type(system).__name__ for system in leaf_systems(driving(count).diagram)] for count in (1, 3)}
+    assert len(systems[3]) - len(systems[1]) == 2 * 3
+    assert sorted(set(systems[1])) == [
+        "ClockPublisher",
+        "EntityStatePublisher",
+        "ForwardCommandController",
+        "GroundTruthPublisher",
+        "JointServo",
+        "JointStatePublisher",
+        "RobotStatePublisher",
+    ]
+
+
+def test_efforts_are_not_asked_for_in_vain(tmp_path):
+    """They take as long as a step after a command; a robot that has no effort interfaces publishes none."""
+    urdf = (
+        '<robot name="r"><link name="world"/><link name="a"><inertial><mass value="1"/>'
+        '<inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="j" type="continuous"><parent link="world"/><child link="a"/><axis xyz="0 0 1"/></joint>'
+        '<ros2_control name="s" type="system"><hardware><plugin>p</plugin></hardware><joint name="j">'
+        '<command_interface name="velocity"/><state_interface name="position"/></joint></ros2_control></robot>'
+    )
+    (tmp_path / "r.urdf").write_text(urdf)
+    twin = TwinBuilder().robot("r", tmp_path / "r.urdf").build()
+    received = listening(twin, "/joint_states")
+    assert python_calls(twin, 1.0)["efforts"] == 0
+    assert len(received) == 50
