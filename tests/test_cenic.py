@@ -150,3 +150,31 @@ def test_updates_beside_the_grid_by_rounding_leave_no_step_of_rounding(tmp_path)
     twin.publish("/arm/c/joint_trajectory", {"joint_names": joints, "points": points})
     assert arm_at(twin, 4.0) < 0.5
     assert twin.robot_state("arm").positions[:4] == pytest.approx(there, abs=1e-3)
+
+
+def test_a_finger_follows_the_one_that_it_mimics():
+    fingers = []
+    for engine, step in (("discrete", 0.001), ("cenic", 0.01)):
+        twin = TwinBuilder(engine=engine, time_step=step).robot("arm", ARM).build()
+        twin.publish("/arm/forward_velocity_controller/commands", [0.5, 0.2, 0.2, 0.3])
+        twin.advance_to(1.0)
+        left, right = twin.robot_state("arm").positions[3:]
+        assert right == pytest.approx(-left, abs=1e-3)
+        fingers.append(left)
+    assert fingers[0] == pytest.approx(0.3, abs=5e-3)
+    assert fingers[1] == pytest.approx(fingers[0], abs=1e-3)
+
+
+def test_a_rover_that_meets_another_stops_where_the_discrete_engine_stops_it():
+    ends = []
+    for engine, step in (("discrete", 0.001), ("cenic", 0.01)):
+        builder = TwinBuilder(engine=engine, time_step=step).robot("robot_1", ROVER, xyz=(0, 0, 0.13))
+        twin = builder.robot("robot_2", ROVER, xyz=(1.2, 0, 0.13)).build()
+        for topic in (WHEELS, WHEELS.replace("_1", "_2")):
+            twin.publish(topic, [0.0] * 4)
+        twin.publish(WHEELS, [3.0] * 4)
+        twin.advance_to(4.0)
+        first, second = (twin.robot_state(name).base_pose[0] for name in twin.robots)
+        assert second - first == pytest.approx(0.57, abs=0.03)  # body to body, and a little aslant
+        ends.append((first, second))
+    assert ends[0] == pytest.approx(ends[1], abs=0.03)
