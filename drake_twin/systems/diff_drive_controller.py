@@ -21,7 +21,6 @@ from drake_twin.systems.drive_controller import (
     state_joint,
     twist_message,
 )
-from drake_twin.systems.odometry_frames import odometry_frames
 from drake_twin.systems.speed_limits import LimitsX, LimitsZ
 
 _ZEROS = (0.0,) * 6
@@ -158,19 +157,7 @@ class DiffDriveController(DriveController):
         self._limiters = (parameters.linear.x.limiter(), parameters.angular.z.limiter())
         self._odometry_wheels = tuple(map(state_joint, (*parameters.left_wheel_names, *parameters.right_wheel_names)))
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=parameters.cmd_vel_timeout)
-        self._declare_odometry(
-            "odom",
-            odometry_frames(
-                setup,
-                parameters.odom_frame_id,
-                parameters.base_frame_id,
-                prefix_enable=parameters.tf_frame_prefix_enable,
-                prefix=parameters.tf_frame_prefix,
-            ),
-            parameters.pose_covariance_diagonal,
-            parameters.twist_covariance_diagonal,
-            with_transform=parameters.enable_odom_tf,
-        )
+        self._declare_odometry("odom")
         if parameters.publish_limited_velocity:
             self._declare_topic_output(
                 "cmd_vel_out", "geometry_msgs/msg/TwistStamped", self._calc_cmd_vel_out, {self.sample_ticket()}
@@ -182,12 +169,7 @@ class DiffDriveController(DriveController):
         reference = self._reference(context, time, memory)
         limited = None
         if reference is not None:
-            limited = tuple(
-                limiter.limited(value, last, before, self.setup.update_period)
-                for limiter, value, last, before in zip(
-                    self._limiters, reference, memory.last, memory.second_to_last, strict=False
-                )
-            )
+            limited = self._limited(reference, memory)
             memory = replace(memory, last=limited, second_to_last=memory.last)
         memory = self._with_odometry(context, time, replace(memory, limited=limited))
         memory = publication(memory, time, parameters.publish_rate)

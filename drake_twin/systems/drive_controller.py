@@ -14,6 +14,7 @@ from drake_twin.control.wheel_odometry import WheelOdometry
 from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.systems.controller import PeriodicController
+from drake_twin.systems.odometry_frames import odometry_frames
 
 _NANOSECONDS = 1e9
 
@@ -75,6 +76,7 @@ class DriveController(PeriodicController):
     """
 
     _odometry_wheels: tuple[str, ...]
+    _limiters: tuple[Any, ...] = ()
     _nan_stops = False  # whether a command that is not a number stops the base instead of being refused
 
     def get_command_input_port(self) -> InputPort:
@@ -151,26 +153,25 @@ class DriveController(PeriodicController):
             else self._declare_topic_input(f"{topic}_unstamped", "geometry_msgs/msg/Twist")
         )
 
-    def _declare_odometry(
-        self,
-        topic: str,
-        frames: tuple[str, str],
-        pose_covariance: Sequence[float],
-        twist_covariance: Sequence[float],
-        *,
-        with_transform: bool,
-        with_pose: bool = True,
-    ) -> None:
+    def _declare_odometry(self, topic: str, *, with_pose: bool = True) -> None:
         """The ports of the odometry and, where it is enabled, of its transform ``tf_odometry``."""
-        self._frames = frames
-        self._covariances = tuple(np.diag(diagonal).ravel() for diagonal in (pose_covariance, twist_covariance))
+        parameters = self.setup.parameters
+        self._frames = odometry_frames(
+            self.setup,
+            parameters.odom_frame_id,
+            parameters.base_frame_id,
+            prefix_enable=getattr(parameters, "tf_frame_prefix_enable", False),
+            prefix=getattr(parameters, "tf_frame_prefix", ""),
+        )
+        diagonals = (parameters.pose_covariance_diagonal, parameters.twist_covariance_diagonal)
+        self._covariances = tuple(np.diag(diagonal).ravel() for diagonal in diagonals)
         self._with_pose = with_pose
         tickets = {self.sample_ticket()}
         if self.setup.true_odometry:
             tickets.add(self.input_port_ticket(self.get_state_input_port().get_index()))
         self._odometry = self._declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
-        if with_transform:
-            self.odometry_frames = frames
+        if parameters.enable_odom_tf:
+            self.odometry_frames = self._frames
             self._declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
 
     def _feedback(
@@ -185,6 +186,16 @@ class DriveController(PeriodicController):
         step = time - memory.odometry.time
         velocities = tuple((now - before) / step for now, before in zip(positions, memory.wheels, strict=True))
         return velocities, replace(memory, wheels=positions)
+
+    def _limited(self, values: Sequence[float], memory: DriveMemory) -> tuple[float, ...]:
+        """A command within its limits, given what was commanded at the last two updates."""
+        period = self.setup.update_period
+        return tuple(
+            limiter.limited(value, last, before, period)
+            for limiter, value, last, before in zip(
+                self._limiters, values, memory.last, memory.second_to_last, strict=False
+            )
+        )
 
     def _present_command(
         self, context: Context, time: float, memory: DriveMemory

@@ -19,7 +19,6 @@ from drake_twin.systems.drive_controller import (
     state_joint,
     twist_message,
 )
-from drake_twin.systems.odometry_frames import odometry_frames
 from drake_twin.systems.speed_limits import LimitsXY, LimitsZ
 
 _ZEROS = (0.0,) * 6
@@ -296,19 +295,7 @@ class MecanumDriveController(DriveController):
         self._declare_command(
             parameters.command_topic, stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout
         )
-        self._declare_odometry(
-            parameters.odometry_topic,
-            odometry_frames(
-                setup,
-                parameters.odom_frame_id,
-                parameters.base_frame_id,
-                prefix_enable=parameters.tf_frame_prefix_enable,
-                prefix=parameters.tf_frame_prefix,
-            ),
-            parameters.pose_covariance_diagonal,
-            parameters.twist_covariance_diagonal,
-            with_transform=parameters.enable_odom_tf,
-        )
+        self._declare_odometry(parameters.odometry_topic)
         self._declare_topic_output(
             "controller_state",
             "control_msgs/msg/MecanumDriveControllerState",
@@ -325,12 +312,7 @@ class MecanumDriveController(DriveController):
         memory = replace(memory, state=(*wheels, *reference))
         if any(map(isnan, reference)):
             return Update(replace(memory, limited=None), (0.0,) * 4)
-        limited = tuple(
-            limiter.limited(value, last, before, self.setup.update_period)
-            for limiter, value, last, before in zip(
-                self._limiters, reference, memory.last, memory.second_to_last, strict=True
-            )
-        )
+        limited = self._limited(reference, memory)
         memory = replace(memory, last=limited, second_to_last=memory.last, limited=limited)
         return Update(memory, self._drive.wheel_velocities(*limited))
 

@@ -11,7 +11,6 @@ from drake_twin.description.planar_joints import ANGULAR_Z
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.controller import ControllerSetup, Interface, Update
 from drake_twin.systems.drive_controller import DriveController, DriveMemory, check_covariances, publication
-from drake_twin.systems.odometry_frames import odometry_frames
 
 _COVARIANCE = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
 
@@ -79,13 +78,7 @@ class PlanarMoveController(DriveController):
         parameters: PlanarMoveParameters = setup.parameters
         self._odometry_wheels = ()
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=0.0)
-        self._declare_odometry(
-            "odom",
-            odometry_frames(setup, parameters.odom_frame_id, parameters.base_frame_id),
-            parameters.pose_covariance_diagonal,
-            parameters.twist_covariance_diagonal,
-            with_transform=parameters.enable_odom_tf,
-        )
+        self._declare_odometry("odom")
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
         """Passes the command on and looks where the base is."""

@@ -14,7 +14,6 @@ from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.controller import ControllerSetup, Interface, Update
 from drake_twin.systems.drive_controller import DriveController, DriveMemory, check_covariances, state_joint
-from drake_twin.systems.odometry_frames import odometry_frames
 from drake_twin.systems.speed_limits import LimitsX, LimitsZ
 
 _UPSTREAMS_COVARIANCE = (0.0, 7.0, 14.0, 21.0, 28.0, 35.0)
@@ -179,13 +178,7 @@ class SteeringController(DriveController):
             for kind in ("traction", "steering")
         )
         self._declare_command("reference", stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout)
-        self._declare_odometry(
-            "odometry",
-            odometry_frames(setup, parameters.odom_frame_id, parameters.base_frame_id),
-            parameters.pose_covariance_diagonal,
-            parameters.twist_covariance_diagonal,
-            with_transform=parameters.enable_odom_tf,
-        )
+        self._declare_odometry("odometry")
         self._declare_topic_output(
             "controller_state",
             "control_msgs/msg/SteeringControllerStatus",
@@ -231,13 +224,7 @@ class SteeringController(DriveController):
         (linear, angular), memory = self._reference(context, time, memory)
         if isnan(linear) or isnan(angular):
             return (nan, nan), replace(memory, last=(0.0, 0.0), second_to_last=(0.0, 0.0))
-        period = self.setup.update_period
-        linear, angular = (
-            limiter.limited(value, last, before, period)
-            for limiter, value, last, before in zip(
-                self._limiters, (linear, angular), memory.last, memory.second_to_last, strict=False
-            )
-        )
+        linear, angular = self._limited((linear, angular), memory)
         return (linear, angular), replace(memory, last=(linear, angular), second_to_last=memory.last)
 
     def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[tuple[float, float], DriveMemory]:

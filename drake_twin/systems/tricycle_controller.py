@@ -20,7 +20,6 @@ from drake_twin.systems.drive_controller import (
     is_older,
     state_joint,
 )
-from drake_twin.systems.odometry_frames import odometry_frames
 
 _ZEROS = (0.0,) * 6
 
@@ -189,14 +188,7 @@ class TricycleController(DriveController):
         self._steering_joint = (state_joint(parameters.steering_joint_name),)
         timeout = 1e-3 * parameters.cmd_vel_timeout
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=timeout)
-        self._declare_odometry(
-            "odom",
-            odometry_frames(setup, parameters.odom_frame_id, parameters.base_frame_id),
-            parameters.pose_covariance_diagonal,
-            parameters.twist_covariance_diagonal,
-            with_transform=parameters.enable_odom_tf,
-            with_pose=not parameters.odom_only_twist,
-        )
+        self._declare_odometry("odom", with_pose=not parameters.odom_only_twist)
         if parameters.publish_ackermann_command:
             self._declare_topic_output(
                 "cmd_ackermann", "ackermann_msgs/msg/AckermannDrive", self._calc_cmd_ackermann, {self.sample_ticket()}
@@ -219,12 +211,7 @@ class TricycleController(DriveController):
         memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
         speed, angle = self._drive.wheel_command(linear, angular)
         speed *= _share_of_speed(abs(angle - measured))
-        traction, steering = self._limiters
-        period = self.setup.update_period
-        limited = (
-            traction.limited(speed, memory.last[0], memory.second_to_last[0], period),
-            steering.limited(angle, memory.last[1], memory.second_to_last[1], period),
-        )
+        limited = self._limited((speed, angle), memory)
         return Update(replace(memory, last=limited, second_to_last=memory.last, limited=limited), limited)
 
     def _calc_cmd_ackermann(self, context: Context, output: AbstractValue) -> None:
