@@ -6,7 +6,7 @@ from math import inf
 from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
-from drake_twin.description.gazebo_drives import GazeboDrive
+from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.yaml_document import ValuePath

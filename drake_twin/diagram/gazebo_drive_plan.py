@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from drake_twin.description.gazebo_drives import PLANAR_MOVE, GazeboDrive
+from drake_twin.description.gazebo_drive import PLANAR_MOVE, GazeboDrive
 from drake_twin.description.planar_joints import commanded_planar_joints
 from drake_twin.description.robot_description import (
     CommandInterface,

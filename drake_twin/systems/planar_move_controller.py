@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
 
-from drake_twin.description.gazebo_drives import PLANAR_INTERFACES
+from drake_twin.description.gazebo_drive import PLANAR_INTERFACES
 from drake_twin.description.planar_joints import ANGULAR_Z
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.controller import ControllerSetup, Interface, Update

@@ -7,7 +7,8 @@ import pytest
 from drive_harness import Driven
 
 from drake_twin.description.controllers_yaml import read_controllers
-from drake_twin.description.gazebo_drives import PLANAR_MOVE, gazebo_drives
+from drake_twin.description.gazebo_drive import PLANAR_MOVE
+from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_model import load_robot_model

@@ -1,0 +1,178 @@
+"""The drives among gz-sim's systems, as controllers."""
+
+from collections.abc import Iterable
+from math import atan, inf, sin
+from typing import Any
+
+from drake_twin.description.gazebo_drive import (
+    FOR_EVER,
+    PLANAR_INTERFACES,
+    PLANAR_MOVE,
+    CannotWorkError,
+    DrivePlugin,
+    GazeboDrive,
+    as_rate,
+)
+from drake_twin.description.robot_description import RobotDescription
+
+# Where gz has its topics: the element that names them, and the name below the model without it.
+_ODOMETRY = ("odom_topic", "odometry")
+_TF = {"tf_odometry": ("tf_topic", "tf")}
+
+
+def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
+    """``gz-sim-diff-drive-system`` as a diff_drive_controller."""
+    left, right = plugin.joints("left_joint"), plugin.joints("right_joint")
+    if len(left) != len(right):
+        raise CannotWorkError(f"there are {len(left)} left and {len(right)} right joints")
+    parameters = _gz_odometry(plugin) | {
+        "left_wheel_names": list(left),
+        "right_wheel_names": list(right),
+        "wheel_separation": plugin.number("wheel_separation", 1.0),
+        "wheel_radius": plugin.number("wheel_radius", 0.2),
+        "cmd_vel_timeout": 0.0,
+        "publish_rate": as_rate(plugin.number("odom_publish_frequency", 50.0)),
+        "tf_frame_prefix_enable": not plugin.has("frame_id"),
+        "linear": {"x": _gz_limits(plugin, "linear")},
+        "angular": {"z": _gz_limits(plugin, "angular")},
+    }
+    topics, gz_topics = plugin.gz_topics({"cmd_vel_unstamped": ("topic", "cmd_vel"), "odom": _ODOMETRY} | _TF)
+    return GazeboDrive(
+        plugin.plugin,
+        plugin.controller("diff_drive_controller/DiffDriveController", parameters),
+        topics=topics,
+        gz_topics=gz_topics,
+        interfaces=tuple((joint, "velocity") for joint in (*left, *right)),
+    )
+
+
+def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
+    """``gz-sim-mecanum-drive-system`` as a mecanum_drive_controller."""
+    wheels = {}
+    for there, here in (
+        ("front_left", "front_left"),
+        ("front_right", "front_right"),
+        ("back_right", "rear_right"),
+        ("back_left", "rear_left"),
+    ):
+        wheels[f"{here}_wheel_command_joint_name"], *more = plugin.joints(f"{there}_joint")
+        if more:
+            raise CannotWorkError(f"there are {1 + len(more)} <{there}_joint>, and the twin drives four mecanum wheels")
+    limits = _gz_limits(plugin)
+    parameters = (
+        _gz_odometry(plugin)
+        | wheels
+        | {
+            "reference_timeout": FOR_EVER,
+            "kinematics": {
+                "wheels_radius": plugin.number("wheel_radius", 0.2),
+                "sum_of_robot_center_projection_on_X_Y_axis": 0.5
+                * (plugin.number("wheel_separation", 1.0) + plugin.number("wheelbase", 1.0)),
+            },
+            "tf_frame_prefix_enable": not plugin.has("frame_id"),
+            "linear": {"x": limits, "y": limits},
+            "angular": {"z": limits},
+        }
+    )
+    topics, gz_topics = plugin.gz_topics({"reference_unstamped": ("topic", "cmd_vel"), "odometry": _ODOMETRY} | _TF)
+    return GazeboDrive(
+        plugin.plugin,
+        plugin.controller("mecanum_drive_controller/MecanumDriveController", parameters),
+        topics=topics,
+        gz_topics=gz_topics,
+        interfaces=tuple((joint, "velocity") for joint in wheels.values()),
+    )
+
+
+def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
+    """``gz-sim-ackermann-steering-system`` as an ackermann_steering_controller."""
+    if plugin.flag("steering_only", False) or plugin.flag("use_actuator_msg", False):
+        raise CannotWorkError("<steering_only> and <use_actuator_msg> are not supported")
+    steering = (*plugin.joints("right_steering_joint")[:1], *plugin.joints("left_steering_joint")[:1])
+    driven, warnings = [], []
+    for tag in ("right_joint", "left_joint"):
+        joints = plugin.joints(tag)
+        fixed = [joint for joint in joints if not _is_below(plugin.description, joint, steering)]
+        driven.append((fixed or joints)[0])
+        if len(joints) > 1:
+            warnings.append(f"of <{tag}> {', '.join(joints)} the twin drives {driven[-1]}, and the others roll")
+    parameters = _gz_odometry(plugin) | {
+        "traction_joints_names": driven,
+        "steering_joints_names": list(steering),
+        "reference_timeout": FOR_EVER,
+        "wheelbase": plugin.number("wheel_base", 1.0),
+        "traction_wheels_radius": plugin.number("wheel_radius", 0.2),
+        "traction_track_width": plugin.number("wheel_separation", 1.0),
+        "steering_track_width": plugin.number("kingpin_width", 0.8),
+        # gz takes wheel_base / sin(limit) for the smallest turning radius
+        "largest_steering_angle": atan(sin(plugin.number("steering_limit", 0.5))),
+        "linear": {"x": _gz_limits(plugin)},
+        "angular": {"z": _gz_limits(plugin)},
+    }
+    topics, gz_topics = plugin.gz_topics(
+        {"reference_unstamped": ("topic", plugin.text("sub_topic", "cmd_vel")), "odometry": _ODOMETRY} | _TF
+    )
+    return GazeboDrive(
+        plugin.plugin,
+        plugin.controller("ackermann_steering_controller/AckermannSteeringController", parameters),
+        topics=topics,
+        gz_topics=gz_topics,
+        interfaces=(*((joint, "velocity") for joint in driven), *((joint, "position") for joint in steering)),
+        warnings=tuple(warnings),
+    )
+
+
+def velocity_control_system(plugin: DrivePlugin) -> GazeboDrive:
+    """``gz-sim-velocity-control-system`` as the twin's own controller of a base in the plane."""
+    parameters = _gz_odometry(plugin) | {"enable_odom_tf": False}
+    topics, gz_topics = plugin.gz_topics({"cmd_vel_unstamped": ("topic", "cmd_vel")})
+    unused = ("link_name", "initial_linear", "initial_angular")
+    return GazeboDrive(
+        plugin.plugin,
+        plugin.controller(PLANAR_MOVE, parameters),
+        topics=topics,
+        gz_topics=gz_topics,
+        interfaces=PLANAR_INTERFACES,
+        true_odometry=True,
+        warnings=tuple(f"<{tag}> is not supported" for tag in unused if plugin.has(tag)),
+    )
+
+
+def _gz_odometry(plugin: DrivePlugin) -> dict[str, Any]:
+    return {
+        "odom_frame_id": plugin.text("frame_id", "odom"),
+        "base_frame_id": plugin.text("child_frame_id", plugin.description.root_link),
+        "enable_odom_tf": True,
+        "use_stamped_vel": False,
+    }
+
+
+def _gz_limits(plugin: DrivePlugin, direction: str = "") -> dict[str, float]:
+    """gz's limits of one direction; where it has only one bound, the other is infinite."""
+    limits: dict[str, float] = {}
+    for what, lower_names in (
+        ("velocity", ("min_velocity",)),
+        ("acceleration", ("max_acceleration_reverse",)),
+        ("jerk", ("min_jerk",)),
+    ):
+        bounds = []
+        for side in ("min", "max"):
+            tags = [f"{side}_{direction}_{what}"] if direction else []
+            given = [plugin.number(tag, 0.0) for tag in (*tags, f"{side}_{what}") if plugin.has(tag)]
+            bounds.append(given[0] if given else None)
+        if bounds != [None, None]:
+            lower, upper = bounds
+            limits |= dict.fromkeys(lower_names, min(-inf if lower is None else lower, 0.0))
+            limits[f"max_{what}"] = max(inf if upper is None else upper, 0.0)
+    return limits
+
+
+def _is_below(description: RobotDescription, joint: str, others: Iterable[str]) -> bool:
+    """Whether a joint hangs on the link that one of the others moves."""
+    joint_of = {each.child: each for each in description.joints}
+    found = joint_of.get(description.joints_by_name[joint].parent)
+    while found is not None:
+        if found.name in others:
+            return True
+        found = joint_of.get(found.parent)
+    return False
