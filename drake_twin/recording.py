@@ -199,7 +199,7 @@ def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
     Raises:
         InputError: the files that its robots are made of are not there.
     """
-    from drake_twin.scenario import ScenarioFile
+    from drake_twin.scenario_file import ScenarioFile
     from drake_twin.twin import Twin
 
     twin = Twin(ScenarioFile(recording.start.scenario, "recording").scenario, meshcat)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
-from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError, ScenarioFile
+from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError
+from drake_twin.scenario_file import ScenarioFile
 
 if TYPE_CHECKING:
     from drake_twin.recording import Recording

@@ -29,7 +29,8 @@ from drake_twin.real_time import run_in_real_time
 from drake_twin.recording import Recorder, Recording, recorded
 from drake_twin.robot_control import RobotControl
 from drake_twin.running import Running
-from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioError, ScenarioFile, scenario_to_yaml
+from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioError
+from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.schedule import ScheduledCommand, meeting_step, step_at
 from drake_twin.snapshot import Snapshot
 from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state

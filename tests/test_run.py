@@ -790,9 +790,10 @@ def test_a_new_twin_echoes_the_topic_again(watching, capsys):
 
 def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(tmp_path):
     from drake_twin import run as program
+    from drake_twin import run_options
     from drake_twin.target import build_twin, find_target
 
-    options = program._parser().parse_args([str(LAUNCH_ARM), "--headless"])
+    options = run_options.parser().parse_args([str(LAUNCH_ARM), "--headless"])
     mesh = tmp_path / "read_once_and_cached.stl"
     target = find_target(options)
     twin = build_twin(target)

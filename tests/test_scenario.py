@@ -8,11 +8,10 @@ from drake_twin.scenario import (
     Robot,
     Scenario,
     ScenarioError,
-    ScenarioFile,
     StaticTransform,
     World,
-    scenario_to_yaml,
 )
+from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 
 FULL = Scenario(
     robots=(

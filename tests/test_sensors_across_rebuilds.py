@@ -4,7 +4,8 @@ import pytest
 from conftest import ROVER
 
 from drake_twin import Twin, TwinBuilder
-from drake_twin.scenario import Robot, ScenarioFile
+from drake_twin.scenario import Robot
+from drake_twin.scenario_file import ScenarioFile
 from drake_twin.snapshot import Snapshot
 
 SWINGING = """

@@ -79,7 +79,7 @@ def test_a_file_takes_a_run_to_another_process_bit_for_bit(arm, tmp_path):
     arm.snapshot().save(tmp_path / "state.json")
     program = (
         "import sys; from drake_twin import Twin; from drake_twin.snapshot import Snapshot;"
-        "from drake_twin.scenario import ScenarioFile;"
+        "from drake_twin.scenario_file import ScenarioFile;"
         "saved = Snapshot.load(sys.argv[1]); twin = Twin(ScenarioFile(saved.scenario, 'x').scenario);"
         "twin.restore(saved); twin.advance_to(twin.time + 5.0); print(twin.state_sha256())"
     )

@@ -6,7 +6,7 @@ import pytest
 
 from drake_twin.description.package_index import share_folder
 from drake_twin.errors import InputError
-from drake_twin.run import _parser
+from drake_twin.run_options import parser
 from drake_twin.scenario import Command, ScenarioError
 from drake_twin.target import build_twin, find_launch_file, find_target
 
@@ -19,7 +19,7 @@ _NAMES = ["a.launch.py", "a_launch.py", "anything.py", "a.launch", "a.launch.xml
 
 
 def target(*words):
-    return find_target(_parser().parse_args([*map(str, words)]))
+    return find_target(parser().parse_args([*map(str, words)]))
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 
 from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.description.package_index import share_folder
-from drake_twin.run import _parser
+from drake_twin.run_options import parser
 from drake_twin.target import find_target
 from drake_twin.watched_files import Watch, files_read
 
@@ -28,7 +28,7 @@ def file(tmp_path) -> Path:
 
 
 def test_every_file_that_a_launch_file_is_made_of_is_watched():
-    options = _parser().parse_args([str(MODELS / "rover_gazebo" / "launch" / "main.launch.xml")])
+    options = parser().parse_args([str(MODELS / "rover_gazebo" / "launch" / "main.launch.xml")])
     with files_read() as files:
         find_target(options)
     names = {str(file.relative_to(MODELS)) for file in files if file.is_relative_to(MODELS)}
@@ -43,9 +43,9 @@ def test_every_file_that_a_launch_file_is_made_of_is_watched():
 
 def test_meshes_are_watched_and_the_cache_is_not():
     program = (
-        "import sys; from drake_twin.run import _parser; from drake_twin.target import build_twin, find_target;"
+        "import sys; from drake_twin.run_options import parser; from drake_twin.target import build_twin, find_target;"
         "from drake_twin.watched_files import files_read\n"
-        "with files_read() as files: build_twin(find_target(_parser().parse_args(sys.argv[1:])))\n"
+        "with files_read() as files: build_twin(find_target(parser().parse_args(sys.argv[1:])))\n"
         "print(*files, sep='\\n')"
     )
     command = [sys.executable, "-c", program, str(MODELS / "arduinobot_description/launch/gazebo.launch.py")]

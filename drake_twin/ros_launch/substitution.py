@@ -89,3 +89,12 @@ def describe_all(subst: SomeSubstitutionsType) -> str:
     """Substitutions as ``ros2 launch --show-args`` prints them: text as it is, the others described."""
     parts = normalize_to_list_of_substitutions(subst)
     return "".join(part.text if isinstance(part, TextSubstitution) else part.describe() for part in parts)
+
+
+def as_texts(value: Any) -> Any:
+    """Numbers and truth values, which ROS takes in some places, as text."""
+    if isinstance(value, bool | int | float):
+        return str(value)
+    if isinstance(value, list | tuple):
+        return [as_texts(item) for item in value]
+    return value

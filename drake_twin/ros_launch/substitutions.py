@@ -8,19 +8,30 @@ import os
 import shlex
 import shutil
 import subprocess
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import yaml
 
 from drake_twin.errors import InputError
+from drake_twin.ros_launch.logic_substitutions import (
+    AllSubstitution,
+    AndSubstitution,
+    AnySubstitution,
+    EqualsSubstitution,
+    IfElseSubstitution,
+    NotEqualsSubstitution,
+    NotSubstitution,
+    OrSubstitution,
+)
 from drake_twin.ros_launch.packages import AbsentError, absent_package_in
 from drake_twin.ros_launch.substitution import (
     SomeSubstitutionsType,
     Substitution,
     SubstitutionFailure,
     TextSubstitution,
+    as_texts,
     normalize_to_list_of_substitutions,
     perform,
     perform_substitutions,
@@ -76,7 +87,7 @@ class LaunchConfiguration(Substitution):
 
     def __init__(self, variable_name: SomeSubstitutionsType, *, default: Any = None):
         self.variable_name = normalize_to_list_of_substitutions(variable_name)
-        self.default = None if default is None else normalize_to_list_of_substitutions(_texts(default))
+        self.default = None if default is None else normalize_to_list_of_substitutions(as_texts(default))
 
     def perform(self, context: LaunchContext) -> str:
         """The value.
@@ -167,7 +178,7 @@ class PythonExpression(Substitution):
     """
 
     def __init__(self, expression: SomeSubstitutionsType, python_modules: SomeSubstitutionsType | None = None):
-        self.expression = normalize_to_list_of_substitutions(_texts(expression))
+        self.expression = normalize_to_list_of_substitutions(as_texts(expression))
         modules = ["math"] if python_modules is None else python_modules
         modules = [modules] if isinstance(modules, str | Substitution) else list(modules)
         self.python_modules = [normalize_to_list_of_substitutions(module) for module in modules]
@@ -347,121 +358,6 @@ class ThisLaunchFileDir(Substitution):
         return str(Path(context.current_launch_file).parent)
 
 
-class _Comparison(Substitution):
-    def __init__(self, left: Any, right: Any):
-        self.left = normalize_to_list_of_substitutions(_texts(left))
-        self.right = normalize_to_list_of_substitutions(_texts(right))
-
-    def _equal(self, context: LaunchContext) -> bool:
-        left, right = perform_substitutions(context, self.left), perform_substitutions(context, self.right)
-        if left == right:
-            return True
-        booleans = [_BOOLEANS.get(text.lower()) for text in (left, right)]
-        if None not in booleans:
-            return booleans[0] == booleans[1]
-        try:
-            return math.isclose(float(left), float(right))
-        except ValueError:
-            return False
-
-
-class EqualsSubstitution(_Comparison):
-    """``true`` if two texts, numbers or truth values are equal."""
-
-    def perform(self, context: LaunchContext) -> str:
-        """``true`` or ``false``."""
-        return _text_of(self._equal(context))
-
-
-class NotEqualsSubstitution(_Comparison):
-    """``true`` if two texts, numbers or truth values differ."""
-
-    def perform(self, context: LaunchContext) -> str:
-        """``true`` or ``false``."""
-        return _text_of(not self._equal(context))
-
-
-_BOOLEANS = {"true": True, "1": True, "on": True, "yes": True, "false": False, "0": False, "off": False, "no": False}
-
-
-def _text_of(value: bool) -> str:
-    return "true" if value else "false"
-
-
-def _boolean(context: LaunchContext, subst: SomeSubstitutionsType) -> bool:
-    text = perform(context, subst)
-    value = _BOOLEANS.get(text.strip().lower())
-    if value is None:
-        raise InputError(f"{text!r} is neither true nor false", valid=["true", "false"])
-    return value
-
-
-class NotSubstitution(Substitution):
-    """``true`` if its text says false."""
-
-    def __init__(self, value: SomeSubstitutionsType):
-        self.value = normalize_to_list_of_substitutions(_texts(value))
-
-    def perform(self, context: LaunchContext) -> str:
-        """``true`` or ``false``."""
-        return _text_of(not _boolean(context, self.value))
-
-
-class _Connective(Substitution):
-    _combine: Callable[[Iterable[bool]], bool]
-
-    def __init__(self, *args: SomeSubstitutionsType):
-        self.args = [normalize_to_list_of_substitutions(_texts(arg)) for arg in args]
-
-    def perform(self, context: LaunchContext) -> str:
-        """``true`` or ``false``."""
-        return _text_of(type(self)._combine([_boolean(context, arg) for arg in self.args]))
-
-
-class AllSubstitution(_Connective):
-    """``true`` if all its texts say true."""
-
-    _combine = staticmethod(all)
-
-
-class AnySubstitution(_Connective):
-    """``true`` if one of its texts says true."""
-
-    _combine = staticmethod(any)
-
-
-class AndSubstitution(AllSubstitution):
-    """``true`` if both texts say true."""
-
-    def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType):
-        super().__init__(left, right)
-
-
-class OrSubstitution(AnySubstitution):
-    """``true`` if one of two texts says true."""
-
-    def __init__(self, left: SomeSubstitutionsType, right: SomeSubstitutionsType):
-        super().__init__(left, right)
-
-
-class IfElseSubstitution(Substitution):
-    """One of two texts, by a condition."""
-
-    def __init__(
-        self,
-        condition: SomeSubstitutionsType,
-        if_value: SomeSubstitutionsType = "",
-        else_value: SomeSubstitutionsType = "",
-    ):
-        self.condition = normalize_to_list_of_substitutions(_texts(condition))
-        self.if_value = normalize_to_list_of_substitutions(_texts(if_value))
-        self.else_value = normalize_to_list_of_substitutions(_texts(else_value))
-
-    def perform(self, context: LaunchContext) -> str:
-        """The text."""
-        return perform_substitutions(context, self.if_value if _boolean(context, self.condition) else self.else_value)
-
-
 class FileContent(Substitution):
     """The text of a file."""
 
@@ -553,15 +449,6 @@ class Parameter(Substitution):
             if isinstance(item, tuple) and item[0] == name:
                 return yaml.safe_dump(item[1]).split("\n")[0] if not isinstance(item[1], str) else item[1]
         raise InputError(f"no SetParameter gives a value to {name!r}")
-
-
-def _texts(value: Any) -> Any:
-    """Numbers and truth values, which ROS takes in some places, as text."""
-    if isinstance(value, bool | int | float):
-        return str(value)
-    if isinstance(value, list | tuple):
-        return [_texts(item) for item in value]
-    return value
 
 
 def _described(subst: SomeSubstitutionsType) -> str:

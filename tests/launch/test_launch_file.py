@@ -6,7 +6,7 @@ from launch_files import write, write_python
 
 from drake_twin.description.package_index import share_folder
 from drake_twin.launch.launch_file import launch_description_scenario, launch_file_scenario
-from drake_twin.scenario import ScenarioFile, scenario_to_yaml
+from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin import Twin
 
 MODELS = share_folder("models")
