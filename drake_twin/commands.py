@@ -165,7 +165,7 @@ class Commands:
         subscribed = self._controls[item.robot].controllers[item.controller].subscribed.get(item.name, kind)
         if not is_dataclass(value) or (kind is not None and kind != subscribed):
             raise ValueError(f"{shortened(plain)} is no message of {topic}")
-        if isinstance(value, Numbers):
+        if isinstance(value, Numbers) or kind == "std_msgs/msg/Float64MultiArray":
             control = self._controls[item.robot]
             return control.controllers[item.controller].read(item.name, value, control.context_of(item.controller))
         return value

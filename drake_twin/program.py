@@ -71,11 +71,13 @@ def leave(code: int) -> NoReturn:
 @contextlib.contextmanager
 def collecting_later() -> Iterator[None]:
     """Puts garbage collection off while much is imported and made that stays."""
+    collects = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
-        gc.enable()
+        if collects:
+            gc.enable()
 
 
 class _LogHandler(logging.Handler):

@@ -79,14 +79,11 @@ class Running:
     def time_of(self, step: int) -> float:
         """The time at which a step ends (s), or the time of an update that differs from it by rounding alone.
 
-        With CENIC a controller's update just behind a step's end would leave a step of 1e-16 s between the two.
+        With CENIC a controller's update just beside a step's end would leave a step of 1e-16 s between the two.
         """
         time = step * self._time_step
-        for period, offset in self._updates:
-            update = offset + round((time - offset) / period) * period
-            if abs(update - time) < _SAME_TIME:
-                time = max(time, update)
-        return time
+        updates = [offset + round((time - offset) / period) * period for period, offset in self._updates]
+        return max((update for update in updates if abs(update - time) < _SAME_TIME), default=time)
 
     def start_at_rest(self) -> None:
         """Puts the context into its default state at time zero, with no command on any port."""
@@ -94,9 +91,14 @@ class Running:
         self.context.SetTime(0.0)
         self.built.fix_commands(self.context)
 
-    def carry_over(self, old: "Running") -> None:
-        """Takes time and states from another diagram, by name: joints, bases, moving models, controllers, servos."""
-        self.context.SetTime(old.context.get_time())
+    def carry_over(self, old: "Running", step: int) -> None:
+        """Takes states from another diagram, by name: joints, bases, moving models, controllers, servos.
+
+        Args:
+            old: the other diagram.
+            step: the present step, counted in this one's.
+        """
+        self.context.SetTime(self.time_of(step))
         self.built.fix_commands(self.context)
         for name, parts in self.built.robots.items():
             if self._is_same_robot(name, old):
@@ -125,7 +127,7 @@ class Running:
 
     def snapshot(self, plan: RobotPlan) -> dict[str, Any]:
         """A robot's state as plain data: its vector ``[q; v]``, and the same in words."""
-        state = read_robot_state(self.built, self.context, plan)
+        state = read_robot_state(self.built, self.context, plan, with_efforts=False)
         return {
             "state": self.robot_state(plan.name).tolist(),
             "joints": {

@@ -37,7 +37,7 @@ class Subscription:
 
     def pass_time(self, time: float) -> None:
         """Notes a delivery at a time (s), and moves on to the grid point after it."""
-        self._next_point = self._last_point_before(time) + 1
+        self._next_point = max(self._next_point, self._last_point_before(time)) + 1
 
     def take(self, message: Any) -> None:
         """Gives a message to whoever listens."""

@@ -23,7 +23,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
 from drake_twin.errors import CommandError, InputError, RunError, TwinError
-from drake_twin.messages import shortened
+from drake_twin.messages import Numbers, float64_multi_array, shortened
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.real_time import run_in_real_time
 from drake_twin.recording import Recorder, Recording, recorded
@@ -33,7 +33,7 @@ from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioEr
 from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.schedule import ScheduledCommand, meeting_step, step_at
 from drake_twin.snapshot import Snapshot
-from drake_twin.state import RobotState, check_finite, hash_state, read_robot_state
+from drake_twin.state import RobotState, check_finite, failure, hash_state, read_robot_state
 from drake_twin.subscriptions import Subscription, Subscriptions
 from drake_twin.systems.controller import Interface
 
@@ -139,14 +139,14 @@ class Twin:
         """
         running, old = Running(scenario, self._meshcat, self._built), self._running
         known = list(self._controls.values())
-        running.carry_over(old)
+        self._step = self._step if step is None else step
+        running.carry_over(old, self._step)
         kept = [control for control in known if any(control.plan is plan for plan in running.built.plans)]
         for goal in self._goals:
             if not goal.is_of(kept):
                 goal.drop()
         self._goals = [goal for goal in self._goals if goal.is_of(kept)]
         self.scenario = scenario
-        self._step = self._step if step is None else step
         self._run(running)
         for control in self._controls.values():
             if control not in known:
@@ -289,7 +289,7 @@ class Twin:
             if set(snapshot.robots) != set(self.robots):
                 raise ValueError("it has no state of some of them, or one of others")
             self._step = snapshot.step
-            self._context.SetTime(self.time)
+            self._context.SetTime(self._running.time_of(self._step))
             self._running.set_model_states(snapshot.models)
             for name, saved in snapshot.robots.items():
                 self._running.set_robot_state(name, np.array(saved["state"], dtype=float))
@@ -493,7 +493,8 @@ class Twin:
         """
         self._command_topic(topic)
         waiting = [*self._commands.waiting(topic)]
-        return waiting[-1] if waiting else self._commands.values.get(topic)
+        value = waiting[-1] if waiting else self._commands.values.get(topic)
+        return float64_multi_array(value.data) if isinstance(value, Numbers) else value
 
     @recorded
     def publish(self, topic: str, data: Any) -> None:
@@ -647,7 +648,19 @@ class Twin:
         item = self._published(topic)
         if item.controller and not self._controls[item.robot].manager.is_active(item.controller):
             return None
-        return item.port.Eval(self._context)
+        return self.evaluate(item.port)
+
+    def evaluate(self, port: Any) -> Any:
+        """The value of an output port of `diagram` or of its plant, at the present time.
+
+        Raises:
+            RunError: efforts, accelerations and contacts are those of the step to come, and Drake cannot solve it.
+        """
+        context = self._plant_context if port.get_system() is self._built.plant else self._context
+        try:
+            return port.Eval(context)
+        except (RuntimeError, SystemExit) as error:
+            raise self._failure(error) from error
 
     def start_positions(self, robot: str) -> Mapping[str, float]:
         """Movable joint → where it stands at the start (rad or m).
@@ -672,7 +685,11 @@ class Twin:
         Raises:
             InputError: no such robot.
         """
-        return read_robot_state(self._built, self._context, self._plan(robot))
+        plan = self._plan(robot)
+        try:
+            return read_robot_state(self._built, self._context, plan)
+        except (RuntimeError, SystemExit) as error:
+            raise self._failure(error) from error
 
     @recorded
     def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
@@ -862,16 +879,17 @@ class Twin:
             next_step = self._step + 1 if self.scenario.engine == CENIC else self._next_stop(target)
             try:
                 noticed = self._advance_simulator(next_step)
-            except (RuntimeError, SystemExit) as error:  # some of Drake's checks end the process if they can
-                check_finite(self._built, self._plant_context, self.time)
-                reason = " ".join(str(error).split())
-                raise RunError(f"the simulation failed after {self.time:g} s: {reason}") from error
+            except (RuntimeError, SystemExit) as error:
+                raise self._failure(error) from error
             check_finite(self._built, self._plant_context, self.time)
             self._step = round(self._context.get_time() / time_step)
             if noticed:
                 for control in self._controls.values():
                     control.give_up_faulty()
             self._goals = [goal for goal in self._goals if not goal.deliver()]
+
+    def _failure(self, error: BaseException) -> RunError:
+        return failure(self._built, self._plant_context, self.time, error)
 
     def _advance_simulator(self, step: int) -> bool:
         """Advances to a step, or to the first one at which a controller has something to say; whether one has."""

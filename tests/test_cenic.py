@@ -178,3 +178,28 @@ def test_a_rover_that_meets_another_stops_where_the_discrete_engine_stops_it():
         assert second - first == pytest.approx(0.57, abs=0.03)  # body to body, and a little aslant
         ends.append((first, second))
     assert ends[0] == pytest.approx(ends[1], abs=0.03)
+
+
+def test_chained_updates_beside_the_grid_leave_no_step_of_rounding(tmp_path):
+    """A chained controller's updates come a step after those above it: at times such as 1.001 s, which are rounded."""
+    joints = [f"joint_{index}" for index in range(1, 5)]
+    gains = "p: 2.0, feedforward_gain: 1.0"
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager: {ros__parameters: {update_rate: 100, pid: {type: pid_controller/PidController},"
+        " c: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        f"pid: {{ros__parameters: {{dof_names: [{', '.join(joints)}], command_interface: velocity,"
+        " reference_and_state_interfaces: [position],"
+        f" gains: {{{', '.join(f'{joint}: {{{gains}}}' for joint in joints)}}}}}}}\n"
+        f"c: {{ros__parameters: {{joints: [{', '.join(joints)}], command_joints:"
+        f" [{', '.join(f'pid/{joint}' for joint in joints)}], command_interfaces: [position],"
+        " state_interfaces: [position, velocity]}}\n"
+    )
+    builder = TwinBuilder(engine="cenic", time_step=0.001, accuracy=1e-2)
+    twin = builder.robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    assert twin.controller_manager("arm").active == ("pid", "c")
+    there = [0.5, 0.4, -0.4, 0.5]
+    points = [{"positions": there, "velocities": [0.0] * 4, "time_from_start": 1.0}]
+    twin.publish("/arm/c/joint_trajectory", {"joint_names": joints, "points": points})
+    assert arm_at(twin, 2.5) < 1.5
+    twin.restore(twin.snapshot())
+    assert arm_at(twin, 3.0) < 1.5

@@ -100,6 +100,9 @@ def test_a_message_is_made_when_it_is_delivered_and_once_for_all_who_listen(coun
     assert calls["_calc_joint_states"] == 50 * count
     assert calls["_calc_tf"] == calls["_calc_clock"] == 50
     assert calls["_calc_odom"] == calls["_calc_dynamic_joint_states"] == 0
+    listening(twin, "/ground_truth/odom", "/dynamic_joint_states")
+    calls = python_calls(twin, 2.1)
+    assert calls["_calc_odom"] == calls["_calc_dynamic_joint_states"] == 50 * count
 
 
 def test_a_tick_takes_few_calls_of_python_for_each_robot():
@@ -154,8 +157,13 @@ def test_efforts_are_not_asked_for_in_vain(tmp_path):
         '<ros2_control name="s" type="system"><hardware><plugin>p</plugin></hardware><joint name="j">'
         '<command_interface name="velocity"/><state_interface name="position"/></joint></ros2_control></robot>'
     )
-    (tmp_path / "r.urdf").write_text(urdf)
-    twin = TwinBuilder().robot("r", tmp_path / "r.urdf").build()
-    received = listening(twin, "/joint_states")
-    assert python_calls(twin, 1.0)["efforts"] == 0
-    assert len(received) == 50
+    (tmp_path / "without.urdf").write_text(urdf)
+    effort = '<state_interface name="effort"/></joint></ros2_control>'
+    (tmp_path / "with.urdf").write_text(urdf.replace("</joint></ros2_control>", effort))
+    calls = {}
+    for name in ("with", "without"):
+        twin = TwinBuilder().robot("r", tmp_path / f"{name}.urdf").build()
+        received = listening(twin, "/joint_states")
+        calls[name] = python_calls(twin, 1.0)["efforts"]
+        assert len(received) == 50
+    assert calls == {"with": 50, "without": 0}

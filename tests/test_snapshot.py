@@ -11,6 +11,7 @@ from conftest import ARM, rovers
 
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import InputError
+from drake_twin.messages import float64_multi_array
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.scenario import Robot, World
 from drake_twin.snapshot import Snapshot
@@ -270,3 +271,15 @@ def test_a_file_that_cannot_be_finished_stays_as_it_was(arm, tmp_path, monkeypat
         arm.snapshot().save(file)
     assert file.read_text() == before
     assert [item.name for item in tmp_path.iterdir() if item.suffix == ".part"] == []
+
+
+def test_a_command_that_was_saved_as_a_message_holds_as_its_numbers():
+    twin = rovers(1).build()
+    twin.publish(WHEELS, [2.0] * 4)
+    twin.advance_to(0.1)
+    saved, expected = twin.snapshot(), twin.state_sha256()
+    message = twin.command(WHEELS)
+    twin.restore(replace(saved, commands={WHEELS: to_plain(message)}))
+    assert twin.state_sha256() == expected
+    with pytest.raises(InputError, match="does not fit"):
+        twin.restore(replace(saved, commands={WHEELS: to_plain(float64_multi_array([2.0]))}))

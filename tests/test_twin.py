@@ -625,3 +625,15 @@ def test_a_subscription_made_in_a_callback_begins_with_the_present_message(twin)
     twin.subscribe("/clock", first, rate=0.5)
     twin.advance_to(0.25)
     assert seen == [0, 100_000_000, 200_000_000]
+
+
+def test_the_command_that_holds_is_a_message_that_can_be_published_again():
+    twin = rovers(2).build()
+    topic = "/robot_1/forward_velocity_controller/commands"
+    twin.publish(topic, [1, 2, 1, 2])
+    for advance in (0.1, 0.2):  # waiting, then on its port
+        message = twin.command(topic)
+        assert message.data.tolist() == [1, 2, 1, 2]
+        twin.publish(topic.replace("robot_1", "robot_2"), message)
+        twin.advance_to(advance)
+    assert twin.robot_state("robot_1").velocities == twin.robot_state("robot_2").velocities

@@ -54,12 +54,12 @@ from drake_twin.launch.demo import demo_scenario
 from drake_twin.twin import Twin
 def resident():
     return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
-Twin(demo_scenario("rover", 1)).step()
-kept, before = [], resident()
-twin = Twin(demo_scenario("rover", 1 + int(sys.argv[1])))
+kept = Twin(demo_scenario("rover", 1))
+kept.step()
+before = resident()
+twin = Twin(demo_scenario("rover", int(sys.argv[1])))
 twin.step()
-small = resident()
-print((small - before) / int(sys.argv[1]) / 1024)
+print((resident() - before) / int(sys.argv[1]) / 1024)
 """
 
 

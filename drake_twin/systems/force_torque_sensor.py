@@ -19,7 +19,7 @@ class ForceTorqueSensor(LeafSystem):
     parent link or the sensor, and the wrench is the child's on the parent (SDF's ``child_to_parent``, the default) or
     the parent's on the child. All that goes through the joint is in it, what its actuator exerts included. It is
     computed when somebody asks. A discrete plant without sampled output ports reports the forces of the step that
-    follows.
+    follows with the commands that hold.
 
     .. pydrake_system::
 

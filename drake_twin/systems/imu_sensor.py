@@ -20,7 +20,8 @@ class ImuSensor(LeafSystem):
     upwards, and the orientation is relative to a reference. It is computed when somebody asks.
 
     The plant's accelerations must be those of the present state, as a continuous plant's always are: a discrete
-    plant's are without sampled output ports (``use_sampled_output_ports=False``), over the step that follows.
+    plant's are without sampled output ports (``use_sampled_output_ports=False``): those of the step that follows with
+    the commands that hold.
 
     .. pydrake_system::
 

@@ -1,4 +1,4 @@
-"""Where each joint of a robot stands in its model instance's state vector."""
+"""Where each joint of a robot stands in its model instance's state vector, or in the plant's."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,7 +33,7 @@ class StateLayout:
     planar_base: PlanarBase | None = None
 
     def within(self, indices: Sequence[int]) -> "StateLayout":
-        """Where the same stands in the plant's state.
+        """Where the same stands in the plant's state; the size stays that of the model instance's.
 
         Args:
             indices: where each element of the model instance's state stands in the plant's.

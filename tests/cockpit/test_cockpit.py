@@ -88,7 +88,7 @@ def test_the_speed_is_set_and_a_speed_that_is_none_is_refused(page):
 def test_a_slider_drives_that_wheel_and_no_other_robot(page):
     page.ask(protocol.MoveJoint(WHEELS_1, 2, 3.0))
     page.twin.advance_to(0.01)
-    assert page.twin.command(WHEELS_1).data == (0, 0, 3, 0)
+    assert page.twin.command(WHEELS_1).data.tolist() == [0, 0, 3, 0]
     assert page.twin.command(WHEELS_1.replace("1", "2")) is None
     assert page.state["commands"][WHEELS_1] == [0, 0, 3, 0]
 
@@ -98,7 +98,7 @@ def test_a_slider_moved_while_paused_acts_when_time_goes_on(page):
     assert page.state["commands"][WHEELS_1] == [1, 0, 3, 0]
     page.twin.play()
     page.twin.advance_to(0.01)
-    assert page.twin.command(WHEELS_1).data == (1, 0, 3, 0)
+    assert page.twin.command(WHEELS_1).data.tolist() == [1, 0, 3, 0]
 
 
 def test_sliders_show_commands_that_came_from_elsewhere(page):
@@ -112,7 +112,7 @@ def test_whoever_moves_a_slider_takes_over_from_the_scenario(meshcat):
     page.twin.advance_to(0.05)
     page.ask(protocol.MoveJoint(WHEELS_1, 2, 3.0))
     page.twin.advance_to(0.5)
-    assert page.twin.command(WHEELS_1).data == (1, 1, 3, 1)
+    assert page.twin.command(WHEELS_1).data.tolist() == [1, 1, 3, 1]
 
 
 @pytest.mark.parametrize("request_", [protocol.MoveJoint("/x", 0, 1.0), protocol.MoveJoint(WHEELS_1, 4, 1.0)])

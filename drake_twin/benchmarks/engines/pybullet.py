@@ -1,9 +1,11 @@
 """PyBullet with its velocity motors."""
 
+import weakref
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pybullet
 
 from drake_twin.benchmarks.engine import Setting
 from drake_twin.benchmarks.robots import FRICTION, Prepared, prepare
@@ -14,10 +16,9 @@ class PybulletEngine:
     """The robots in one world of their own."""
 
     def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
-        import pybullet
-
         self._bullet: Any = pybullet
         self._client = pybullet.connect(pybullet.DIRECT)
+        weakref.finalize(self, pybullet.disconnect, self._client)
         prepared = prepare(workload, count, folder, 0.001)
         pybullet.setGravity(0, 0, -9.81, physicsClientId=self._client)
         pybullet.setTimeStep(setting.step, physicsClientId=self._client)
@@ -26,9 +27,6 @@ class PybulletEngine:
         for box in prepared.boxes:
             self._add_box(box)
         self._robots = [self._add_robot(robot, folder) for robot in prepared.robots]
-
-    def __del__(self) -> None:
-        self._bullet.disconnect(self._client)
 
     def command(self, velocities: np.ndarray) -> None:
         """Commands joint velocities."""
@@ -62,13 +60,14 @@ class PybulletEngine:
         file = folder / f"{robot.plan.name}.urdf"
         file.write_text(robot.urdf, encoding="utf-8")
         body = bullet.loadURDF(str(file), robot.xyz, useFixedBase=robot.plan.model.is_fixed, physicsClientId=client)
+        bullet.changeDynamics(body, -1, lateralFriction=FRICTION, physicsClientId=client)
         indices = {}
         for index in range(bullet.getNumJoints(body, physicsClientId=client)):
             indices[bullet.getJointInfo(body, index, physicsClientId=client)[1].decode()] = index
             bullet.setJointMotorControl2(body, index, bullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
             bullet.changeDynamics(body, index, lateralFriction=FRICTION, physicsClientId=client)
         for joint in robot.description.movable_joints:
-            if joint.mimic is not None:
+            if joint.mimic is not None:  # a gear has no offset, and the joints of these robots need none
                 gear = bullet.createConstraint(
                     body,
                     indices[joint.mimic.joint],

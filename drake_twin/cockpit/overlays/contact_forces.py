@@ -1,4 +1,4 @@
-"""An arrow for each contact force of the last step."""
+"""An arrow for each contact force."""
 
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
@@ -23,9 +23,8 @@ class ContactForces:
         self._context = self._visualizer.CreateDefaultContext()
 
     def draw(self) -> None:
-        """Draws the forces of the last step."""
-        plant = self._twin.plant
-        results = plant.get_contact_results_output_port().Eval(plant.GetMyContextFromRoot(self._twin.context))
+        """Draws the present forces."""
+        results = self._twin.evaluate(self._twin.plant.get_contact_results_output_port())
         self._visualizer.contact_results_input_port().FixValue(self._context, AbstractValue.Make(results))
         self._context.SetTime(self._twin.time)
         self._visualizer.ForcedPublish(self._context)
