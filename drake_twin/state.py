@@ -3,7 +3,6 @@
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -91,7 +90,7 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
         RunError: names the first robot and joint, or model of the world, that is nowhere.
     """
     state = built.plant.GetPositionsAndVelocities(plant_context)
-    if isfinite(state.dot(state)) or np.isfinite(state).all():  # the first is five times as fast, and warns of nothing
+    if np.isfinite(state).all():
         return
     for plan in built.plans:
         parts = built.robots[plan.name]

@@ -12,6 +12,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
 
 from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.errors import InputError
 from drake_twin.systems.state_layout import StateLayout
 
 # A velocity servo reaches its command with this time constant where nothing but inertia resists (s).
@@ -135,6 +136,9 @@ def servo_gains(
         plant: the finalized plant.
         robots: the robots in it.
         known: gains that were found before.
+
+    Raises:
+        InputError: a joint for which there are no gains, because its limits are beyond all measure.
     """
     known = known or {}
     servos: list[tuple[RobotPlan, JointActuator]] = []
@@ -146,11 +150,19 @@ def servo_gains(
                 servos.append((plan, actuator))
     new = [robot for robot in robots if robot[0].name not in known]
     continuous = plant.time_step() == 0.0
+    loads = _joint_loads(plant, new, servos)
+    for (plan, actuator), load in zip(servos, loads, strict=True):
+        if not np.isfinite((load.inertia, load.gravity, load.contact)).all():
+            raise InputError(
+                f"robot {plan.name!r}: joint {actuator.joint().name()!r} cannot be driven: within the joints' limits"
+                " its inertia or load is beyond what a number holds",
+                file=plan.description.file,
+            )
     gains = {
         actuator.index(): ServoGains(
             position_gains(load, plan.position_time_constant), velocity_gains(load, continuous=continuous)
         )
-        for (plan, actuator), load in zip(servos, _joint_loads(plant, new, servos), strict=True)
+        for (plan, actuator), load in zip(servos, loads, strict=True)
     }
     return {
         plan.name: known.get(plan.name) or tuple(gains.get(index) for index in plant.GetJointActuatorIndices(instance))

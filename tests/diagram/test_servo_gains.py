@@ -4,6 +4,7 @@ from conftest import ARM, ROVER
 
 from drake_twin import TwinBuilder
 from drake_twin.diagram.servo_gains import JointLoad, position_gains, velocity_gains
+from drake_twin.errors import InputError
 
 
 def gains(twin, robot):
@@ -59,3 +60,19 @@ def test_a_commanded_joint_keeps_its_velocity_against_gravity(time_step):
     twin.advance_to(1.0)
     velocities = np.array(twin.robot_state("arm").velocities[:4])
     assert np.abs(velocities - (1.0, 0.5, -0.5, 0.2)).max() < 1e-3
+
+
+def test_a_joint_whose_load_is_no_number_is_refused(tmp_path):
+    inertial = (
+        '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    )
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="world"/><link name="a">{inertial}<link name="b">{inertial}'
+        '<joint name="turn" type="continuous"><parent link="world"/><child link="a"/><axis xyz="0 0 1"/></joint>'
+        '<joint name="rail" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>'
+        '<limit effort="1" velocity="1" lower="1e200" upper="1e201"/></joint>'
+        '<ros2_control name="s" type="system"><hardware><plugin>p</plugin></hardware><joint name="turn">'
+        '<command_interface name="velocity"/></joint></ros2_control></robot>'
+    )
+    with pytest.raises(InputError, match=r"r\.urdf: robot 'r': joint 'turn' cannot be driven: .* beyond what a number"):
+        TwinBuilder().robot("r", tmp_path / "r.urdf").build()
