@@ -152,8 +152,9 @@ def robots(size: Size) -> list[Table]:
     tables = []
     for workload in WORKLOADS.values():
         rows = []
-        for count in size.counts:
+        for count in size.counts if size.scale < 0.5 else sorted({*size.counts, 4, 16, 64}):
             factors = {}
+            say(f"  {count} {workload.name}", sys.stderr)
             for setting in settings:
                 span = _whole(1.2 * size.scale, 0.1)
                 times = by_turns({"run": _fresh(size, setting, workload, count, span)}, max(1, size.repeats // 2))
@@ -204,14 +205,14 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
     grid = event or LONGEST_GRID
     coarse = size.scale < 0.5
     finest = {
-        "twin": Setting("twin", 0.001 if coarse else 0.0001),
+        "twin": Setting("twin", 0.001 if coarse else 0.0001 if count > 8 else 0.00005),
         "twin, cenic": Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8),
         "MuJoCo": Setting("MuJoCo", 0.0005 if coarse else 0.00002),
     }
     settings = [
-        *(Setting("twin", step) for step in (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)),
-        *(Setting("twin, cenic", grid, accuracy) for accuracy in (1e-2, 1e-3, 1e-4, 1e-5, 3e-6, 1e-6, 3e-7)),
-        *(Setting("MuJoCo", step) for step in (0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001, 0.00005)),
+        *(Setting("twin", step) for step in (0.02, 0.01, 0.008, 0.005, 0.002, 0.001, 0.0005, 0.0002)),
+        *(Setting("twin, cenic", grid, accuracy) for accuracy in (1e-2, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7)),
+        *(Setting("MuJoCo", step) for step in (0.005, 0.002, 0.001, 0.0007, 0.0005, 0.0003, 0.0002, 0.0001, 0.00005)),
     ]
     if coarse:
         settings = [Setting("twin", 0.01), Setting("twin, cenic", grid, 1e-2), Setting("MuJoCo", 0.002)]

@@ -127,6 +127,12 @@ def _straight(robot: int, _time: float) -> tuple[float, ...]:
     return speed, speed, speed, speed
 
 
+def _over(robot: int, time: float) -> tuple[float, ...]:
+    """Slowly off, so that what the wheels meet counts, and not how they slip when they start."""
+    speed = 1.0 if time < 0.1 else 4.0 + 0.3 * (robot % 3)
+    return speed, speed, speed, speed
+
+
 def _wave(robot: int, time: float) -> tuple[float, ...]:
     return (
         0.5 * sin(3.0 * time + robot),
@@ -151,7 +157,7 @@ WORKLOADS = {
     for workload in (
         Workload("cruising rovers", "rover", _straight),
         Workload("rovers whose commands change", "rover", _wander, period=0.1),
-        Workload("rovers over steps and ramps", "rover", _straight, boxes=STEP_AND_RAMP),
+        Workload("rovers over steps and ramps", "rover", _over, period=0.1, boxes=STEP_AND_RAMP),
         Workload("arms whose commands change", "arduinobot", _wave, period=0.1),
         Workload("arms that push boxes", "arduinobot", _sweep, boxes=PILLAR),
     )
