@@ -88,6 +88,8 @@ class Commands:
             time: the present time (s).
             publish: does with a scheduled command what is done with one that somebody publishes.
         """
+        if not (self.schedule or self.expiries or self._queue):
+            return
         due = []
         for scheduled in self.schedule:
             if scheduled.due_step(self._time_step) <= step:

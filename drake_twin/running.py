@@ -82,6 +82,8 @@ class Running:
         With CENIC a controller's update just beside a step's end would leave a step of 1e-16 s between the two.
         """
         time = step * self._time_step
+        if not self._updates:
+            return time
         updates = [offset + round((time - offset) / period) * period for period, offset in self._updates]
         return max((update for update in updates if abs(update - time) < _SAME_TIME), default=time)
 

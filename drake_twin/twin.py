@@ -37,6 +37,7 @@ from drake_twin.state import RobotState, check_finite, failure, hash_state, read
 from drake_twin.subscriptions import Subscription, Subscriptions
 from drake_twin.systems.controller import Interface
 
+_TERMINATED = SimulatorStatus.ReturnReason.kReachedTerminationCondition
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
 
 # What goes wrong with saved values that are of another kind than they should be.
@@ -886,7 +887,8 @@ class Twin:
             if noticed:
                 for control in self._controls.values():
                     control.give_up_faulty()
-            self._goals = [goal for goal in self._goals if not goal.deliver()]
+            if self._goals:
+                self._goals = [goal for goal in self._goals if not goal.deliver()]
 
     def _failure(self, error: BaseException) -> RunError:
         return failure(self._built, self._plant_context, self.time, error)
@@ -894,7 +896,7 @@ class Twin:
     def _advance_simulator(self, step: int) -> bool:
         """Advances to a step, or to the first one at which a controller has something to say; whether one has."""
         status = self._simulator.AdvanceTo(self._running.time_of(step))
-        if status.reason() != SimulatorStatus.ReturnReason.kReachedTerminationCondition:
+        if status.reason() != _TERMINATED:
             return False
         # All that happens at this time has happened, but Drake would do it again when it goes on from here, the plant's
         # step too: so it goes on from between two steps.
@@ -920,7 +922,7 @@ class Twin:
         return True
 
     def _apply_commands(self) -> None:
-        if any(item.until <= self.time + 1e-9 for item in self._wrenches):
+        if self._wrenches and any(item.until <= self.time + 1e-9 for item in self._wrenches):
             self._put_wrenches()
         self._commands.apply(self._step, self.time, self._publish_scheduled)
 
@@ -936,11 +938,11 @@ class Twin:
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
         time_step = self.scenario.time_step
-        due = [*self._commands.due_steps(), self._subscriptions.due_step(time_step)]
+        due = [target, self._subscriptions.due_step(time_step), *self._commands.due_steps()]
         due += [step_at(item.until, time_step) for item in self._wrenches]
         if self._next_time_step is not None:
             due.append(meeting_step(self._step, self.time_step, self._next_time_step))
-        return int(min([target, *(step for step in due if step > self._step)]))
+        return int(min(step for step in due if step > self._step))
 
 
 def _is_number(value: Any, least: float = float("-inf")) -> bool:

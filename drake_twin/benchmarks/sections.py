@@ -58,6 +58,8 @@ def overhead(size: Size) -> list[Table]:
         "twin ÷ bare plant with Drake's sampled ports",
         "joint_states, tf and clock at 50 Hz ÷ nobody listens",
         "the same: µs for each robot and tick",
+        "µs for each robot and step: twin",
+        "bare plant",
     )
     return [Table("overhead", "The twin beside the bare Drake plant, wall time", columns, tuple(rows))]
 
@@ -75,7 +77,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
     for engine in engines.values():
         engine.command(commands)
         engine.advance_to(0.1)
-    span = _whole(0.3 * size.scale * max(0.25, 4.0 / count) * (step / 0.001) ** 0.8, 0.02)
+    span = _whole(12.0 * size.scale / count * (step / 0.001) ** 0.8, 0.02)  # some 0.4 s of wall time
     turn = dict.fromkeys(engines, 0)
 
     def go(name: str) -> None:
@@ -91,6 +93,8 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
         ratio(times, "twin", "bare plant, sampled ports"),
         ratio(times, "listening", "twin"),
         median(extra) / (count * 50 * span) * 1e6,
+        median(times["twin"]) * step / (span * count) * 1e6,
+        median(times["bare plant"]) * step / (span * count) * 1e6,
     )
 
 
