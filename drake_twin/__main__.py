@@ -7,6 +7,7 @@ from drake_twin.program import leave
 
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
+    "benchmarks": "time the twin beside the bare Drake plant, MuJoCo and PyBullet",
     "check": "report what a robot file holds, what is mended in it and what is ignored",
 }
 
@@ -17,8 +18,11 @@ def main() -> int:
     if name in PROGRAMS:
         del sys.argv[1]
         sys.argv[0] = f"drake-twin {name}"
-        return int(import_module(f"drake_twin.{name}").main())
-    lines = [f"  {program:10} {what}" for program, what in PROGRAMS.items()]
+        module = import_module(f"drake_twin.{name}")
+        if hasattr(module, "__path__"):  # a package keeps its program in __main__
+            module = import_module(f"drake_twin.{name}.__main__")
+        return int(module.main())
+    lines = [f"  {program:11} {what}" for program, what in PROGRAMS.items()]
     usage = "\n".join(["usage: drake-twin PROGRAM …   (drake-twin PROGRAM --help says more)", "", *lines])
     if name in ("-h", "--help"):
         print(usage)

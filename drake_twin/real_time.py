@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 _FRAME = 1 / 30  # the page and the wall clock are looked after this often (s)
 _MOST_STEPS_A_FRAME = 10_000
+_MOST_BEHIND = 0.25  # wall time (s) that is made up for when the processor was away, with a browser that renders say
 _SLICE = 0.01  # simulated s between two looks at the wall clock of a run that never waits
 
 
@@ -31,7 +32,7 @@ def run_in_real_time(
             steps = min(floor(owed / twin.time_step + 1e-9), _MOST_STEPS_A_FRAME)
             owed = min(owed - steps * twin.time_step, twin.time_step)
             _advance_by(twin, steps, until)
-        frame_start = max(frame_start + _FRAME, wall_clock.perf_counter() - _FRAME)
+        frame_start = max(frame_start + _FRAME, wall_clock.perf_counter() - _MOST_BEHIND)
         wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
     twin.draw()
 
