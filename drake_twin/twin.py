@@ -899,14 +899,15 @@ class Twin:
         if status.reason() != _TERMINATED:
             return False
         # All that happens at this time has happened, but Drake would do it again when it goes on from here, the plant's
-        # step too: so it goes on from between two steps.
+        # step too: so it goes on from between two steps. An update a rounding before its step leaves that step to come.
         now, time_step = self._context.get_time(), self.scenario.time_step
         if self.scenario.engine == CENIC:
             next_step = floor(now / time_step + 1e-6) + 1
             self._context.SetTime(now + _INSTANT)
         else:
-            next_step = round(now / time_step) + 1
-            self._context.SetTime((next_step - 0.5) * time_step)
+            step = round(now / time_step)
+            next_step = step + 1
+            self._context.SetTime(step * time_step if now < step * time_step else (step + 0.5) * time_step)
         self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         self._simulator.AdvanceTo(self._running.time_of(next_step))
         return True

@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+from conftest import ARM
+
+from drake_twin import TwinBuilder
+from drake_twin.scenario import World
+
+
+@pytest.mark.parametrize(("step", "rate"), [(0.001, 100), (0.005, 40), (0.005, 20), (0.003, 30), (0.0007, 50)])
+def test_no_update_comes_behind_the_step_that_it_belongs_to(step, rate, tmp_path):
+    """It would act a step later, where rounding has it so: with 5 ms and 40 Hz at one update in six."""
+    (tmp_path / "c.yaml").write_text(
+        f"controller_manager: {{ros__parameters: {{update_rate: {rate},"
+        " c: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        "c: {ros__parameters: {joints: [joint_1], command_interfaces: [position], state_interfaces: [position]}}\n"
+    )
+    twin = TwinBuilder(time_step=step).robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    period = twin.diagram.GetSubsystemByName("arm").GetSubsystemByName("c").setup.update_period
+    steps = round(period / step)
+    assert steps >= 1 / rate / step - 1e-6
+    ticks = np.arange(1, 200_000)
+    updates, of_plant = ticks * period, (ticks * steps) * step
+    assert (updates <= of_plant).all()
+    assert np.allclose(updates, of_plant, rtol=1e-15)
+
+
+FALLING = (
+    '<robot name="ball"><link name="ball"><inertial><mass value="1"/>'
+    '<inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+)
+
+
+@pytest.mark.parametrize(("step", "rate"), [(0.001, 100), (0.005, 40), (0.005, 20), (0.003, 30)])
+def test_goals_that_end_at_any_update_leave_no_step_out_and_make_none_twice(step, rate, tmp_path):
+    """The twin stops to look at each end; what falls besides has fallen for the whole time."""
+    (tmp_path / "ball.urdf").write_text(FALLING)
+    (tmp_path / "c.yaml").write_text(
+        f"controller_manager: {{ros__parameters: {{update_rate: {rate},"
+        " c: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        "c: {ros__parameters: {joints: [joint_1], command_interfaces: [position], state_interfaces: [position]}}\n"
+    )
+    builder = TwinBuilder(time_step=step, world=World(ground=False)).robot(
+        "ball", tmp_path / "ball.urdf", xyz=(5, 0, 0)
+    )
+    twin = builder.robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    ends = []
+
+    def again(goal):
+        ends.append(twin.time)
+        points = [{"positions": [0.0], "time_from_start": 0.9 / rate}]
+        goal = {"trajectory": {"joint_names": ["joint_1"], "points": points}}
+        twin.send_goal("/arm/c/follow_joint_trajectory", goal, again)
+
+    again(None)
+    twin.advance_to(600 * step)
+    assert len(ends) > 10
+    velocity = twin.entity_state("ball").linear[2]
+    assert velocity == pytest.approx(-9.81 * twin.time, rel=1e-9)
