@@ -63,6 +63,8 @@ class Setting:
 
 ENGINES = {
     "twin": ("twin", "TwinEngine"),
+    "twin, similar": ("twin", "TwinEngine"),
+    "twin, sap": ("twin", "TwinEngine"),
     "twin, cenic": ("twin", "TwinEngine"),
     "bare plant": ("bare_plant", "BarePlant"),
     "bare plant, sampled ports": ("bare_plant", "SampledBarePlant"),

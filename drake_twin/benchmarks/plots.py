@@ -5,6 +5,8 @@ from pathlib import Path
 
 from drake_twin.benchmarks.report import Table
 
+_LINES = ("twin, cenic", "twin, similar", "twin, sap", "twin", "MuJoCo")  # of work against precision
+
 
 def draw(tables: Sequence[Table], folder: Path) -> list[Path]:
     """Draws the tables that have a picture.
@@ -42,7 +44,11 @@ def _draw_precision(tables: Sequence[Table], file: Path) -> Path:
     for panel, table in zip(panels, tables, strict=False):
         engines: dict[str, list[tuple[float, float]]] = {}
         for setting, error, factor in table.rows:
-            name = next(known for known in ("twin, cenic", "twin", "MuJoCo") if str(setting).startswith(known))
+            name = next(known for known in _LINES if str(setting).startswith(known))
+                known
+                for known in ("twin, cenic", "twin, similar", "twin, sap", "twin", "MuJoCo")
+                if str(setting).startswith(known)
+            )
             engines.setdefault(name, []).append((float(str(error)), float(str(factor))))
         for name, points in engines.items():
             panel.loglog(*zip(*points, strict=True), "o-", label=name, ms=3)

@@ -24,6 +24,7 @@ LONGEST_GRID = 0.1  # s; how seldom CENIC is stopped when nobody looks
 EVENT = 0.01  # s; how often somebody looks in the runs "with events"
 SAME_ERROR = 1e-3  # rad
 LOOK_AT = 1.3  # s; when errors are looked at
+_SOLVERS = ("twin", "twin, similar", "twin, sap")  # the discrete engine with each of Drake's contact solvers
 
 
 @dataclass(frozen=True)
@@ -209,12 +210,12 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
     grid = event or LONGEST_GRID
     coarse = size.scale < 0.5
     finest = {
-        "twin": Setting("twin", 0.001 if coarse else 0.0001 if count > 8 else 0.00005),
+        **{name: Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005) for name in _SOLVERS},
         "twin, cenic": Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8),
         "MuJoCo": Setting("MuJoCo", 0.0005 if coarse else 0.00002),
     }
     settings = [
-        *(Setting("twin", step) for step in (0.02, 0.01, 0.008, 0.005, 0.002, 0.001, 0.0005, 0.0002)),
+        *(Setting(name, step) for name in _SOLVERS for step in (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)),
         *(Setting("twin, cenic", grid, accuracy) for accuracy in (1e-2, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7)),
         *(Setting("MuJoCo", step) for step in (0.005, 0.002, 0.001, 0.0007, 0.0005, 0.0003, 0.0002, 0.0001, 0.00005)),
     ]

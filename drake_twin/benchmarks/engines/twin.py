@@ -1,12 +1,13 @@
 """The twin, as `drake_twin.Twin` runs it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from drake_twin.benchmarks.engine import Setting
 from drake_twin.benchmarks.workloads import Workload
-from drake_twin.scenario import CENIC, DISCRETE
+from drake_twin.scenario import CENIC, CONTACT_APPROXIMATIONS, DISCRETE
 from drake_twin.twin import Twin
 
 
@@ -16,6 +17,9 @@ class TwinEngine:
     def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
         engine, accuracy = (DISCRETE, 1e-3) if setting.accuracy is None else (CENIC, setting.accuracy)
         scenario = workload.scenario(count, folder, time_step=setting.step, engine=engine, accuracy=accuracy)
+        contact = setting.engine.rpartition(", ")[2]
+        if contact in CONTACT_APPROXIMATIONS:
+            scenario = replace(scenario, contact_approximation=contact)
         self.twin = Twin(scenario)
         self._topics = [f"/{robot}/forward_velocity_controller/commands" for robot in self.twin.robots]
         self._joints = [
