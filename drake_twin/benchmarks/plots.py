@@ -45,10 +45,6 @@ def _draw_precision(tables: Sequence[Table], file: Path) -> Path:
         engines: dict[str, list[tuple[float, float]]] = {}
         for setting, error, factor in table.rows:
             name = next(known for known in _LINES if str(setting).startswith(known))
-                known
-                for known in ("twin, cenic", "twin, similar", "twin, sap", "twin", "MuJoCo")
-                if str(setting).startswith(known)
-            )
             engines.setdefault(name, []).append((float(str(error)), float(str(factor))))
         for name, points in engines.items():
             panel.loglog(*zip(*points, strict=True), "o-", label=name, ms=3)
