@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError
@@ -23,6 +24,20 @@ _TYPES: Mapping[str, Any] = {
     "list_of_float": list[float],
     "list_of_bool": list[bool],
 }
+
+
+def read_launch_file(path: str) -> str:
+    """The text of a launch file.
+
+    Raises:
+        InputError: it cannot be read, or is no UTF-8.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"this is not UTF-8 text ({error.reason})", file=path) from None
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.errors import InputError
 from drake_twin.ros_launch.entity import LaunchDescription
-from drake_twin.ros_launch.frontend import Element, FrontEnd
+from drake_twin.ros_launch.frontend import Element, FrontEnd, read_launch_file
 from drake_twin.ros_launch.launched import Place
 
 if TYPE_CHECKING:
@@ -23,13 +22,7 @@ def load_xml_file(path: str, context: LaunchContext) -> LaunchDescription:
     Raises:
         InputError: it cannot be read, or holds something that is not known.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"this is not UTF-8 text ({error.reason})", file=path) from None
-    reader = XmlReader(text, Path(path))
+    reader = XmlReader(read_launch_file(path), Path(path))
     return FrontEnd().description(_element(reader.root, path))
 
 

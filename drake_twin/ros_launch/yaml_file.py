@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
-from drake_twin.errors import InputError
 from drake_twin.ros_launch.entity import LaunchDescription
-from drake_twin.ros_launch.frontend import Element, FrontEnd
+from drake_twin.ros_launch.frontend import Element, FrontEnd, read_launch_file
 from drake_twin.ros_launch.launched import Place
 
 if TYPE_CHECKING:
@@ -23,13 +21,7 @@ def load_yaml_file(path: str, context: LaunchContext) -> LaunchDescription:
     Raises:
         InputError: it cannot be read, or holds something that is not known.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"this is not UTF-8 text ({error.reason})", file=path) from None
-    document = YamlDocument(text, path)
+    document = YamlDocument(read_launch_file(path), path)
     if not isinstance(document.data, dict) or "launch" not in document.data:
         raise document.error((), "a YAML launch file has one entry, launch, with the list of actions")
     return FrontEnd().description(_element(document, "launch", document.data["launch"], ("launch",)))
