@@ -1,6 +1,6 @@
 """What every engine answers to, and which settings of which engine there are."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from math import floor
 from pathlib import Path
@@ -41,10 +41,6 @@ class Setting:
     def __str__(self) -> str:
         value = f"{self.step * 1e3:g} ms" if self.accuracy is None else f"{self.accuracy:g}"
         return f"{self.engine} {value}"
-
-    def with_events(self, period: float) -> "Setting":
-        """The same, stopped every so many seconds."""
-        return self if self.accuracy is None else replace(self, step=period)
 
     def make(self, workload: Workload, count: int, folder: Path) -> Engine:
         """The workload's robots in this engine.

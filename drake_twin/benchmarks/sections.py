@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from drake_twin.benchmarks.engine import Setting, drive
+from drake_twin.benchmarks.engine import Engine, Setting, drive
 from drake_twin.benchmarks.engines.twin import TwinEngine
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
@@ -74,18 +74,11 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
         if topic in ("/tf", "/clock") or topic.endswith("/joint_states"):
             listening.twin.subscribe(topic, lambda message: None, 50)
     engines["listening"] = listening
-    commands = workload.commands(count, 1.0)
-    for engine in engines.values():
-        engine.command(commands)
-        engine.advance_to(0.1)
-    span = _whole(12.0 * size.scale / count * (step / 0.001) ** 0.8, 0.02)  # some 0.4 s of wall time
-    turn = dict.fromkeys(engines, 0)
-
-    def go(name: str) -> None:
-        turn[name] += 1
-        engines[name].advance_to(0.1 + turn[name] * span)
-
-    times = by_turns({name: partial(go, name) for name in engines}, size.repeats)
+    span = _whole(12.0 * size.scale / count * (step / 0.001) ** 0.8, 0.1)  # some 0.4 s of wall time
+    cases = {name: _turn(engine, workload, count, span) for name, engine in engines.items()}
+    for case in cases.values():
+        case()  # from rest; the turns that are timed go on from there
+    times = by_turns(cases, size.repeats)
     extra = [a - b for a, b in zip(times["listening"], times["twin"], strict=True)]
     return (
         f"{count} x {workload.robot}",
@@ -158,26 +151,25 @@ def robots(size: Size) -> list[Table]:
     for workload in WORKLOADS.values():
         rows = []
         for count in size.counts if size.scale < 0.5 else sorted({*size.counts, 4, 16, 64}):
-            factors = {}
             say(f"  {count} {workload.name}", sys.stderr)
-            for setting in settings:
-                span = _whole(1.2 * size.scale, 0.1)
-                times = by_turns({"run": _fresh(size, setting, workload, count, span)}, max(1, size.repeats // 2))
-                factors[setting] = span / median(times["run"])
-            rows.append((count, *factors.values()))
+            span = _whole(1.2 * size.scale, 0.1)
+            engines = {str(setting): setting.make(workload, count, size.folder) for setting in settings}
+            cases = {name: _turn(engine, workload, count, span) for name, engine in engines.items()}
+            times = by_turns(cases, max(1, size.repeats // 2))
+            rows.append((count, *(span / median(values) for values in times.values())))
         columns = ("robots", *map(str, settings))
         tables.append(Table("robots", f"Real-time factor: {workload.name}", columns, tuple(rows)))
     return tables
 
 
-def _fresh(size: Size, setting: Setting, workload: Workload, count: int, span: float) -> Callable[[], object]:
-    """A run whose engine is made before it is timed."""
-    engine = setting.make(workload, count, size.folder)
-    end = [0.0]
+def _turn(engine: Engine, workload: Workload, count: int, span: float) -> Callable[[], object]:
+    """What lets an engine work for a while each time it is called, from time zero on."""
+    turns = [0]
 
     def run() -> None:
-        begin, end[0] = end[0], end[0] + span
-        drive(engine, workload, count, begin, end[0])
+        begin = turns[0] * span
+        turns[0] += 1
+        drive(engine, workload, count, begin, begin + span)
 
     return run
 
@@ -300,13 +292,7 @@ def real_time(size: Size) -> list[Table]:
             if topic.endswith("/joint_states"):
                 engine.twin.subscribe(topic, receive, 50)
         span = _whole(2.0 * size.scale, 0.1)
-        end = [0.0]
-
-        def run(engine: TwinEngine = engine, end: list[float] = end, count: int = count, span: float = span) -> None:
-            begin, end[0] = end[0], end[0] + span
-            drive(engine, ROVERS, count, begin, end[0])
-
-        times = by_turns({"run": run}, size.repeats)["run"]
+        times = by_turns({"run": _turn(engine, ROVERS, count, span)}, size.repeats)["run"]
         rows.append((count, span / median(times), span / max(times), received[0]))
     columns = ("rovers", "real-time factor", "slowest turn", "messages received")
     title = "Rovers with CENIC at accuracy 1e-2, joint_states delivered at 50 Hz"
