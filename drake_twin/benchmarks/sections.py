@@ -16,7 +16,7 @@ from drake_twin.benchmarks.engines.twin import TwinEngine
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.startup import startup
-from drake_twin.benchmarks.workloads import WORKLOADS, Workload
+from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
 from drake_twin.program import say
 
 ROVERS, ARMS = WORKLOADS["cruising rovers"], WORKLOADS["arms whose commands change"]
@@ -48,7 +48,7 @@ def overhead(size: Size) -> list[Table]:
     """The twin beside the bare plant: nobody listening, and everything delivered at 50 Hz."""
     rows = [
         _overhead(size, workload, count, step)
-        for workload in (ROVERS, ARMS)
+        for workload in (ROVERS, HOLDING_ARMS, ARMS)
         for count in size.counts
         for step in (0.001, 0.01)
     ]
@@ -81,7 +81,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
     times = by_turns(cases, size.repeats)
     extra = [a - b for a, b in zip(times["listening"], times["twin"], strict=True)]
     return (
-        f"{count} x {workload.robot}",
+        f"{count} {workload.name}",
         step * 1e3,
         ratio(times, "twin", "bare plant"),
         ratio(times, "twin", "bare plant, sampled ports"),

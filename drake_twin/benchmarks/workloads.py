@@ -142,6 +142,10 @@ def _wave(robot: int, time: float) -> tuple[float, ...]:
     )
 
 
+def _hold(_robot: int, _time: float) -> tuple[float, ...]:
+    return 0.0, 0.0, 0.0, 0.0
+
+
 def _sweep(robot: int, _time: float) -> tuple[float, ...]:
     return 0.7 + 0.05 * (robot % 3), 0.05, 0.0, 0.0
 
@@ -151,6 +155,8 @@ STEP_AND_RAMP = (
     Box((0.60, 1.0, 0.04), (1.05, 0.0, 0.02), pitch=-0.12),
 )
 PILLAR = (Box((0.08, 0.08, 0.50), (0.26, 0.14, 0.25), mass=0.5),)
+
+HOLDING_ARMS = Workload("arms that hold", "arduinobot", _hold)
 
 WORKLOADS = {
     workload.name: workload
