@@ -5,7 +5,7 @@ from dataclasses import is_dataclass
 from math import isfinite
 from typing import Any
 
-from pydrake.common.value import AbstractValue
+from pydrake.common.value import Value
 from pydrake.systems.framework import Context
 
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
@@ -17,6 +17,7 @@ from drake_twin.schedule import ScheduledCommand, step_at
 from drake_twin.snapshot import Snapshot
 
 _ROUNDING = 1e-9  # s
+_ObjectValue = Value[object]
 
 
 class Commands:
@@ -173,4 +174,6 @@ class Commands:
         return value
 
     def _fix(self, topic: str, value: Any) -> None:
-        self._ports[topic].port.FixValue(self._context, AbstractValue.Make(value))
+        abstract_value = _ObjectValue()
+        abstract_value.set_value(value)  # AbstractValue.Make would copy it, and FixValue does so anyhow
+        self._ports[topic].port.FixValue(self._context, abstract_value)

@@ -13,6 +13,7 @@ from math import isfinite
 from numbers import Real
 from typing import Any
 
+from drake_twin.frozen import Frozen
 from drake_twin.message_definitions import DEFINITIONS
 
 _STORE_TYPES = {
@@ -122,7 +123,7 @@ def is_bare(data: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class Numbers(Frozen):
     """All that a controller reads of a ``Float64MultiArray``; it needs no type store, which takes 50 ms to load."""
 
     data: tuple[float, ...]
@@ -136,7 +137,10 @@ class Numbers:
         """
         if data is None:
             raise ValueError("None is not a list")
-        return cls(tuple(_base("float64", item, f"data[{index}].") for index, item in enumerate(_list(data, "data."))))
+        items = tuple(_list(data, "data."))
+        if all(type(item) is float for item in items):
+            return cls(items)
+        return cls(tuple(_base("float64", item, f"data[{index}].") for index, item in enumerate(items)))
 
 
 def _from_plain(kind: str, data: Any, path: str) -> Any:

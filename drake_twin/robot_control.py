@@ -2,10 +2,9 @@
 
 import functools
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
@@ -192,14 +191,14 @@ class RobotControl:
                 self.controllers[name].activate(self.context_of(name))
         self._assign(before)
 
-    def _set_points(self) -> np.ndarray:
+    def _set_points(self) -> list[float]:
         """The positions that are commanded or held at present (rad or m), for each actuator."""
         servo = self._parts.servo
         if servo is None:
-            return np.zeros(0)
+            return []
         return servo.set_points(servo.GetMyContextFromRoot(self._context))
 
-    def _assign(self, set_points: np.ndarray) -> None:
+    def _assign(self, set_points: Sequence[float]) -> None:
         """Lets the joints follow the controllers that are active now."""
         servo, layout = self._parts.servo, self._in_plant.layout
         if servo is None:

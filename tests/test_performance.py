@@ -85,6 +85,54 @@ def test_a_controller_that_samples_is_updated_at_its_rate_and_no_oftener(tmp_pat
     assert twin._simulator.get_num_unrestricted_updates() == 110  # at 0 s, and not yet at 1.1 s
 
 
+def test_no_state_of_a_controller_or_servo_is_copied_piece_by_piece(tmp_path):
+    """Drake copies all states twice at each update of a controller, and a trajectory may have thousands of points."""
+    (tmp_path / "c.yaml").write_text(TRAJECTORIES)
+    twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    twin.publish(
+        "/arm/arm/joint_trajectory",
+        {"joint_names": ["joint_1", "joint_2"], "points": [{"positions": [0.3, 0.2], "time_from_start": 0.5}]},
+    )
+    twin.advance_to(0.1)
+    calls = python_calls(twin, 0.2)
+    assert calls["_update_sample"] == 10
+    assert calls["__deepcopy__"] == calls["deepcopy"]
+
+
+def test_drake_looks_for_nothing_in_a_python_system_each_time_it_advances(monkeypatch):
+    """It would for witness functions, if it did not find any method of that name."""
+    looked_for = []
+    for system in {type(system) for system in leaf_systems(driving(1).diagram)}:
+
+        def find(self, name):
+            looked_for.append(name)
+            return object.__getattribute__(self, name)
+
+        monkeypatch.setattr(system, "__getattribute__", find, raising=False)
+    twin = driving(2)
+    looked_for.clear()
+    for step in range(20):
+        twin.advance_to(0.2 + step * 0.01)
+    assert looked_for == []
+
+
+def test_a_command_takes_few_calls_of_python():
+    twin = driving(2)
+    twin.advance_to(0.2)
+    calls = collections.Counter()
+
+    def count(frame, event, argument):
+        calls[event] += 1
+
+    sys.setprofile(count)
+    try:
+        twin.publish("/robot_1/forward_velocity_controller/commands", [3.0] * 4)
+        twin.advance_to(0.3)
+    finally:
+        sys.setprofile(None)
+    assert calls["call"] < 90
+
+
 def test_a_command_is_calculated_once():
     twin = driving(2)
     twin.publish("/robot_1/forward_velocity_controller/commands", [3.0] * 4)

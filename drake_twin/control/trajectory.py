@@ -4,7 +4,6 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isnan, pi
-from typing import Any
 
 import numpy as np
 
@@ -23,9 +22,6 @@ class TrajectoryPoint:
     accelerations: tuple[float, ...] = ()
     effort: tuple[float, ...] = ()
 
-    def __deepcopy__(self, memo: Any) -> "TrajectoryPoint":
-        return self
-
 
 @dataclass(frozen=True)
 class Trajectory:
@@ -40,9 +36,6 @@ class Trajectory:
     points: tuple[TrajectoryPoint, ...]
     times: tuple[float, ...]
     start: float | None = None
-
-    def __deepcopy__(self, memo: Any) -> "Trajectory":
-        return self  # Drake copies abstract values at every event, and a trajectory may have thousands of points
 
     def with_missing_positions(self, positions: Sequence[float]) -> "Trajectory":
         """The same, with the joints that the message left out standing at their place of ``positions``."""
@@ -97,9 +90,6 @@ class RunningTrajectory:
     taken_up: float
     interpolation_method: str
     turns: tuple[float, ...]
-
-    def __deepcopy__(self, memo: Any) -> "RunningTrajectory":
-        return self
 
     @property
     def end(self) -> float:

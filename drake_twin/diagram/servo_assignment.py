@@ -61,7 +61,7 @@ def assign(
 
 def holds_after(
     before: ServoAssignment,
-    set_points: np.ndarray,
+    set_points: Sequence[float],
     positions: np.ndarray,
     velocities: np.ndarray,
     gains: Sequence[ServoGains | None],
@@ -85,7 +85,7 @@ def holds_after(
         if servo is None:
             holds.append(0.0)
         elif mode in (HOLD, POSITION):
-            holds.append(float(set_point))
+            holds.append(set_point)
         else:
             holds.append(float(position + velocity * servo.stopping_time))
     return holds

@@ -1,13 +1,14 @@
 """Simulation time as a message."""
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, LeafSystem, OutputPort
+from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin import messages
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class ClockPublisher(LeafSystem):
+class ClockPublisher(WitnesslessSystem):
     """Puts simulation time into a ``Clock`` message, as Gazebo's ``/clock`` does.
 
     .. pydrake_system::

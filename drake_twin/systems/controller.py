@@ -12,15 +12,16 @@ from pydrake.systems.framework import (
     Context,
     EventStatus,
     InputPort,
-    LeafSystem,
     OutputPort,
     State,
 )
 
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.frozen import Frozen
 from drake_twin.systems.goal_state import GoalState
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
 class Interface(NamedTuple):
@@ -84,7 +85,7 @@ class Upstream:
     indices: tuple[int, ...]
 
 
-class Controller(LeafSystem):
+class Controller(WitnesslessSystem):
     """A controller of ros2_control: it reads topics, and writes command interfaces.
 
     This class is for controllers whose output follows from their input alone, so that Drake's cache computes it once a
@@ -197,7 +198,7 @@ class Controller(LeafSystem):
 
 
 @dataclass(frozen=True)
-class Sample:
+class Sample(Frozen):
     """What a periodic controller keeps from one update to the next; its one abstract state.
 
     Attributes:
@@ -213,10 +214,6 @@ class Sample:
     memory: Any = None
     commands: tuple[float, ...] = ()
     fault: str | None = None
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> "Sample":
-        """Itself, as nothing in it changes; Drake copies a state at each of its updates."""
-        return self
 
 
 @dataclass(frozen=True)

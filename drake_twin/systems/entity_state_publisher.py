@@ -6,13 +6,14 @@ from typing import Any
 from pydrake.common.value import AbstractValue, Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
-from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
+from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class EntityStatePublisher(LeafSystem):
+class EntityStatePublisher(WitnesslessSystem):
     """Puts the true state of every model and link into messages, when somebody asks.
 
     Behaves as ``libgazebo_ros_state.so`` of gazebo_ros_pkgs.

@@ -6,13 +6,14 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, ModelInstanceIndex
-from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, OutputPort
+from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
 
 from drake_twin.description.robot_description import Sensor
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class ForceTorqueSensor(LeafSystem):
+class ForceTorqueSensor(WitnesslessSystem):
     """Measures the wrench that a joint's two links exert on each other, without noise.
 
     As gz-sim's ForceTorque system: the torque is about the sensor's origin, the axes are those of the child link, the

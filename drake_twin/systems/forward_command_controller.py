@@ -1,9 +1,9 @@
 """Joint commands from a topic, as ros2_controllers' forward command controllers take them."""
 
 from dataclasses import dataclass, field
+from math import isfinite, nan
 from typing import Any, ClassVar
 
-import numpy as np
 from pydrake.systems.framework import BasicVector, Context, InputPort
 
 from drake_twin import messages
@@ -105,21 +105,21 @@ class ForwardCommandController(Controller):
             CommandError: a wrong number of elements, which ros2_control answers by deactivating the controller; or an
                 element that is not a finite number: the message is dropped.
         """
-        data = np.asarray(message.data, dtype=float)
-        if data.shape != (len(self.claims),):
+        data = tuple(map(float, message.data))
+        if len(data) != len(self.claims):
             raise CommandError(
-                f"the command has {data.size} elements, but there are {len(self.claims)} command interfaces:"
+                f"the command has {len(data)} elements, but there are {len(self.claims)} command interfaces:"
                 f" {', '.join(map(str, self.claims))}",
                 deactivates=True,
             )
-        if not np.isfinite(data).all():
-            bad = int(np.flatnonzero(~np.isfinite(data))[0])
-            raise CommandError(f"the command for {self.claims[bad]} is {data[bad]}, which is not a finite number")
-        return messages.Numbers(tuple(data.tolist()))
+        for claim, number in zip(self.claims, data, strict=True):
+            if not isfinite(number):
+                raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
+        return messages.Numbers(data)
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         numbers = self._commands.Eval(context)
-        output.SetFromVector([np.nan] * len(self.claims) if numbers is None else numbers.data)
+        output.SetFromVector([nan] * len(self.claims) if numbers is None else numbers.data)
 
 
 class MultiInterfaceForwardCommandController(ForwardCommandController):

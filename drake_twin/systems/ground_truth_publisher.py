@@ -8,13 +8,14 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.common.value import AbstractValue
 from pydrake.math import RotationMatrix
-from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
+from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Pose
 from drake_twin.systems.rotations import quaternion_from_rpy
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 _NO_COVARIANCE = np.zeros(36)
 _NO_COVARIANCE.setflags(write=False)
@@ -51,7 +52,7 @@ class RobotBase:
         return np.concatenate([quaternion, self.fixed_pose.xyz]), np.zeros(6)
 
 
-class GroundTruthPublisher(LeafSystem):
+class GroundTruthPublisher(WitnesslessSystem):
     """Puts the true pose and velocity of each robot's root link into an ``Odometry`` message, without noise.
 
     Gazebo's OdometryPublisher and p3d plugins give the same. Covariances are zero.

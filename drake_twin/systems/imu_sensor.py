@@ -6,14 +6,15 @@ from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 from pydrake.multibody.math import SpatialAcceleration, SpatialVelocity
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex
-from pydrake.systems.framework import BasicVector, Context, InputPort, LeafSystem, OutputPort
+from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
 
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Sensor
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class ImuSensor(LeafSystem):
+class ImuSensor(WitnesslessSystem):
     """Measures orientation, angular velocity and specific force at a place on a link, without noise.
 
     As gz-sim's Imu system: the linear acceleration has gravity in it, so that an IMU that lies still measures +9.81

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan, nan
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -10,15 +11,16 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     InputPort,
-    LeafSystem,
     OutputPort,
 )
 
+from drake_twin.frozen import Frozen
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
 @dataclass(frozen=True)
-class ServoAssignment:
+class ServoAssignment(Frozen):
     """Where each actuator's set-points come from.
 
     An element is an index into all controllers' values, one controller after the other in the order of the ports; -1
@@ -39,7 +41,7 @@ class ServoAssignment:
     efforts: tuple[int, ...]
 
 
-class JointServo(LeafSystem):
+class JointServo(WitnesslessSystem):
     """Fans what controllers write in to the plant's ports of one robot.
 
     The servo itself is Drake's implicit PD inside the plant, so no Python runs in a physics step. As in
@@ -83,12 +85,12 @@ class JointServo(LeafSystem):
     ):
         super().__init__()
         self._as_position = as_position
-        self._lower, self._upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+        self._lower, self._upper = np.array(lower, dtype=float).tolist(), np.array(upper, dtype=float).tolist()
         self._ports = [self.DeclareVectorInputPort(name, size) for name, size in controllers.items()]
         self._assignment: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(assignment))
         prerequisites = {self.input_port_ticket(port.get_index()) for port in self._ports}
         prerequisites.add(self.abstract_state_ticket(self._assignment))
-        size = self._lower.shape[1]
+        size = len(self._lower[0])
         self._desired_state = self.DeclareVectorOutputPort(
             "desired_state", 2 * size, weakly(self._calc_desired_state), prerequisites
         )
@@ -115,31 +117,39 @@ class JointServo(LeafSystem):
         """Lets the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
         context.SetAbstractState(int(self._assignment), assignment)
 
-    def _commands(self, context: Context, row: int, sources: Sequence[int]) -> np.ndarray:
-        """What is commanded of each actuator, clamped; NaN where nothing is."""
-        values = np.concatenate([*(port.Eval(context) for port in self._ports), [np.nan]])
-        return np.asarray(np.clip(values[list(sources)], self._lower[row], self._upper[row]))
-
-    def set_points(self, context: Context) -> np.ndarray:
+    def set_points(self, context: Context) -> list[float]:
         """The positions that are commanded or held at present (rad or m), an element for each actuator."""
         assignment = self.assignment(context)
-        positions = self._commands(context, 0, assignment.positions)
-        return np.where(np.isnan(positions), assignment.holds, positions)
+        return self._set_points(assignment, self._values(context))
+
+    def _values(self, context: Context) -> list[float]:
+        """All controllers' values, and NaN as the last one."""
+        return [value for port in self._ports for value in port.Eval(context).tolist()] + [nan]
+
+    def _clamped(self, row: int, values: Sequence[float], sources: Sequence[int]) -> list[float]:
+        """What is commanded of each actuator, within its limits; NaN where nothing is."""
+        limits = zip(sources, self._lower[row], self._upper[row], strict=True)
+        return [min(max(values[source], lower), upper) for source, lower, upper in limits]
+
+    def _set_points(self, assignment: ServoAssignment, values: Sequence[float]) -> list[float]:
+        commanded = self._clamped(0, values, assignment.positions)
+        return [hold if isnan(value) else value for hold, value in zip(assignment.holds, commanded, strict=True)]
 
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
-        assignment = self.assignment(context)
-        positions = self.set_points(context)
-        velocities = self._commands(context, 1, assignment.velocities)
-        # At the end of its range a joint does not go on at the velocity that goes with a position beyond.
-        is_commanded = np.array(assignment.positions, dtype=int) >= 0
-        at_end = is_commanded & ((positions <= self._lower[0]) | (positions >= self._upper[0]))
-        velocities[np.isnan(velocities) | at_end] = 0.0
+        assignment, values = self.assignment(context), self._values(context)
+        positions = self._set_points(assignment, values)
+        velocities = self._clamped(1, values, assignment.velocities)
+        for index, (source, position) in enumerate(zip(assignment.positions, positions, strict=True)):
+            # At the end of its range a joint does not go on at the velocity that goes with a position beyond.
+            at_end = source >= 0 and not self._lower[0][index] < position < self._upper[0][index]
+            if at_end or isnan(velocities[index]):
+                velocities[index] = 0.0
         if self._as_position is not None:
             ahead = [self._as_position[mode][index] for index, mode in enumerate(assignment.modes)]
-            positions = positions + velocities * np.array(ahead)
-            velocities = np.zeros_like(velocities)
-        output.SetFromVector(np.concatenate([positions, velocities]))
+            positions = [p + v * seconds for p, v, seconds in zip(positions, velocities, ahead, strict=True)]
+            velocities = [0.0] * len(velocities)
+        output.SetFromVector(positions + velocities)
 
     def _calc_actuation(self, context: Context, output: BasicVector) -> None:
-        efforts = self._commands(context, 2, self.assignment(context).efforts)
-        output.SetFromVector(np.nan_to_num(efforts))
+        efforts = self._clamped(2, self._values(context), self.assignment(context).efforts)
+        output.SetFromVector([0.0 if isnan(effort) else effort for effort in efforts])

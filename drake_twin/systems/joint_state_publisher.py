@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
+from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 _INTERFACES = ("position", "velocity", "effort")
 _CONSTANTS = np.array([np.nan, 0.0])
@@ -79,7 +80,7 @@ class JointStateBroadcasterParameters:
 _ALL = JointStateBroadcasterParameters()
 
 
-class JointStatePublisher(LeafSystem):
+class JointStatePublisher(WitnesslessSystem):
     """Puts a robot's state into ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
     Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN for what a joint has no state

@@ -1,16 +1,16 @@
 """What a joint trajectory controller remembers, as plain frozen values."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from drake_twin.control.pid import PidMemory
 from drake_twin.control.tolerances import Tolerances
 from drake_twin.control.trajectory import RunningTrajectory, Trajectory, TrajectoryPoint
+from drake_twin.frozen import Frozen
 from drake_twin.systems.goal_state import GoalState
 
 
 @dataclass(frozen=True)
-class TrajectoryCommand:
+class TrajectoryCommand(Frozen):
     """What stands on the ports ``joint_trajectory`` and ``follow_joint_trajectory``.
 
     Attributes:
@@ -22,9 +22,6 @@ class TrajectoryCommand:
     id: int
     trajectory: Trajectory
     tolerances: Tolerances
-
-    def __deepcopy__(self, memo: Any) -> "TrajectoryCommand":
-        return self  # all of it is frozen
 
 
 @dataclass(frozen=True)
@@ -58,6 +55,3 @@ class JointTrajectoryMemory:
     output: TrajectoryPoint
     speed_scaling_factor: float
     pids: tuple[PidMemory, ...]
-
-    def __deepcopy__(self, memo: Any) -> "JointTrajectoryMemory":
-        return self  # all of it is frozen

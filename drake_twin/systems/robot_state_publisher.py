@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, LeafSystem, OutputPort
+from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.systems.joint_frames import JointFrames
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class RobotFrames:
     base_frame: str = ""
 
 
-class RobotStatePublisher(LeafSystem):
+class RobotStatePublisher(WitnesslessSystem):
     """Turns joint positions into one transform for each joint: the child link in the parent link.
 
     Behaves for each robot as ``robot_state_publisher`` in ROS 2 Jazzy: moving joints on ``tf``, fixed ones on

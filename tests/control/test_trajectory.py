@@ -1,4 +1,3 @@
-import copy
 import math
 
 import numpy as np
@@ -165,8 +164,3 @@ def test_joints_that_a_message_left_out_stand_still():
     filled = trajectory.with_missing_positions((0.25, 9.0))
     assert filled.points[0].positions == (0.25, 1.0)
     assert filled.points[1] == trajectory.points[1]
-
-
-def test_a_trajectory_is_shared_and_not_copied_with_a_context():
-    trajectory = running(velocities=True)
-    assert copy.deepcopy(trajectory) is trajectory
