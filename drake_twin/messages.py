@@ -242,5 +242,6 @@ def float64_multi_array(values: Any) -> Any:
     return _message("Float64MultiArray")(layout=layout, data=np.array(values, dtype=float))
 
 
+@cache
 def _message(name: str) -> Any:
-    return globals().get(name) or __getattr__(name)
+    return __getattr__(name)

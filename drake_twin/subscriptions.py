@@ -15,29 +15,35 @@ class Subscription:
         callback: is given the message.
         period: the grid's spacing (s); None for a message that never changes, which is delivered once.
         time: the present time (s); its message is delivered first.
+
+    Attributes:
+        due: the step of the next delivery; infinite when there is none.
+        is_latched: whether its message never changes.
     """
 
     def __init__(self, topic: str, callback: Callable[[Any], None], period: float | None, time: float):
         self.topic = topic
         self.callback = callback
-        self._period = period
+        self.due: float = 0
+        self.is_latched = period is None
+        self._period = period or inf
         self._next_point = self._last_point_before(time)
         self._latched: Any = None
 
-    @property
-    def is_latched(self) -> bool:
-        """Whether its message never changes."""
-        return self._period is None
+    def use(self, time_step: float) -> None:
+        """Counts in steps of a length (s) from now on."""
+        if self.is_latched:
+            self.due = 0 if self._next_point == 0 else inf
+        else:
+            self.due = step_at(self._next_point * self._period, time_step)
 
-    def due_step(self, time_step: float) -> float:
-        """The step of the next delivery; infinite when there is none."""
-        if self._period is None:
-            return 0 if self._next_point == 0 else inf
-        return step_at(self._next_point * self._period, time_step)
-
-    def pass_time(self, time: float) -> None:
-        """Notes a delivery at a time (s), and moves on to the grid point after it."""
-        self._next_point = max(self._next_point, self._last_point_before(time)) + 1
+    def pass_step(self, step: int, time_step: float) -> None:
+        """Notes a delivery at a step of a length (s), and moves on to the grid point after it."""
+        self._next_point += 1
+        self.use(time_step)
+        if self.due <= step:
+            self._next_point = self._last_point_before(step * time_step) + 1
+            self.use(time_step)
 
     def take(self, message: Any) -> None:
         """Gives a message to whoever listens."""
@@ -47,16 +53,16 @@ class Subscription:
 
     def look_again(self, message: Any) -> None:
         """Delivers a message that never changes once more when it has, as when its robot is another one."""
-        if self.is_latched and self._next_point and message is not None and message != self._latched:
+        if self._next_point and message is not None and message != self._latched:
             self.begin(0.0)
 
     def begin(self, time: float) -> None:
-        """Begins again at a time (s), as if it had been made then."""
+        """Begins again at a time (s), as if it had been made then; `use` is to follow."""
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
         """The last point of the grid that is not after a time."""
-        return 0 if self._period is None else floor(time / self._period + 1e-9)
+        return floor(time / self._period + 1e-9)
 
 
 class Subscriptions:
@@ -64,50 +70,60 @@ class Subscriptions:
 
     Args:
         latest: topic → its message at the present time; None when there is none, or no such topic.
+
+    Attributes:
+        due_step: the step at which the next delivery is due; infinite when there is none.
     """
 
     def __init__(self, latest: Callable[[str], Any]):
         self._latest = latest
         self._items: list[Subscription] = []
-        self._due_step: tuple[float, float] | None = None  # the time step and the step; looked at in every slice
+        self._time_step = 1.0
+        self.due_step: float = inf
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
         """Adds one; returns a function that ends it."""
         self._items.append(subscription)
-        self._due_step = None
+        subscription.use(self._time_step)
+        self._note_due_step()
         return lambda: self._end(subscription)
 
-    def due_step(self, time_step: float) -> float:
-        """The step at which the next delivery is due; infinite when there is none."""
-        if self._due_step is None or self._due_step[0] != time_step:
-            self._due_step = time_step, min((item.due_step(time_step) for item in self._items), default=inf)
-        return self._due_step[1]
+    def use(self, time_step: float) -> None:
+        """Counts in steps of a length (s) from now on."""
+        self._time_step = time_step
+        for subscription in self._items:
+            subscription.use(time_step)
+        self._note_due_step()
 
-    def deliver(self, step: int, time_step: float) -> None:
+    def deliver(self, step: int) -> None:
         """Delivers what is due at a step; callbacks may subscribe and end subscriptions, theirs and others'."""
-        while self.due_step(time_step) <= step:
-            for subscription in [item for item in self._items if item.due_step(time_step) <= step]:
-                if subscription in self._items:
+        while self.due_step <= step:
+            for subscription in [item for item in self._items if item.due <= step]:
+                if subscription.due <= step:  # nobody has ended it
                     message = self._latest(subscription.topic)
-                    subscription.pass_time(step * time_step)
-                    self._due_step = None
+                    subscription.pass_step(step, self._time_step)
                     if message is not None:
                         subscription.take(message)
+            self._note_due_step()
 
     def begin(self, time: float) -> None:
         """Lets all begin again at a time (s)."""
-        self._due_step = None
         for subscription in self._items:
             subscription.begin(time)
+        self.use(self._time_step)
 
     def look_again(self) -> None:
         """Looks whether messages that never change have, because their robots are others."""
-        self._due_step = None
         for subscription in self._items:
             if subscription.is_latched:
                 subscription.look_again(self._latest(subscription.topic))
+        self.use(self._time_step)
 
     def _end(self, subscription: Subscription) -> None:
         if subscription in self._items:
             self._items.remove(subscription)
-            self._due_step = None
+            subscription.due = inf
+            self._note_due_step()
+
+    def _note_due_step(self) -> None:
+        self.due_step = min([item.due for item in self._items], default=inf)

@@ -84,6 +84,7 @@ class Twin:
         self.scenario = scenario
         self._meshcat = meshcat
         self._subscriptions = Subscriptions(self._latest)
+        self._subscriptions.use(scenario.time_step)
         self._controls: dict[str, RobotControl] = {}
         self._commands = Commands()
         self.recorder = Recorder(lambda: self.time)
@@ -157,6 +158,7 @@ class Twin:
         self._put_wrenches()
         running.initialize()
         old.discard()
+        self._subscriptions.use(scenario.time_step)
         self._subscriptions.look_again()
 
     @property
@@ -646,10 +648,7 @@ class Twin:
         Raises:
             InputError: nothing is published on the topic.
         """
-        item = self._published(topic)
-        if item.controller and not self._controls[item.robot].manager.is_active(item.controller):
-            return None
-        return self.evaluate(item.port)
+        return self._message(self._published(topic))
 
     def evaluate(self, port: Any) -> Any:
         """The value of an output port of `diagram` or of its plant, at the present time.
@@ -868,11 +867,10 @@ class Twin:
 
     def _advance_in_slices(self, target: int, time: float) -> None:
         while self._step < target and not self.paused:
-            time_step = self.scenario.time_step
-            self._subscriptions.deliver(self._step, time_step)
+            self._subscriptions.deliver(self._step)
             if self.paused:
                 return
-            if self._switch_time_step():
+            if self._next_time_step is not None and self._switch_time_step():
                 target = step_at(time, self.scenario.time_step)
                 continue
             self._apply_commands()
@@ -883,7 +881,7 @@ class Twin:
             except (RuntimeError, SystemExit) as error:
                 raise self._failure(error) from error
             check_finite(self._built, self._plant_context, self.time)
-            self._step = round(self._context.get_time() / time_step)
+            self._step = round(self._context.get_time() / self.scenario.time_step)
             if noticed:
                 for control in self._controls.values():
                     control.give_up_faulty()
@@ -934,16 +932,25 @@ class Twin:
             _log.warning("%s", error)
 
     def _latest(self, topic: str) -> Any:
-        return self.latest(topic) if topic in self._built.published else None  # its robot may have gone
+        item = self._built.published.get(topic)
+        return None if item is None else self._message(item)  # its robot may have gone
+
+    def _message(self, item: PublishedTopic) -> Any:
+        if item.controller and not self._controls[item.robot].manager.is_active(item.controller):
+            return None
+        try:
+            return item.port.Eval(self._context)
+        except (RuntimeError, SystemExit) as error:
+            raise self._failure(error) from error
 
     def _next_stop(self, target: int) -> int:
         """The next step at which something is due, or the target if that comes first."""
-        time_step = self.scenario.time_step
-        due = [target, self._subscriptions.due_step(time_step), *self._commands.due_steps()]
-        due += [step_at(item.until, time_step) for item in self._wrenches]
+        due = [target, self._subscriptions.due_step, *self._commands.due_steps()]
+        if self._wrenches:
+            due += [step_at(item.until, self.scenario.time_step) for item in self._wrenches]
         if self._next_time_step is not None:
             due.append(meeting_step(self._step, self.time_step, self._next_time_step))
-        return int(min(step for step in due if step > self._step))
+        return int(min([step for step in due if step > self._step]))
 
 
 def _is_number(value: Any, least: float = float("-inf")) -> bool:

@@ -12,24 +12,28 @@ def test_every_grid_point_is_met_once_however_long_the_run_has_lasted(period, st
     first = round(hours * 3600 / step)
     times = []
     subscriptions = Subscriptions(lambda topic: topic)
+    subscriptions.use(step)
     subscriptions.add(Subscription("topic", lambda message: times.append(now), period, first * step))
     for now in range(first, first + 200):
-        subscriptions.deliver(now, step)
+        subscriptions.deliver(now)
     every = round(period / step)
     assert times == list(range(first, first + 200, every))
 
 
 def test_what_is_due_next_is_known_anew_when_somebody_comes_goes_or_the_step_changes():
     subscriptions = Subscriptions(lambda topic: topic)
-    assert subscriptions.due_step(0.001) == float("inf")
+    subscriptions.use(0.001)
+    assert subscriptions.due_step == float("inf")
     subscriptions.add(Subscription("a", lambda message: None, 0.1, 0.05))
     end = subscriptions.add(Subscription("b", lambda message: None, 0.02, 0.05))
-    subscriptions.deliver(50, 0.001)
-    assert (subscriptions.due_step(0.001), subscriptions.due_step(0.01)) == (60, 6)
+    subscriptions.deliver(50)
+    assert subscriptions.due_step == 60
+    subscriptions.use(0.01)
+    assert subscriptions.due_step == 6
     end()
-    assert subscriptions.due_step(0.001) == 100
+    assert subscriptions.due_step == 10
     subscriptions.begin(0.0)
-    assert subscriptions.due_step(0.001) == 0
+    assert subscriptions.due_step == 0
 
 
 def test_a_state_for_which_no_step_can_be_solved_is_a_failure_of_the_run(monkeypatch):

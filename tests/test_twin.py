@@ -219,20 +219,6 @@ def test_subscribing_to_no_topic_names_the_topics(twin):
         twin.subscribe("/joint_states", print)
 
 
-def test_nobody_listening_means_no_python_while_time_goes_on(twin, monkeypatch):
-    from drake_twin.systems import weak_callback
-
-    calls = []
-    original = weak_callback.WeakMethod.__call__
-    twin.publish(WHEELS_1, [5, 5, 5, 5])
-    twin.step()
-    monkeypatch.setattr(
-        weak_callback.WeakMethod, "__call__", lambda self: calls.append(self) or original(self), raising=True
-    )
-    twin.advance_to(1.0)
-    assert calls == []
-
-
 def test_pausing_inside_a_callback_stops_there_and_playing_goes_on(twin):
     def stop(message):
         if message.clock.nanosec == 200_000_000:

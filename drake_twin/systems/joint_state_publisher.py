@@ -180,7 +180,8 @@ class JointStatePublisher(WitnesslessSystem):
 
     def efforts(self, context: Context) -> np.ndarray:
         """The efforts that the robot's actuators apply (N·m or N)."""
-        return np.asarray(self._net_actuation.Eval(context))
+        efforts: np.ndarray = self._net_actuation.Eval(context)
+        return efforts
 
     def _values(self, context: Context) -> np.ndarray:
         efforts = self.efforts(context) if self._has_efforts else self._no_efforts
@@ -189,8 +190,8 @@ class JointStatePublisher(WitnesslessSystem):
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         values = self._values(context)[self._gather]
         values.setflags(write=False)  # the port hands the same message to everybody
-        header = messages.header(context.get_time(), self._frame_id)
-        output.set_value(messages.JointState(header, list(self.joints), values[0], values[1], values[2]))
+        header = messages.Header(messages.time_message(context.get_time()), self._frame_id)
+        output.set_value(messages.JointState(header, list(self.joints), *values))
 
     def _calc_dynamic_joint_states(self, context: Context, output: AbstractValue) -> None:
         if not self._with_dynamic:
