@@ -208,9 +208,10 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
     grid = event or LONGEST_GRID
     coarse = size.scale < 0.5
     finest = {
-        **{name: Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005) for name in _SOLVERS},
-        "twin, cenic": Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8),
-        "MuJoCo": Setting("MuJoCo", 0.0005 if coarse else 0.00002 if count > 8 else 0.000005),
+        **{name: [Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005)] for name in _SOLVERS},
+        "twin, cenic": [Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8)],
+        # Its finer runs do not always come closer to each other: what errs least from either of two is taken.
+        "MuJoCo": [Setting("MuJoCo", step) for step in ((0.0005,) if coarse else (0.00002, 0.000005))],
     }
     settings = [
         *(Setting(name, step) for name in _SOLVERS for step in _STEPS),
@@ -219,11 +220,15 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
     ]
     if coarse:
         settings = [Setting("twin", 0.01), Setting("twin, cenic", grid, 1e-2), Setting("MuJoCo", 0.002)]
-    truth = {name: _run(size, setting, workload, count, event)[0] for name, setting in finest.items()}
+    truths = {
+        name: [_run(size, setting, workload, count, event)[0] for setting in of_engine]
+        for name, of_engine in finest.items()
+    }
     rows: list[tuple[Setting, float, float]] = []
     for setting in settings:
         positions, factor = _run(size, setting, workload, count, event)
-        rows.append((setting, float(np.abs(positions - truth[setting.engine]).max()), factor))
+        error = min(float(np.abs(positions - truth).max()) for truth in truths[setting.engine])
+        rows.append((setting, error, factor))
     least = min(error for setting, error, _ in rows if setting.engine == "MuJoCo")
     bound = max(SAME_ERROR, least)
     ours, theirs = (
