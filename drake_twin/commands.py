@@ -17,7 +17,7 @@ from drake_twin.schedule import ScheduledCommand, step_at
 from drake_twin.snapshot import Snapshot
 
 _ROUNDING = 1e-9  # s
-_ObjectValue = Value[object]
+_ObjectValue = Value[object]  # what AbstractValue.Make would look up each time
 
 
 class Commands:
@@ -176,6 +176,4 @@ class Commands:
         return value
 
     def _fix(self, topic: str, value: Any) -> None:
-        abstract_value = _ObjectValue()
-        abstract_value.set_value(value)  # AbstractValue.Make would copy it, and FixValue does so anyhow
-        self._ports[topic].port.FixValue(self._context, abstract_value)
+        self._ports[topic].port.FixValue(self._context, _ObjectValue(value))

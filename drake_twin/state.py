@@ -3,7 +3,6 @@
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -90,7 +89,7 @@ def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> Non
     Raises:
         RunError: names the first robot and joint, or model of the world, that is nowhere.
     """
-    if isfinite(np.add.reduce(built.plant.GetPositionsAndVelocities(plant_context))):
+    if np.isfinite(built.plant.GetPositionsAndVelocities(plant_context)).all():
         return
     for plan in built.plans:
         parts = built.robots[plan.name]

@@ -17,7 +17,7 @@ class Subscription:
         time: the present time (s); its message is delivered first.
 
     Attributes:
-        due: the step of the next delivery; infinite when there is none.
+        due: the step of the next delivery, counted as `use` was told last; infinite when there is none.
         is_latched: whether its message never changes.
     """
 
@@ -41,9 +41,10 @@ class Subscription:
         """Notes a delivery at a step of a length (s), and moves on to the grid point after it."""
         self._next_point += 1
         self.use(time_step)
-        if self.due <= step:
-            self._next_point = self._last_point_before(step * time_step) + 1
+        if self.due <= step:  # several points lie at this step
+            self._next_point = max(self._next_point, self._last_point_before(step * time_step) + 1)
             self.use(time_step)
+            self.due = max(self.due, step + 1)
 
     def take(self, message: Any) -> None:
         """Gives a message to whoever listens."""
@@ -70,15 +71,16 @@ class Subscriptions:
 
     Args:
         latest: topic → its message at the present time; None when there is none, or no such topic.
+        time_step: the length of the steps that are counted (s).
 
     Attributes:
         due_step: the step at which the next delivery is due; infinite when there is none.
     """
 
-    def __init__(self, latest: Callable[[str], Any]):
+    def __init__(self, latest: Callable[[str], Any], time_step: float):
         self._latest = latest
+        self._time_step = time_step
         self._items: list[Subscription] = []
-        self._time_step = 1.0
         self.due_step: float = inf
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
@@ -117,7 +119,8 @@ class Subscriptions:
         for subscription in self._items:
             if subscription.is_latched:
                 subscription.look_again(self._latest(subscription.topic))
-        self.use(self._time_step)
+                subscription.use(self._time_step)
+        self._note_due_step()
 
     def _end(self, subscription: Subscription) -> None:
         if subscription in self._items:

@@ -83,8 +83,7 @@ class Twin:
     def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None):
         self.scenario = scenario
         self._meshcat = meshcat
-        self._subscriptions = Subscriptions(self._latest)
-        self._subscriptions.use(scenario.time_step)
+        self._subscriptions = Subscriptions(self._latest, scenario.time_step)
         self._controls: dict[str, RobotControl] = {}
         self._commands = Commands()
         self.recorder = Recorder(lambda: self.time)
@@ -150,6 +149,7 @@ class Twin:
         self._goals = [goal for goal in self._goals if goal.is_of(kept)]
         self.scenario = scenario
         self._run(running)
+        self._subscriptions.use(scenario.time_step)
         for control in self._controls.values():
             if control not in known:
                 control.start()
@@ -158,7 +158,6 @@ class Twin:
         self._put_wrenches()
         running.initialize()
         old.discard()
-        self._subscriptions.use(scenario.time_step)
         self._subscriptions.look_again()
 
     @property
@@ -656,11 +655,7 @@ class Twin:
         Raises:
             RunError: efforts, accelerations and contacts are those of the step to come, and Drake cannot solve it.
         """
-        context = self._plant_context if port.get_system() is self._built.plant else self._context
-        try:
-            return port.Eval(context)
-        except (RuntimeError, SystemExit) as error:
-            raise self._failure(error) from error
+        return self._evaluate(port, self._plant_context if port.get_system() is self._built.plant else self._context)
 
     def start_positions(self, robot: str) -> Mapping[str, float]:
         """Movable joint → where it stands at the start (rad or m).
@@ -938,8 +933,11 @@ class Twin:
     def _message(self, item: PublishedTopic) -> Any:
         if item.controller and not self._controls[item.robot].manager.is_active(item.controller):
             return None
+        return self._evaluate(item.port, self._context)
+
+    def _evaluate(self, port: Any, context: Any) -> Any:
         try:
-            return item.port.Eval(self._context)
+            return port.Eval(context)
         except (RuntimeError, SystemExit) as error:
             raise self._failure(error) from error
 

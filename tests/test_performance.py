@@ -2,13 +2,16 @@
 
 import collections
 import gc
+import importlib
+import pkgutil
 import sys
 
 import pytest
 from conftest import ARM, rovers
 from pydrake.systems.framework import Diagram, LeafSystem
 
-from drake_twin import TwinBuilder
+from drake_twin import TwinBuilder, systems
+from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 TRAJECTORIES = """controller_manager: {ros__parameters: {update_rate: 100,
   arm: {type: joint_trajectory_controller/JointTrajectoryController}}}
@@ -89,14 +92,14 @@ def test_no_state_of_a_controller_or_servo_is_copied_piece_by_piece(tmp_path):
     """Drake copies all states twice at each update of a controller, and a trajectory may have thousands of points."""
     (tmp_path / "c.yaml").write_text(TRAJECTORIES)
     twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    twin.advance_to(0.1)
     twin.publish(
         "/arm/arm/joint_trajectory",
         {"joint_names": ["joint_1", "joint_2"], "points": [{"positions": [0.3, 0.2], "time_from_start": 0.5}]},
     )
-    twin.advance_to(0.1)
     calls = python_calls(twin, 0.2)
     assert calls["_update_sample"] == 10
-    assert calls["__deepcopy__"] == calls["deepcopy"]
+    assert calls["deepcopy"] == calls["__deepcopy__"] > 20
 
 
 def test_drake_looks_for_nothing_in_a_python_system_each_time_it_advances(monkeypatch):
@@ -114,6 +117,13 @@ def test_drake_looks_for_nothing_in_a_python_system_each_time_it_advances(monkey
     for step in range(20):
         twin.advance_to(0.2 + step * 0.01)
     assert looked_for == []
+
+
+def test_no_system_lets_drake_look_for_witness_functions():
+    for module in pkgutil.iter_modules(systems.__path__):
+        for kind in vars(importlib.import_module(f"{systems.__name__}.{module.name}")).values():
+            if isinstance(kind, type) and issubclass(kind, LeafSystem) and kind.__module__.startswith("drake_twin"):
+                assert issubclass(kind, WitnesslessSystem), kind
 
 
 def test_a_command_takes_few_calls_of_python():

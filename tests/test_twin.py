@@ -172,7 +172,7 @@ def test_publishing_where_nobody_listens_names_the_topics_that_exist(twin):
         twin.publish("/robot_3/forward_velocity_controller/commands", [1, 1, 1, 1])
 
 
-@pytest.mark.parametrize(("rate", "expected"), [(50, 50), (100, 100), (1000, 1000), (3000, 1000), (30, 30)])
+@pytest.mark.parametrize(("rate", "expected"), [(50, 50), (1000, 1000), (3000, 1000), (30, 30), (1e12, 1000)])
 def test_a_subscriber_is_called_at_its_rate_of_simulation_time(twin, rate, expected):
     seen = []
     twin.subscribe("/clock", seen.append, rate=rate)

@@ -63,6 +63,7 @@ def overhead(size: Size) -> list[Table]:
         "twin ÷ bare plant with Drake's sampled ports",
         "joint_states, tf and clock at 50 Hz ÷ nobody listens",
         "the same: µs for each robot and tick",
+        "Python's part of these µs",
         "µs for each robot and step: twin",
         "bare plant",
     )
@@ -84,6 +85,9 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
         case()  # from rest; the turns that are timed go on from there
     times = by_turns(cases, size.repeats)
     extra = [a - b for a, b in zip(times["listening"], times["twin"], strict=True)]
+    quiet = engines["twin"]
+    assert isinstance(quiet, TwinEngine)
+    python = [listening.python_time(cases["listening"]) - quiet.python_time(cases["twin"]) for _ in range(size.repeats)]
     return (
         f"{count} {workload.name}",
         step * 1e3,
@@ -91,6 +95,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
         ratio(times, "twin", "bare plant, sampled ports"),
         ratio(times, "listening", "twin"),
         median(extra) / (count * 50 * span) * 1e6,
+        median(python) / (count * 50 * span) * 1e6,
         median(times["twin"]) * step / (span * count) * 1e6,
         median(times["bare plant"]) * step / (span * count) * 1e6,
     )
@@ -179,7 +184,7 @@ def _turn(engine: Engine, workload: Workload, count: int, span: float) -> Callab
 
 
 def precision(size: Size) -> list[Table]:
-    """Real-time factors at equal error, each engine against its own finest run."""
+    """Real-time factors at equal error, each engine against its own finest run, MuJoCo against the nearer of two."""
     tables, best = [], []
     for workload in WORKLOADS.values():
         for count in size.counts if workload is ROVERS else size.counts[:2]:
