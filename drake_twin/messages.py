@@ -119,7 +119,7 @@ def message(kind: str, data: Any) -> Any:
 
 def is_bare(data: Any) -> bool:
     """Whether data is neither a message nor a mapping of a message's fields."""
-    return not isinstance(data, Mapping) and not hasattr(data, "__msgtype__")
+    return type(data) is list or not (isinstance(data, Mapping) or hasattr(data, "__msgtype__"))
 
 
 @dataclass(frozen=True)
@@ -137,10 +137,10 @@ class Numbers(Frozen):
         """
         if data is None:
             raise ValueError("None is not a list")
-        items = tuple(_list(data, "data."))
-        if all(type(item) is float for item in items):
-            return cls(items)
-        return cls(tuple(_base("float64", item, f"data[{index}].") for index, item in enumerate(items)))
+        items = data.tolist() if _is_vector(data) else data if type(data) is list else [*_list(data, "data.")]
+        if not {*map(type, items)} <= {float}:
+            items = [_base("float64", item, f"data[{index}].") for index, item in enumerate(items)]
+        return cls(tuple(items))
 
 
 def _from_plain(kind: str, data: Any, path: str) -> Any:
@@ -187,13 +187,20 @@ def _field(description: Any, value: Any, path: str) -> Any:
     if value is None and node == Nodetype.ARRAY:
         values = [None] * size
     kind = element[1][0] if element[0] == Nodetype.BASE else ""
-    if isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind == "f" and "float" in kind:
+    if _is_vector(values) and "float" in kind:
         items: Any = values
     else:
         items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
     if node == Nodetype.ARRAY and len(items) != size:
         raise ValueError(f"{path[:-1]}: {len(items)} elements, where {size} are needed")
     return np.array(items, dtype=kind) if kind not in ("", "string", "wstring") else items
+
+
+def _is_vector(value: Any) -> bool:
+    """Whether a value is a NumPy array of floating-point numbers in a row."""
+    import numpy as np
+
+    return isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.ndim == 1
 
 
 def _list(value: Any, path: str) -> Any:

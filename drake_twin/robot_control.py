@@ -108,7 +108,7 @@ class RobotControl:
 
     def accepts(self, topic: CommandTopic) -> bool:
         """Whether a message on a topic reaches its controller: one that is not active hears nothing."""
-        return self.manager.states.get(topic.controller) == "active"
+        return self.manager.is_active(topic.controller)
 
     def cancel(self, controller: str) -> None:
         """Ends the present goal of a controller's action."""

@@ -97,7 +97,7 @@ class Twin:
         self._start()
         for index, command in enumerate(scenario.commands):
             try:
-                self._checked(command.topic, command.data)
+                self._checked(self._command_topic(command.topic), command.topic, command.data)
             except InputError as error:
                 raise ScenarioError(("commands", index), str(error).rstrip(".")) from None
 
@@ -527,7 +527,7 @@ class Twin:
                 _log.warning("%s: nobody hears this: controller %s is not active", topic, item.controller)
             return
         try:
-            value = self._checked(topic, data)
+            value = self._checked(item, topic, data)
         except CommandError as error:
             if error.deactivates:
                 control.give_up(item.controller, error.message)
@@ -834,8 +834,7 @@ class Twin:
             raise InputError(f"nothing is published on {topic!r}", value=str(topic), valid=published)
         return published[topic]
 
-    def _checked(self, topic: str, data: Any) -> Any:
-        item = self._command_topic(topic)
+    def _checked(self, item: CommandTopic, topic: str, data: Any) -> Any:
         try:
             return self._controls[item.robot].read(item, data)
         except CommandError as error:
