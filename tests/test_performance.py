@@ -130,6 +130,7 @@ def test_no_system_lets_drake_look_for_witness_functions():
 @pytest.mark.parametrize("data", [[3.0] * 4, np.full(4, 3.0)], ids=["list", "array"])
 def test_a_command_takes_few_calls_of_python(data):
     twin = driving(2)
+    twin.publish("/robot_1/forward_velocity_controller/commands", data)
     twin.advance_to(0.2)
     calls = collections.Counter()
 
