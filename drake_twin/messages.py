@@ -119,7 +119,7 @@ def message(kind: str, data: Any) -> Any:
 
 def is_bare(data: Any) -> bool:
     """Whether data is neither a message nor a mapping of a message's fields."""
-    return type(data) is list or not (isinstance(data, Mapping) or hasattr(data, "__msgtype__"))
+    return not isinstance(data, Mapping) and not hasattr(data, "__msgtype__")
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class Numbers(Frozen):
         """
         if data is None:
             raise ValueError("None is not a list")
-        items = data.tolist() if _is_vector(data) else data if type(data) is list else [*_list(data, "data.")]
+        items = data.tolist() if _is_vector(data) else [*_list(data, "data.")]
         if not {*map(type, items)} <= {float}:
             items = [_base("float64", item, f"data[{index}].") for index, item in enumerate(items)]
         return cls(tuple(items))

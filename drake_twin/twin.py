@@ -864,7 +864,7 @@ class Twin:
             self._subscriptions.deliver(self._step)
             if self.paused:
                 return
-            if self._next_time_step is not None and self._switch_time_step():
+            if self._switch_time_step():
                 target = step_at(time, self.scenario.time_step)
                 continue
             self._apply_commands()

@@ -71,6 +71,12 @@ def test_a_quick_run_of_all_sections_is_saved(tmp_path, capfd):
     assert {file.suffix for file in tmp_path.iterdir()} == {".json", ".md", ".svg"}
 
 
+def test_as_many_robots_run_as_somebody_asks_for(tmp_path):
+    assert main(["robots", "real-time", "--quick", "--robots", "3", "--output", str(tmp_path)]) == 0
+    tables = json.loads((tmp_path / "benchmarks.json").read_text())["tables"]
+    assert [[row[0] for row in table["rows"]] for table in tables] == [[3]] * 6
+
+
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [(["speed"], "there is no section 'speed'"), (["--robots", "some"], "is no list of numbers from 1 on")],

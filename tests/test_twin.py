@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from conftest import ARM, ROVER, rovers
@@ -172,7 +174,9 @@ def test_publishing_where_nobody_listens_names_the_topics_that_exist(twin):
         twin.publish("/robot_3/forward_velocity_controller/commands", [1, 1, 1, 1])
 
 
-@pytest.mark.parametrize(("rate", "expected"), [(50, 50), (1000, 1000), (3000, 1000), (30, 30), (1e12, 1000)])
+@pytest.mark.parametrize(
+    ("rate", "expected"), [(50, 50), (100, 100), (1000, 1000), (3000, 1000), (30, 30), (1e12, 1000)]
+)
 def test_a_subscriber_is_called_at_its_rate_of_simulation_time(twin, rate, expected):
     seen = []
     twin.subscribe("/clock", seen.append, rate=rate)
@@ -430,6 +434,25 @@ def test_run_in_real_time_grants_each_frame_its_share_of_steps(twin):
     twin.run(0.1, each_frame=lambda: times.append(twin.time) or True)
     steps = np.diff(times) / twin.scenario.time_step
     assert np.all(np.abs(steps - 0.5 / 30 * 1000) <= 1.0 + 1e-6)
+
+
+@pytest.mark.parametrize(("away", "made_up_for"), [(0.2, 0.2), (5.0, 0.25)])
+def test_a_short_absence_of_the_processor_costs_no_simulated_time_and_a_long_one_is_not_run_after(
+    twin, monkeypatch, away, made_up_for
+):
+    wall = SimpleNamespace(now=0.0, frames=0)
+
+    def sleep(duration):
+        wall.now += duration
+
+    def each_frame():
+        wall.frames += 1
+        wall.now += away if wall.frames == 10 else 0.0
+        return wall.now < 1.0 + away
+
+    monkeypatch.setattr("drake_twin.real_time.wall_clock", SimpleNamespace(perf_counter=lambda: wall.now, sleep=sleep))
+    twin.run(each_frame=each_frame)
+    assert twin.time == pytest.approx(1.0 + made_up_for, abs=2 / 30)
 
 
 def test_a_paused_run_lets_no_time_pass(twin):

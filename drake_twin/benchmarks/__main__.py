@@ -3,6 +3,7 @@
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -28,7 +29,7 @@ def _main(arguments: Sequence[str]) -> int:
     parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"what to measure: {', '.join(SECTIONS)}")
     parser.add_argument("--output", type=Path, default=Path("benchmarks"), help="the folder for results")
     parser.add_argument("--repeats", type=int, default=5, help="how often each case runs")
-    parser.add_argument("--robots", default="1,8,32", help="numbers of robots, as in 1,8,32")
+    parser.add_argument("--robots", help="numbers of robots, as in 1,8,32, which it is by default, or up to 64")
     parser.add_argument("--quick", action="store_true", help="tiny sizes, to see that everything runs")
     parser.add_argument("--debug", action="store_true", help="show tracebacks")
     options = parser.parse_args(list(arguments))
@@ -37,9 +38,12 @@ def _main(arguments: Sequence[str]) -> int:
             raise InputError(f"there is no section {section!r}", value=section, valid=SECTIONS)
     tables: list[Table] = []
     with tempfile.TemporaryDirectory() as folder:
-        size = Size(Path(folder), max(1, options.repeats), _numbers(options.robots))
+        size = Size(Path(folder), max(1, options.repeats))
         if options.quick:
-            size = Size(Path(folder), repeats=1, counts=(1, 2), scale=0.05)
+            size = Size(Path(folder), repeats=1, counts=(1, 2), many=(1, 2), scale=0.05)
+        if options.robots is not None:
+            counts = _numbers(options.robots)
+            size = replace(size, counts=counts, many=counts)
         for name in options.sections or SECTIONS:
             say(f"measuring: {name} …", sys.stderr)
             for table in SECTIONS[name](size):

@@ -39,12 +39,14 @@ class Size:
         folder: for files that engines read.
         repeats: how often each case runs.
         counts: numbers of robots.
+        many: numbers of robots where it is their number that counts.
         scale: a factor on the simulated times.
     """
 
     folder: Path
     repeats: int = 5
     counts: tuple[int, ...] = (1, 8, 32)
+    many: tuple[int, ...] = (1, 4, 8, 16, 32, 64)
     scale: float = 1.0
 
 
@@ -159,7 +161,7 @@ def robots(size: Size) -> list[Table]:
     tables = []
     for workload in WORKLOADS.values():
         rows = []
-        for count in size.counts if size.scale < 0.5 else sorted({*size.counts, 4, 16, 64}):
+        for count in size.many:
             say(f"  {count} {workload.name}", sys.stderr)
             span = _whole(1.2 * size.scale, 0.1)
             engines = {str(setting): setting.make(workload, count, size.folder) for setting in settings}
@@ -295,7 +297,7 @@ def _factor(
 def real_time(size: Size) -> list[Table]:
     """How many rovers one core runs in real time, each with its controller and its joint_states delivered at 50 Hz."""
     rows = []
-    for count in (*size.counts, 64) if size.scale >= 0.5 else size.counts:
+    for count in size.many:
         engine = Setting("twin, cenic", 0.02, 1e-2).make(ROVERS, count, size.folder)
         assert isinstance(engine, TwinEngine)
         received = [0]

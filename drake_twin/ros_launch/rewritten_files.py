@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 _MOST_VALUES = 200_000
 
 
-class _RewrittenFile(Substitution):
+class _RewrittenFile(Substitution, ABC):
     def __init__(self, source_file: SomeSubstitutionsType):
         self.source_file = normalize_to_list_of_substitutions(source_file)
 
@@ -38,8 +39,9 @@ class _RewrittenFile(Substitution):
         source = known or ParameterText(path, read_file(path))
         return str(write_rewritten(context, ParameterText(source.file, self._rewrite(source, context))))
 
+    @abstractmethod
     def _rewrite(self, source: ParameterText, context: LaunchContext) -> str:
-        raise NotImplementedError
+        """The text that takes the place of the file's."""
 
 
 class RewrittenYaml(_RewrittenFile):

@@ -190,7 +190,7 @@ class JointStatePublisher(WitnesslessSystem):
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         values = self._values(context)[self._gather]
         values.setflags(write=False)  # the port hands the same message to everybody
-        header = messages.Header(messages.time_message(context.get_time()), self._frame_id)
+        header = messages.header(context.get_time(), self._frame_id)
         output.set_value(messages.JointState(header, list(self.joints), *values))
 
     def _calc_dynamic_joint_states(self, context: Context, output: AbstractValue) -> None:

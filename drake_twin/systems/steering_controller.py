@@ -1,5 +1,6 @@
 """What the controllers of bases with steered wheels share."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
 from math import copysign, inf, isnan, nan, tan
 from typing import Any
@@ -26,7 +27,7 @@ _NAMES = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class SteeringParameters:
+class SteeringParameters(ABC):
     """Parameters that ros2_controllers' steering_controllers_library reads for each of its controllers.
 
     Attributes:
@@ -101,9 +102,9 @@ class SteeringParameters:
             raise ParameterError("the track width of the traction wheels is missing or not above zero")
         check_covariances(self)
 
+    @abstractmethod
     def kinematics(self) -> SteeringDrive:
         """The drive."""
-        raise NotImplementedError
 
     def joints(self, name: str) -> tuple[str, ...]:
         """A list of joints, ``traction_joints_names`` for example, with the deprecated names taken into account."""
