@@ -45,6 +45,10 @@ RESERVED_NAMES = frozenset(
     )
 )
 
+# How shapes touch: flat ones with their faces, or all of them in points.
+HYDROELASTIC, POINT = "hydroelastic", "point"
+CONTACTS = (HYDROELASTIC, POINT)
+
 # What a collision mesh becomes: its convex hull, or convex pieces of it.
 COLLISION_KINDS = ("hull", "decomposition")
 
@@ -59,12 +63,14 @@ class World:
             file; true adds that half space where the file has no plane, false leaves the file's planes out.
         ground_friction: the ground's coefficient of friction; by default the file's, or 1.
         file: an SDF world: a path, ``package://`` or ``model://``, or the name of a built-in one such as ``empty.sdf``.
+        contact: ``hydroelastic``: flat shapes of the world touch with their faces; or ``point``: in a point.
     """
 
     gravity: Vector3 | None = None
     ground: bool | None = None
     ground_friction: float | None = None
     file: str | None = None
+    contact: str = HYDROELASTIC
 
     @property
     def has_own_ground(self) -> bool:
@@ -91,6 +97,7 @@ class Robot:
         initial_positions: joint name → position at the start (rad or m).
         self_collision: whether its links collide with each other; without it those do that ``<selfCollide>`` names.
         collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
+        contact: ``hydroelastic``: its flat shapes touch with their faces; or ``point``: in a point.
         remappings: topic → the topic in its place, both in full.
         without_repairs: names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
     """
@@ -108,6 +115,7 @@ class Robot:
     initial_positions: Mapping[str, float] = field(default_factory=dict)
     self_collision: bool = False
     collision: str = "hull"
+    contact: str = HYDROELASTIC
     remappings: Mapping[str, str] = field(default_factory=dict)
     without_repairs: tuple[str, ...] = ()
 
@@ -218,8 +226,12 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         yield ("contact_approximation",), f"{scenario.contact_approximation!r} is none of {valid}"
     if scenario.world.ground_friction is not None and not scenario.world.ground_friction >= 0:
         yield ("world", "ground_friction"), f"{scenario.world.ground_friction:g} is below zero"
+    if scenario.world.contact not in CONTACTS:
+        yield ("world", "contact"), f"{scenario.world.contact!r} is none of {', '.join(CONTACTS)}"
     names: set[str] = set()
     for index, robot in enumerate(scenario.robots):
+        if robot.contact not in CONTACTS:
+            yield ("robots", index, "contact"), f"{robot.contact!r} is none of {', '.join(CONTACTS)}"
         if robot.collision not in COLLISION_KINDS:
             yield ("robots", index, "collision"), f"{robot.collision!r} is none of {', '.join(COLLISION_KINDS)}"
         if not robot.name or not all(character.isalnum() or character in "_-" for character in robot.name):

@@ -12,7 +12,7 @@ from pathlib import Path
 from drake_twin.errors import InputError
 
 # Part of every cached file's name: change it when a conversion gives other files.
-_CONVERSION = "4"
+_CONVERSION = "6"
 
 _MOST_BYTES = 2 * 1024**3
 _TRIMMED_TO = 3 * _MOST_BYTES // 4

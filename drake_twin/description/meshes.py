@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_twin.description.hull import hull_of
 from drake_twin.description.mesh_cache import cached
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
@@ -23,8 +24,6 @@ MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
 # A primitive stands for a mesh whose hull's vertices lie on it within this part of the mesh's size.
 _PRIMITIVE_TOLERANCE = 1e-3
 _THINNEST = 1e-3  # of the mesh's size: what a flat mesh is given as thickness, because Drake needs volume
-
-_MOST_CORNERS = 400  # of a hull; more cost time in every contact and change it by less than a thousandth
 
 _FARTHEST = 1e12  # of a mesh's units; what is beyond is no robot's, and overflows in the simulation
 
@@ -138,7 +137,7 @@ def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
     if len(points) == 8 and np.all(np.abs(np.abs(around) - sides / 2) < tolerance):
         return Primitive("box", tuple(sides.tolist()), place)
     distances = np.linalg.norm(around, axis=1)
-    if len(points) >= 100 and np.ptp(sides) < 2 * tolerance and np.ptp(distances) < tolerance:
+    if len(points) >= 48 and np.ptp(sides) < 2 * tolerance and np.ptp(distances) < tolerance:
         return Primitive("sphere", (float(distances.max()),), place)
     for axis in range(3):
         across = np.delete(around, axis, axis=1)
@@ -243,28 +242,15 @@ def _visual_gltf(file: Path) -> bytes:
 
 def _hull_obj(file: Path) -> bytes:
     """The convex hull by Qhull, through SciPy: Drake's own needs over ten seconds for a mesh of 50,000 triangles."""
-    from scipy.spatial import ConvexHull, QhullError
+    from scipy.spatial import QhullError
 
     vertices = with_thickness(np.unique(np.asarray(_single_mesh(file).vertices, dtype=float), axis=0))
     try:
-        corners = vertices[ConvexHull(vertices).vertices]
-        if len(corners) > _MOST_CORNERS:
-            corners = _coarser(corners)
-        hull = ConvexHull(corners)
+        corners, triangles = hull_of(vertices)
     except (QhullError, ValueError) as error:
         reason = str(error).strip().splitlines()[0] if str(error).strip() else "Qhull failed"
         raise InputError(f"the mesh has no convex hull ({reason})", file=file) from None
-    return _obj_text(corners, hull.simplices.tolist()).encode()
-
-
-def _coarser(corners: np.ndarray) -> np.ndarray:
-    """A hull's corners thinned out to a bearable number: the farthest ones in evenly spread directions."""
-    index = np.arange(_MOST_CORNERS) + 0.5
-    polar, around = np.arccos(1 - 2 * index / _MOST_CORNERS), np.pi * (1 + 5**0.5) * index  # a Fibonacci sphere
-    directions = np.stack([np.cos(around) * np.sin(polar), np.sin(around) * np.sin(polar), np.cos(polar)], axis=1)
-    directions = np.vstack([directions, np.eye(3), -np.eye(3)])  # the box around it stays as it is
-    scaled = (corners - corners.mean(axis=0)) / np.ptp(corners, axis=0)
-    return np.asarray(corners[np.unique(np.argmax(directions @ scaled.T, axis=1))])
+    return _obj_text(corners, triangles.tolist()).encode()
 
 
 def with_thickness(vertices: np.ndarray) -> np.ndarray:

@@ -21,10 +21,6 @@ from drake_twin.errors import InputError
 
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
 
-# Gazebo takes the smaller of two surfaces' coefficients. Drake takes 2·a·b/(a+b), which a huge one (ground planes come
-# with 100) would pull to twice the other; 1 leaves a partner of 1, the usual one, what it is.
-_MOST_FRICTION = 1.0
-
 _LEAST_MASS = 1e-3  # kg, as for robots
 
 _KEPT = {
@@ -306,7 +302,7 @@ def _friction(model: etree._Element) -> Iterator[str]:
         ]
         for surface in collision.findall("surface"):
             collision.remove(surface)
-        friction = min([_MOST_FRICTION, *mus])
+        friction = min(mus, default=1.0)
         properties = etree.SubElement(
             collision, f"{{{_DRAKE_NAMESPACE}}}proximity_properties", nsmap={"drake": _DRAKE_NAMESPACE}
         )

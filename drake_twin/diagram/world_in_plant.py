@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from pydrake.geometry import CollisionFilterDeclaration, SceneGraph
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -26,7 +25,6 @@ _FRICTION = 1.0
 
 def add_world(
     plant: MultibodyPlant,
-    scene_graph: SceneGraph,
     scenario: Scenario,
     world_file: WorldFile | None,
     warnings: list[str],
@@ -37,7 +35,6 @@ def add_world(
 
     Args:
         plant: the plant; it is changed.
-        scene_graph: its scene graph.
         scenario: its world goes before the file, and no robot may have the name of a model.
         world_file: what the world file says.
         warnings: is extended by what was left out.
@@ -55,7 +52,7 @@ def add_world(
     if world_file is not None:
         _check_names(scenario, world_file)
         warnings.extend(world_file.warnings)
-        shapes, moving = _add_models(plant, scene_graph, world_file, warnings)
+        shapes, moving = _add_models(plant, world_file, warnings)
     register_static_shapes(plant, _with_ground(shapes, world))
     return moving
 
@@ -87,7 +84,7 @@ def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
 
 
 def _add_models(
-    plant: MultibodyPlant, scene_graph: SceneGraph, world_file: WorldFile, warnings: list[str]
+    plant: MultibodyPlant, world_file: WorldFile, warnings: list[str]
 ) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]]]:
     detail = bearable_detail(world_file.models)
     if detail > 0:
@@ -102,7 +99,7 @@ def _add_models(
                     shapes += static_shapes(model, detail, warnings)
                 else:
                     _try_out(model)
-                    moving[model.name] = _add_moving(plant, scene_graph, model)
+                    moving[model.name] = _add_moving(plant, model)
             except (RuntimeError, ValueError, SystemExit) as error:
                 reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
                 warnings.append(f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})")
@@ -117,7 +114,7 @@ def _try_out(model: WorldModel) -> None:
     plant.Finalize()
 
 
-def _add_moving(plant: MultibodyPlant, scene_graph: SceneGraph, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
+def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
     Parser(plant).AddModelsFromString(model.text, "sdf")
     every = [
         index
@@ -132,8 +129,4 @@ def _add_moving(plant: MultibodyPlant, scene_graph: SceneGraph, model: WorldMode
             plant.RemoveJointActuator(actuator)
     for index in every:
         plant.set_gravity_enabled(index, model.falls)
-    # As in Gazebo, the links of one model pass through each other.
-    bodies = [plant.get_body(body) for index in every for body in plant.GetBodyIndices(index)]
-    own = plant.CollectRegisteredGeometries(bodies)
-    scene_graph.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(own))
     return tuple(every)

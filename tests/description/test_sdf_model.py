@@ -10,10 +10,11 @@ def geometry(text, tmp_path, *, static=True, kind="collision", more=""):
     return etree.fromstring(world.models[0].text).find(f".//{kind}"), world.warnings
 
 
-def test_friction_is_the_smaller_coefficient_and_at_most_one(tmp_path):
+def test_friction_is_the_smaller_coefficient_and_one_by_default(tmp_path):
     surface = "<surface><friction><ode><mu>{}</mu><mu2>{}</mu2></ode></friction></surface>"
-    for mu, mu2, expected in ((100, 50, 1.0), (0.8, 0.3, 0.3)):
-        shape, _ = geometry("<sphere><radius>1</radius></sphere>", tmp_path, more=surface.format(mu, mu2))
+    texts = {surface.format(100, 50): 50.0, surface.format(0.8, 0.3): 0.3, "": 1.0}
+    for more, expected in texts.items():
+        shape, _ = geometry("<sphere><radius>1</radius></sphere>", tmp_path, more=more)
         assert [float(item.text) for item in shape.find("{*}proximity_properties")] == [expected, expected]
 
 

@@ -141,7 +141,7 @@ def test_models_in_a_static_model_stand_where_they_belong(tmp_path):
     inner = f"<model name='i'><pose>0 3 0 0 0 0</pose><link name='l'>{shape}</link></model>"
     twin = twin_in(tmp_path, f"<model name='o'><static>1</static><pose>9 0 0 0 0 0</pose>{inner}</model>")
     assert twin.warnings == ()
-    (geometry,) = twin.plant.GetCollisionGeometriesForBody(twin.plant.world_body())
+    geometry = next(iter(twin.plant.GetCollisionGeometriesForBody(twin.plant.world_body())))
     inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
     assert inspector.GetPoseInFrame(geometry).translation() == pytest.approx([9, 3, 0])
 

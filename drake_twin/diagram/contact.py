@@ -1,0 +1,96 @@
+"""How collision shapes touch: with their faces or in a point, how rough a pair is, and which shapes meet at all.
+
+Drake's point contact gives a pair of convex shapes one point, so that a box stands on one corner at a time: friction is
+misjudged, stacks sink, boxes fall through slopes. Its hydroelastic contact integrates a pressure over the faces that
+meet. So all flat shapes touch that way here; round ones (wheels, spheres, capsules, ellipsoids) touch in a point, which
+is what they do anyway, and costs less.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pydrake.geometry import GeometryId, Role, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_twin.diagram.contact_models import ContactModel
+from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
+from drake_twin.diagram.contact_shapes import ShapeReader
+
+# How a shape touches, as reports say it.
+FACES, IN_A_POINT, WHEEL = "faces", "point", "wheel"
+
+_DEFAULT_FRICTION = 1.0  # ODE's, DART's and Drake's
+
+
+@dataclass(frozen=True)
+class TouchingShape:
+    """How a collision shape touches.
+
+    Attributes:
+        model: the robot or the model of the world; empty for what does not move in the world.
+        body: the body's name in the plant.
+        name: the shape's name in the scene graph.
+        shape: what contact takes it for: ``Box``, ``Convex``, ``Ellipsoid``, …
+        touches: `FACES`, `IN_A_POINT`, or `WHEEL` for a point of an ellipsoid in place of a cylinder.
+        friction: its coefficient of friction.
+        geometry: the geometry that stands for it; there may be others, for other partners.
+    """
+
+    model: str
+    body: str
+    name: str
+    shape: str
+    touches: str
+    friction: float
+    geometry: GeometryId
+
+
+def give_contact(
+    plant: MultibodyPlant,
+    scene_graph: SceneGraph,
+    models: Sequence[ContactModel],
+    world_contact: str,
+    warnings: list[str],
+) -> tuple[TouchingShape, ...]:
+    """Decides how every collision shape of a plant touches.
+
+    Args:
+        plant: the plant, with all shapes, not yet finalized; it is changed.
+        scene_graph: its scene graph; it is changed.
+        models: the robots, and what moves in the world.
+        world_contact: ``hydroelastic`` or ``point``, for what does not move in the world.
+        warnings: is extended by shapes that cannot touch with their faces.
+
+    Returns:
+        How each shape touches, in the order of registration.
+    """
+    inspector = scene_graph.model_inspector()
+    reader = ShapeReader(plant, models, world_contact)
+    shapes = []
+    for geometry in inspector.GetAllGeometryIds(Role.kProximity):
+        body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        properties = inspector.GetProximityProperties(geometry)
+        friction = _DEFAULT_FRICTION
+        if properties.HasProperty("material", "coulomb_friction"):
+            friction = properties.GetProperty("material", "coulomb_friction").dynamic_friction()
+        # Copies: what the inspector gives lies in the scene graph, which is about to be changed.
+        shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))
+        shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
+    registry = Registry(plant, scene_graph)
+    for shape, wanted in zip(shapes, variants(shapes, warnings), strict=True):
+        registry.add(shape, wanted)
+    registry.filter()
+    exclude_within_models(plant, scene_graph, models)
+    found = []
+    for shape in shapes:
+        touches = WHEEL if shape.is_wheel else FACES if shape.is_flat else IN_A_POINT
+        if shape.geometry in registry.without_faces:
+            touches = IN_A_POINT
+            what = f"Drake cannot give the collision shape {shape.name!r} a pressure, so it touches in a point"
+            warnings.append(f"{shape.group.model if shape.group else 'the world'}: {what}")
+        model = "" if shape.group is None else shape.group.model
+        kind = type(shape.shape).__name__
+        body_name = shape.body.name()
+        found.append(TouchingShape(model, body_name, shape.name, kind, touches, shape.friction, shape.geometry))
+    return tuple(found)

@@ -1,0 +1,224 @@
+"""Which shapes meet, and as what.
+
+Two things that Drake has once for a shape depend on its partner: whether it yields, and its friction. So a shape is
+registered once for each kind of partner that needs another value, and collision filters let each pair of shapes meet
+exactly once:
+
+- *Yielding.* Of two shapes one has to yield. What does not move never does. Of two things that move, the lighter one
+  yields and the heavier one is hard: between two that yield alike the pressure stands on the tilted rim of the patch,
+  which brakes a slide by 16 % too much at 3 m/s. Robots with joints both yield where they meet each other: shapes that
+  are there twice would cost in every step, and robots rarely slide on one another.
+- *Friction.* Gazebo takes the smaller coefficient of two shapes, Drake 2·a·b/(a + b). A shape is there at its own level
+  of friction and, where it meets smoother ones, at theirs: at each level both partners have the same coefficient. Of
+  hundreds of shapes that do not move there is one each: what moves is there for them, with the coefficient that gives
+  the smaller one together with theirs.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
+
+from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, HalfSpace, RoleAssign, SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_twin.description.drake_log import captured_warnings
+from drake_twin.diagram.contact_material import candidates, yielding
+from drake_twin.diagram.contact_models import ContactModel
+from drake_twin.diagram.contact_shapes import ContactShape, Group
+
+# What a shape is towards a partner: rigid because it does not move, yielding, rigid because the partner yields, or
+# something that touches in a point.
+STATIC, SOFT, HARD, POINTED = "static", "soft", "hard", "pointed"
+
+
+# More shapes that do not move than this are there once (a plant takes time and memory with the square of their number).
+_MOST_STATIC = 100
+_MOST_PLANES = 12  # Drake 1.51 crashes with more than 14 half spaces
+_ONE_FOR_ALL = -1.0  # the level at which they are
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A shape towards some of its partners.
+
+    Attributes:
+        level: shapes of one level can meet: the coefficient of friction that both have, or `_ONE_FOR_ALL`.
+        role: `STATIC`, `SOFT`, `HARD` or `POINTED`.
+        friction: the coefficient of friction.
+    """
+
+    level: float
+    role: str
+    friction: float
+
+
+def usual_role(shape: ContactShape) -> str:
+    """What a shape is towards most partners."""
+    if not shape.is_flat:
+        return POINTED
+    return STATIC if shape.is_static else SOFT
+
+
+def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[Variant]]:
+    """The variants in which each shape meets others, its usual one first where it has that.
+
+    Args:
+        shapes: all shapes.
+        warnings: is extended by the pairs whose friction is not the smaller one.
+    """
+    static = Counter(shape.friction for shape in shapes if shape.is_static)
+    planes = sum(isinstance(shape.shape, HalfSpace) for shape in shapes) * len({shape.friction for shape in shapes})
+    too_many = static.total() > _MOST_STATIC or planes > _MOST_PLANES
+    common = static.most_common(1)[0][0] if too_many else None
+    classes = [(shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose) for shape in shapes]
+    needs: dict[tuple[Group | None, bool, float, str, bool], set[Variant]] = {key: set() for key in classes}
+    for one, other in combinations_with_replacement(needs, 2):
+        if not _meet(one[0], other[0]) or (one[1] and other[1]):
+            continue
+        if common is not None and (one[1] or other[1]):
+            moving, fixed = (other, one) if one[1] else (one, other)
+            needs[fixed].add(Variant(_ONE_FOR_ALL, fixed[3], fixed[2]))
+            needs[moving].add(Variant(_ONE_FOR_ALL, moving[3], _towards(common, moving[2])))
+            continue
+        roles = one[3], other[3]
+        if roles == (SOFT, SOFT) and (one[4] or other[4]):
+            assert one[0] is not None
+            assert other[0] is not None
+            roles = (SOFT, HARD) if one[0] < other[0] else (HARD, SOFT)
+        level = min(one[2], other[2])
+        needs[one].add(Variant(level, roles[0], level))
+        needs[other].add(Variant(level, roles[1], level))
+    if common is not None:
+        moving_ones = {shape.friction for shape in shapes if not shape.is_static}
+        warnings.extend(_inexact(common, set(static), moving_ones))
+    found = []
+    for shape, key in zip(shapes, classes, strict=True):
+        usual = Variant(shape.friction, usual_role(shape), shape.friction)
+        found.append(sorted(needs[key] or {usual}, key=lambda item: (item != usual, item.role, item.level)))
+    return found
+
+
+def _towards(partner: float, friction: float) -> float:
+    """The coefficient that gives the smaller one of two together with a partner's, as Drake combines them."""
+    if friction >= partner:
+        return partner
+    return friction * partner / (2 * partner - friction)
+
+
+def _inexact(common: float, static: Collection[float], moving: Collection[float]) -> Iterator[str]:
+    for partner in sorted(set(static) - {common}):
+        for friction in sorted(moving):
+            own, wanted = _towards(common, friction), min(partner, friction)
+            acts = 2 * own * partner / (own + partner) if own + partner > 0 else 0.0
+            if abs(acts - wanted) > 1e-9:
+                what = (
+                    f"the friction of {friction:g} on shapes of {partner:g} acts as {acts:.3g} in place of {wanted:g}"
+                )
+                yield f"the world has too many shapes: {what}"
+
+
+def _meet(one: Group | None, other: Group | None) -> bool:
+    """Whether shapes of two groups meet; bodies of one model do so where both are groups of their own."""
+    if one is None or other is None or one.model != other.model:
+        return True
+    return one != other and min(one.body, other.body) >= 0
+
+
+@dataclass(frozen=True)
+class _Registered:
+    geometry: GeometryId
+    shape: ContactShape
+    variant: Variant
+
+
+class Registry:
+    """Registers shapes in their variants, and lets each pair of shapes meet once.
+
+    Attributes:
+        without_faces: the shapes that were to touch with their faces and cannot.
+    """
+
+    def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph):
+        self._plant = plant
+        self._scene_graph = scene_graph
+        self._registered: list[_Registered] = []
+        self.without_faces: set[GeometryId] = set()
+
+    def add(self, shape: ContactShape, wanted: Sequence[Variant]) -> None:
+        """Makes a shape's geometry the first variant, and registers the others beside it."""
+        source = self._plant.get_source_id()
+        for number, variant in enumerate(wanted):
+            is_soft, is_rigid = variant.role == SOFT, variant.role in (STATIC, HARD)
+            form = yielding(shape) if is_soft else shape.shape
+            geometry, has_faces = shape.geometry, False
+            if number == 0:
+                self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)
+            for has_faces, properties in candidates(shape, variant.friction, is_soft=is_soft, is_rigid=is_rigid):  # noqa: B007
+                # Drake warns that deformable bodies, of which there are none, would pass through a half space.
+                with suppress(RuntimeError), captured_warnings():
+                    if number == 0:
+                        self._scene_graph.AssignRole(source, geometry, properties, RoleAssign.kReplace)
+                    else:
+                        name = f"{shape.name}|{number}"
+                        geometry = self._plant.RegisterCollisionGeometry(shape.body, shape.X_BG, form, name, properties)
+                    break
+            if shape.is_flat and not has_faces:
+                self.without_faces.add(shape.geometry)
+            self._registered.append(_Registered(geometry, shape, variant))
+
+    def filter(self) -> None:
+        """Lets each pair of shapes meet at the smoother one's level, and the lighter one yield."""
+        levels: dict[float, list[_Registered]] = defaultdict(list)
+        roles: dict[str, list[_Registered]] = defaultdict(list)
+        soft: dict[Group, list[_Registered]] = defaultdict(list)
+        hard: dict[Group, list[_Registered]] = defaultdict(list)
+        for item in self._registered:
+            levels[item.variant.level].append(item)
+            roles[item.variant.role].append(item)
+            if item.variant.role in (SOFT, HARD):
+                assert item.shape.group is not None
+                (soft if item.variant.role == SOFT else hard)[item.shape.group].append(item)
+        ascending = sorted(levels)
+        for index, level in enumerate(ascending):
+            self._exclude_between(levels[level], [item for above in ascending[index + 1 :] for item in levels[above]])
+            # Shapes that are rougher than the level are there for those whose level it is.
+            self._exclude_within(
+                item
+                for item in levels[level]
+                if (not item.shape.is_static if level == _ONE_FOR_ALL else item.shape.friction > level)
+            )
+        self._exclude_within(roles[HARD])
+        loose = [item for item in roles[SOFT] if item.shape.is_loose]
+        self._exclude_within(loose)
+        self._exclude_between(loose, [item for item in roles[SOFT] if not item.shape.is_loose])
+        self._exclude_between(roles[HARD], [*roles[STATIC], *roles[POINTED]])
+        groups = sorted({*soft, *hard})
+        for index, group in enumerate(groups):
+            self._exclude_between(hard[group], [item for heavier in groups[index:] for item in soft[heavier]])
+
+    def _exclude_within(self, items: Iterable[_Registered]) -> None:
+        geometries = [item.geometry for item in items]
+        if len(geometries) > 1:
+            self._apply(CollisionFilterDeclaration().ExcludeWithin(GeometrySet(geometries)))
+
+    def _exclude_between(self, some: Iterable[_Registered], others: Iterable[_Registered]) -> None:
+        one, other = [item.geometry for item in some], [item.geometry for item in others]
+        if one and other:
+            self._apply(CollisionFilterDeclaration().ExcludeBetween(GeometrySet(one), GeometrySet(other)))
+
+    def _apply(self, declaration: CollisionFilterDeclaration) -> None:
+        self._scene_graph.collision_filter_manager().Apply(declaration)
+
+
+def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models: Sequence[ContactModel]) -> None:
+    """Lets links of one model pass through each other, as in Gazebo, but for those that are said to collide."""
+    manager = scene_graph.collision_filter_manager()
+    for model in models:
+        if model.colliding is None:
+            continue
+        bodies = [plant.get_body(index) for instance in model.instances for index in plant.GetBodyIndices(instance)]
+        apart = plant.CollectRegisteredGeometries([body for body in bodies if body.name() in model.colliding])
+        others = plant.CollectRegisteredGeometries([body for body in bodies if body.name() not in model.colliding])
+        manager.Apply(CollisionFilterDeclaration().ExcludeWithin(others).ExcludeBetween(others, apart))

@@ -1,0 +1,126 @@
+"""Collision shapes, with what decides how they touch."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+from pydrake.geometry import Capsule, Convex, Ellipsoid, GeometryId, Mesh, Shape, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import RigidBody
+
+from drake_twin.diagram.contact_models import ContactModel
+from drake_twin.diagram.wheels import WheelFinder
+from drake_twin.scenario import POINT
+
+_ROUND = (Sphere, Capsule, Ellipsoid)
+_LEAST_MASS = 1e-3  # kg
+
+
+@dataclass(frozen=True, order=True)
+class Group:
+    """Shapes that do not meet each other; groups are ordered by their mass.
+
+    Attributes:
+        mass: of the whole model (kg).
+        model: its name.
+        body: the body's index where the model's own bodies collide with each other; else -1.
+    """
+
+    mass: float
+    model: str
+    body: int
+
+
+@dataclass(frozen=True)
+class ContactShape:
+    """A collision shape.
+
+    Attributes:
+        geometry: its geometry.
+        body: its body.
+        name: its name in the scene graph.
+        shape: what contact takes it for.
+        X_BG: where that is on the body.
+        friction: its coefficient of friction.
+        group: whose it is; None for what does not move in the world.
+        is_static: whether it never moves.
+        is_flat: whether it touches with its faces.
+        is_wheel: whether it is an ellipsoid in place of a wheel's cylinder.
+        is_loose: whether its whole model is one rigid body that moves, such as a crate.
+        mass: what it is to bear (kg).
+    """
+
+    geometry: GeometryId
+    body: RigidBody
+    name: str
+    shape: Shape
+    X_BG: RigidTransform
+    friction: float
+    group: Group | None
+    is_static: bool
+    is_flat: bool
+    is_wheel: bool
+    is_loose: bool
+    mass: float
+
+
+class ShapeReader:
+    """Tells what a shape is, and whose.
+
+    Args:
+        plant: the plant, not yet finalized.
+        models: the robots, and what moves in the world.
+        world_contact: ``hydroelastic`` or ``point``, for what does not move in the world.
+    """
+
+    def __init__(self, plant: MultibodyPlant, models: Sequence[ContactModel], world_contact: str):
+        self._plant = plant
+        self._models = {instance: model for model in models for instance in model.instances}
+        self._world_contact = world_contact
+        poses = {model.instances[0]: model.root_pose for model in models if model.root_pose is not None}
+        self._wheels = WheelFinder(plant, poses)
+        self._masses = {model.name: self._mass_of(model) for model in models}
+        self._static = {body.index() for body in plant.GetBodiesWeldedTo(plant.world_body())}
+
+    def read(
+        self, geometry: GeometryId, body: RigidBody, name: str, shape: Shape, X_BG: RigidTransform, friction: float
+    ) -> ContactShape:
+        """A geometry of the plant as contact takes it."""
+        model = self._models.get(body.model_instance())
+        is_static = body.index() in self._static
+        contact = self._world_contact if model is None else model.contact
+        if isinstance(shape, Mesh):
+            shape = Convex(shape.source(), shape.scale3())
+        wheel = None if is_static else self._wheels.wheel(body, shape, X_BG)
+        if wheel is not None:
+            shape, X_BG = wheel
+        own = sum(item.default_mass() for item in self._plant.GetBodiesWeldedTo(body))
+        total = own if model is None else self._masses[model.name]
+        group = None
+        if model is not None:
+            collides = model.colliding is None or body.name() in model.colliding
+            group = Group(total, model.name, int(body.index()) if collides else -1)
+        return ContactShape(
+            geometry=geometry,
+            body=body,
+            name=name,
+            shape=shape,
+            X_BG=X_BG,
+            friction=friction,
+            group=group,
+            is_static=is_static,
+            is_flat=contact != POINT and not isinstance(shape, _ROUND),
+            is_wheel=wheel is not None,
+            is_loose=not is_static and model is not None and self._is_one_body(model, body),
+            # A link may have to bear the whole model, and must not be too stiff for itself: the mean of both.
+            mass=sqrt(max(own, _LEAST_MASS) * max(total, own, _LEAST_MASS)),
+        )
+
+    def _is_one_body(self, model: ContactModel, body: RigidBody) -> bool:
+        count = sum(len(self._plant.GetBodyIndices(instance)) for instance in model.instances)
+        return count == len(self._plant.GetBodiesWeldedTo(body))
+
+    def _mass_of(self, model: ContactModel) -> float:
+        bodies = (index for instance in model.instances for index in self._plant.GetBodyIndices(instance))
+        return float(sum(self._plant.get_body(index).default_mass() for index in bodies))
