@@ -99,8 +99,8 @@ def static_mesh(file: Path, tilt: float = 0.0, friction: float = 1.0, side: floa
 def static(geometry: str, pose, friction: float = 1.0, name: str = "floor") -> str:
     """A model that does not move."""
     return f"""<model name="{name}"><static>true</static><pose>{" ".join(map(str, pose))}</pose><link name="l">
-<collision name="c"><geometry>{geometry}</geometry><surface><friction><ode><mu>{friction}</mu><mu2>{friction}</mu2></ode>
-</friction></surface></collision></link></model>"""
+<collision name="c"><geometry>{geometry}</geometry><surface><friction><ode>
+<mu>{friction}</mu><mu2>{friction}</mu2></ode></friction></surface></collision></link></model>"""
 
 
 def on_slope(tilt: float, x: float = 0.0, y: float = 0.0, z: float = 0.0):
