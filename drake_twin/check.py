@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,11 @@ in it and what the twin makes no use of. Exit code 0: it runs; 1: it does not, o
 2: the arguments cannot be used. Made for a package's own CI."""
 
 _STEPS = 100
+_TOUCHES = {
+    "faces": "touches with its faces",
+    "wheel": "rolls as an ellipsoid in place of a cylinder",
+    "point": "touches in a point",
+}
 
 
 @dataclass(frozen=True)
@@ -103,6 +109,16 @@ def _describe(twin: Any) -> dict[str, Any]:
         },
         "controllers": [controller.name for controller in plan.controllers],
         "meshes": {str(mesh): mesh.stat().st_size for mesh in plan.model.meshes},
+        "contact": [
+            {
+                "link": plant.get_body(shape.body).name(),
+                "shape": type(shape.shape).__name__,
+                "touches": shape.touches,
+                "friction": shape.friction,
+            }
+            for shape in twin.collision_shapes
+            if shape.model == plan.name
+        ],
     }
 
 
@@ -139,6 +155,11 @@ def _robot_lines(robot: dict[str, Any]) -> Iterator[str]:
         for names, of_joints in by_names.items():
             yield f"  {kind.replace('_', ' ')}: {names}: {', '.join(of_joints)}"
     yield f"  active controllers: {', '.join(robot['controllers']) or 'none'}"
+    for touches, meaning in _TOUCHES.items():
+        links = Counter(item["link"] for item in robot["contact"] if item["touches"] == touches)
+        if links:
+            names = ", ".join(link if count == 1 else f"{link} ({count})" for link, count in links.items())
+            yield f"  {meaning}: {names}"
     total = sum(robot["meshes"].values())
     if robot["meshes"]:
         yield f"  meshes: {len(robot['meshes'])} files, {total / 1e6:.2f} MB"

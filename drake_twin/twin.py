@@ -19,6 +19,7 @@ from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 from drake_twin.action import ActionGoal
 from drake_twin.commands import Commands
 from drake_twin.controller_manager import ControllerManager
+from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
@@ -198,6 +199,11 @@ class Twin:
     def plans(self) -> tuple[RobotPlan, ...]:
         """What each robot's files amount to."""
         return self._built.plans
+
+    @property
+    def collision_shapes(self) -> tuple[TouchingShape, ...]:
+        """How each collision shape touches: with its faces, in a point, or as a wheel."""
+        return self._built.shapes
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -9,9 +9,10 @@ is what they do anyway, and costs less.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pydrake.geometry import GeometryId, Role, SceneGraph
+from pydrake.geometry import Role, SceneGraph, Shape
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
 
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
@@ -29,21 +30,21 @@ class TouchingShape:
 
     Attributes:
         model: the robot or the model of the world; empty for what does not move in the world.
-        body: the body's name in the plant.
+        body: the body B in the plant.
         name: the shape's name in the scene graph.
-        shape: what contact takes it for: ``Box``, ``Convex``, ``Ellipsoid``, …
+        shape: what contact takes it for: a mesh's convex hull, a wheel's ellipsoid.
+        X_BG: where that is on the body.
         touches: `FACES`, `IN_A_POINT`, or `WHEEL` for a point of an ellipsoid in place of a cylinder.
         friction: its coefficient of friction.
-        geometry: the geometry that stands for it; there may be others, for other partners.
     """
 
     model: str
-    body: str
+    body: BodyIndex
     name: str
-    shape: str
+    shape: Shape
+    X_BG: RigidTransform
     touches: str
     friction: float
-    geometry: GeometryId
 
 
 def give_contact(
@@ -90,7 +91,6 @@ def give_contact(
             what = f"Drake cannot give the collision shape {shape.name!r} a pressure, so it touches in a point"
             warnings.append(f"{shape.group.model if shape.group else 'the world'}: {what}")
         model = "" if shape.group is None else shape.group.model
-        kind = type(shape.shape).__name__
-        body_name = shape.body.name()
-        found.append(TouchingShape(model, body_name, shape.name, kind, touches, shape.friction, shape.geometry))
+        body = shape.body.index()
+        found.append(TouchingShape(model, body, shape.name, shape.shape, shape.X_BG, touches, shape.friction))
     return tuple(found)

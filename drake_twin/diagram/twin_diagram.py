@@ -14,6 +14,7 @@ from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Pose
 from drake_twin.description.world_file import WorldFile, read_world
+from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.controller_plan import ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.let_go import let_go
@@ -86,6 +87,7 @@ class TwinDiagram:
         not_started: what the files ask for and the twin does not start, each with the reason.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
         world_models: what moves in the world and is no robot, by name: its model instances.
+        shapes: how each collision shape touches.
     """
 
     diagram: Diagram
@@ -102,6 +104,7 @@ class TwinDiagram:
     world: World
     world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
+    shapes: tuple[TouchingShape, ...]
     warnings: tuple[str, ...]
     not_started: tuple[str, ...]
 
@@ -200,6 +203,7 @@ def _build(
         world=scenario.world,
         world_file=world_file,
         world_models=parts.world_models,
+        shapes=parts.shapes,
         warnings=(
             *(warning for plan in plans for warning in (*plan.warnings, *robots[plan.name].warnings)),
             *parts.warnings,

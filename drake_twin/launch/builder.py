@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
-from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, StaticTransform, World
+from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
     from drake_twin.ros_launch.entity import LaunchDescription
@@ -79,6 +79,7 @@ class TwinBuilder:
         initial_positions: Mapping[str, float] | None = None,
         self_collision: bool = False,
         collision: str = "hull",
+        contact: str = HYDROELASTIC,
         without_repairs: Iterable[str] = (),
     ) -> TwinBuilder:
         """Adds a robot; see `drake_twin.scenario.Robot` for what each argument means."""
@@ -98,6 +99,7 @@ class TwinBuilder:
                 initial_positions={key: float(value) for key, value in (initial_positions or {}).items()},
                 self_collision=self_collision,
                 collision=collision,
+                contact=contact,
                 without_repairs=tuple(without_repairs),
             )
         )

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import ARM, rovers
+from pydrake.geometry import Box, Ellipsoid
 from pydrake.math import RigidTransform
 
 from drake_twin import TwinBuilder
@@ -16,11 +17,13 @@ class Drawn:
 
     def __init__(self):
         self.objects = {}
+        self.colors = {}
         self.transforms = {}
         self.deleted = []
 
     def SetObject(self, path, shape, *color):
         self.objects[path] = shape
+        self.colors[path] = color
 
     def SetTransform(self, path, pose):
         self.transforms[path] = pose
@@ -51,12 +54,14 @@ def test_collision_shapes_are_those_of_contact_and_go_along_with_their_links(twi
     shapes = overlay_types()["collision"](drawn, twin)
     shapes.draw()
     base = twin.plant.GetBodyByName("robot_2_base_link", twin.plant.GetModelInstanceByName("robot_2"))
-    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    own = twin.plant.GetCollisionGeometriesForBody(base)
     path = f"{PATH}/collision/{int(base.index())}"
     shapes_of_base = [shape for name, shape in drawn.objects.items() if name.startswith(f"{path}/")]
-    assert [type(shape) for shape in shapes_of_base] == [type(inspector.GetShape(geometry)) for geometry in own]
-    assert own
+    assert [type(shape) for shape in shapes_of_base] == [Box]
+    wheel = twin.plant.GetBodyByName("robot_2_rear_left_wheel").index()
+    (of_wheel,) = [name for name in drawn.objects if name.startswith(f"{PATH}/collision/{int(wheel)}/")]
+    (of_base,) = [name for name in drawn.objects if name.startswith(f"{path}/")]
+    assert type(drawn.objects[of_wheel]) is Ellipsoid
+    assert len({str(drawn.colors[name]) for name in (of_wheel, of_base)}) == 2
     pose = twin.plant.EvalBodyPoseInWorld(twin.plant.GetMyContextFromRoot(twin.context), base)
     assert drawn.transforms[path].IsNearlyEqualTo(pose, 1e-12)
 

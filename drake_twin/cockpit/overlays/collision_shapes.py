@@ -1,27 +1,29 @@
-"""The shapes that contact is computed with, translucent."""
+"""The shapes that contact is computed with, translucent; their colours say how they touch."""
 
 from collections.abc import Iterator
 
-from pydrake.geometry import HalfSpace, Meshcat, Rgba, Role
+from pydrake.geometry import HalfSpace, Meshcat, Rgba
 
 from drake_twin.cockpit.overlays import PATH
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
+from drake_twin.diagram.contact import FACES, IN_A_POINT, WHEEL
 from drake_twin.twin import Twin
 
-_COLOR = Rgba(0.16, 0.62, 0.56, 0.45)
+_COLORS = {
+    FACES: Rgba(0.16, 0.62, 0.56, 0.45),
+    IN_A_POINT: Rgba(0.91, 0.55, 0.16, 0.45),
+    WHEEL: Rgba(0.20, 0.45, 0.85, 0.45),
+}
 
 
 class CollisionShapes(BodyShapes):
-    """The proximity role's geometries of all bodies; Meshcat cannot draw half spaces."""
+    """The collision shapes of all bodies; Meshcat cannot draw half spaces."""
 
     def __init__(self, meshcat: Meshcat, twin: Twin):
         super().__init__(meshcat, twin, f"{PATH}/collision", _shapes(twin))
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:
-    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    for geometry in inspector.GetAllGeometryIds(Role.kProximity):
-        body = twin.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-        shape = inspector.GetShape(geometry)
-        if body is not None and not isinstance(shape, HalfSpace):
-            yield BodyShape(body.index(), inspector.GetPoseInFrame(geometry), shape, _COLOR)
+    for item in twin.collision_shapes:
+        if not isinstance(item.shape, HalfSpace):
+            yield BodyShape(item.body, item.X_BG, item.shape, _COLORS[item.touches])

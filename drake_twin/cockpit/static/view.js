@@ -8,6 +8,9 @@ const OVERLAYS = {
   collision: "Collision shapes",
   inertia: "Inertia",
 };
+const MEANINGS = {
+  collision: "Green shapes touch with their faces, orange ones in a point, blue ones are wheels",
+};
 
 export class View {
   constructor(ask) {
@@ -15,6 +18,7 @@ export class View {
     this.toggles = {};
     for (const [what, label] of Object.entries(OVERLAYS)) {
       const { node, input } = toggle(label, label, (on) => ask("Show", { what, on }));
+      node.title = MEANINGS[what] ?? "";
       this.toggles[what] = input;
       $("overlays").append(node);
     }
