@@ -106,6 +106,20 @@ def _joint_without_limits(reader: XmlReader) -> Iterator[tuple[etree._Element, s
                 yield joint, f"{described(joint)}: lower {lower:g} is above upper {upper:g}: they change places"
 
 
+def _continuous_joint_with_limits(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    """A continuous joint turns without end, whatever bounds are written: so in ROS and Gazebo; Drake would stop it."""
+    for joint in reader.root.iterfind("joint[@type='continuous']"):
+        limit = joint.find("limit")
+        bounds = (
+            {}
+            if limit is None
+            else {name: limit.attrib.pop(name) for name in ("lower", "upper") if name in limit.attrib}
+        )
+        if any(_number(value) != 0 for value in bounds.values()):
+            written = ", ".join(f"{name} {value}" for name, value in bounds.items())
+            yield joint, f"{described(joint)} is continuous and turns without end: its {written} bounds nothing"
+
+
 def _floating_joint(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
     """A floating joint from ``world`` to the robot makes the robot free, as it is anyway; any other becomes fixed."""
     for joint in reader.root.findall("joint"):
@@ -367,6 +381,7 @@ RULES: Mapping[str, Rule] = {
     "robot_without_name": _robot_without_name,
     "robot_without_links": _robot_without_links,
     "joint_without_limits": _joint_without_limits,
+    "continuous_joint_with_limits": _continuous_joint_with_limits,
     "floating_joint": _floating_joint,
     "effort_limit": _effort_limit,
     "mimic": _mimic,

@@ -88,7 +88,7 @@ def give_contact(
         touches = WHEEL if shape.is_wheel else FACES if shape.is_flat else IN_A_POINT
         if shape.geometry in registry.without_faces:
             touches = IN_A_POINT
-            what = f"Drake cannot give the collision shape {shape.name!r} a pressure, so it touches in a point"
+            what = f"a collision shape of {shape.body.name()} touches in a point, for Drake cannot give it a pressure"
             warnings.append(f"{shape.group.model if shape.group else 'the world'}: {what}")
         model = "" if shape.group is None else shape.group.model
         body = shape.body.index()

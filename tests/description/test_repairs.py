@@ -52,6 +52,7 @@ BROKEN = {
     "robot_without_name": ("", link()),
     "robot_without_links": ('name="r"', ""),
     "joint_without_limits": ('name="r"', arm(joint(kind="revolute"))),
+    "continuous_joint_with_limits": ('name="r"', arm(joint(inside=LIMIT), joint("wrist", "fixed", "arm", "hand"))),
     "floating_joint": ('name="r"', arm(joint(kind="floating"), joint("wrist", "fixed", "arm", "hand"))),
     "effort_limit": (
         'name="r"',
@@ -117,7 +118,8 @@ def test_lines_of_text_that_xacro_made_are_not_given():
 def test_a_rule_that_does_not_exist_is_refused_with_those_there_are():
     check_rule_names(["inertia"], RULES)
     with pytest.raises(
-        InputError, match=r"there is no repair 'inertias'\. Did you mean 'inertia'\? Valid: color, effort"
+        InputError,
+        match=r"there is no repair 'inertias'\. Did you mean 'inertia'\? Valid: color, continuous_joint_with_limits, effort",
     ):
         check_rule_names(["inertias"], RULES)
 
@@ -163,6 +165,16 @@ def test_a_revolute_joint_without_limits_turns_without_end():
     assert repair == (
         'line 5: <joint name="elbow"> is revolute without <limit>: it turns without end [joint_without_limits]'
     )
+
+
+def test_a_continuous_joint_turns_without_end_whatever_its_bounds_are():
+    root, (repair,) = mend(arm(joint(inside='<limit lower="-1" upper="1" effort="5" velocity="2"/>')))
+    assert dict(root.find("joint/limit").attrib) == {"effort": "5", "velocity": "2"}
+    assert repair == (
+        'line 5: <joint name="elbow"> is continuous and turns without end: its lower -1, upper 1 bounds nothing'
+        " [continuous_joint_with_limits]"
+    )
+    assert mend(arm(joint(inside='<limit lower="0" upper="0" effort="5" velocity="2"/>')))[1] == []
 
 
 def test_a_prismatic_joint_without_limits_slides_a_kilometre():
