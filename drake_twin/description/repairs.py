@@ -110,11 +110,10 @@ def _continuous_joint_with_limits(reader: XmlReader) -> Iterator[tuple[etree._El
     """A continuous joint turns without end, whatever bounds are written: so in ROS and Gazebo; Drake would stop it."""
     for joint in reader.root.iterfind("joint[@type='continuous']"):
         limit = joint.find("limit")
-        bounds = (
-            {}
-            if limit is None
-            else {name: limit.attrib.pop(name) for name in ("lower", "upper") if name in limit.attrib}
-        )
+        bounds: dict[str, str] = {}
+        for name in ("lower", "upper"):
+            if limit is not None and name in limit.attrib:
+                bounds[name] = str(limit.attrib.pop(name))
         if any(_number(value) != 0 for value in bounds.values()):
             written = ", ".join(f"{name} {value}" for name, value in bounds.items())
             yield joint, f"{described(joint)} is continuous and turns without end: its {written} bounds nothing"

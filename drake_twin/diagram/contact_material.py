@@ -1,11 +1,8 @@
 """How stiff shapes are, how they damp, and the meshes that Drake makes of them for contact."""
 
 from collections.abc import Iterator
-from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
-from pydrake.common import MemoryFile
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
     AddContactMaterial,
@@ -14,14 +11,11 @@ from pydrake.geometry import (
     Convex,
     Cylinder,
     HalfSpace,
-    InMemoryMesh,
-    Mesh,
     ProximityProperties,
     Shape,
 )
 from pydrake.multibody.plant import CoulombFriction
 
-from drake_twin.description.hull import without_slivers
 from drake_twin.diagram.contact_shapes import ContactShape
 
 # A face yields as if the thing that it belongs to stood on a spring of this natural frequency, squared (1/s²): whatever
@@ -44,9 +38,7 @@ _DISSIPATION = 5.0
 _MARGIN = 1e-3
 _MARGIN_OF_THIN = 0.05  # of the smallest side
 
-_SQUARES = 4  # along a side of a box that is a fine mesh
 _THINNEST = 1e-6  # m
-_LEAST_AREA = 1e-9  # m²; with a tenth of that, Drake says that it cannot make a plane
 
 
 def candidates(
@@ -87,66 +79,8 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     return properties
 
 
-def yielding(shape: ContactShape) -> Shape:
-    """The shape whose faces yield: a box that lies or slides as a whole is a fine mesh of itself.
-
-    Drake puts one force on each facet where two shapes meet. Of a `Box` those are few: three crates on a slope of 12°
-    fall over, and creep, for the solver's regularization of friction is divided among the facets.
-    """
-    if isinstance(shape.shape, Convex):
-        return _sound_hull(shape.shape)
-    if not shape.is_loose or not isinstance(shape.shape, Box):
-        return shape.shape
-    x, y, z = shape.shape.size().tolist()
-    return Mesh(InMemoryMesh(mesh_file=MemoryFile(_fine_box(x, y, z), ".vtk", "box")))
-
-
-def _sound_hull(shape: Convex) -> Shape:
-    """A hull without the slivers that would end the simulation when they touch something."""
-    source, scale = shape.source(), tuple(shape.scale3().tolist())
-    corners = _sound_corners(str(source.path()), scale) if source.is_path() else _sound(shape)
-    return shape if corners is None else Convex(corners, "hull")
-
-
-@lru_cache(maxsize=1024)
-def _sound_corners(path: str, scale: tuple[float, ...]) -> np.ndarray | None:
-    return _sound(Convex(path, np.array(scale)))
-
-
-def _sound(shape: Convex) -> np.ndarray | None:
-    """The corners (3×n, m) of a hull without slivers; None where it has none."""
-    hull = shape.GetConvexHull()
-    points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
-    corners = without_slivers(points, _LEAST_AREA)
-    return None if len(corners) == len(points) else np.ascontiguousarray(corners.T)
-
-
-@lru_cache(maxsize=64)
-def _fine_box(x: float, y: float, z: float) -> str:
-    """A box as tetrahedra between its center and squares on its sides, as VTK text."""
-    points: dict[tuple[float, ...], int] = {}
-    triangles = []
-    cuts = np.linspace(-0.5, 0.5, _SQUARES + 1).tolist()
-    for axis in range(3):
-        for side in (-0.5, 0.5):
-            for i, (left, right) in enumerate(pairwise(cuts)):
-                for j, (low, high) in enumerate(pairwise(cuts)):
-                    corners = []
-                    for across in ((left, low), (right, low), (right, high), (left, high)):
-                        point = np.roll((side, *across), axis) * (x, y, z)
-                        corners.append(points.setdefault(tuple(point.tolist()), len(points)))
-                    a, b, c, d = corners if side < 0 else corners[::-1]  # seen from the center, counterclockwise
-                    triangles += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(b, c, d), (b, d, a)]
-    center = len(points)
-    lines = ["# vtk DataFile Version 3.0", "box", "ASCII", "DATASET UNSTRUCTURED_GRID"]
-    lines += [f"POINTS {center + 1} double", *(" ".join(map(repr, point)) for point in points), "0 0 0"]
-    lines += [f"CELLS {len(triangles)} {5 * len(triangles)}"]
-    lines += [f"4 {a} {b} {c} {center}" for a, b, c in triangles]
-    return "\n".join([*lines, f"CELL_TYPES {len(triangles)}", *["10"] * len(triangles), ""])
-
-
 def _margin(shape: Shape) -> float:
-    if isinstance(shape, Convex):  # Drake takes 0.15 ms a corner for it, and fails where corners are near
+    if isinstance(shape, Convex):  # with a margin, hulls sink in by millimetres
         return 0.0
     return min(_MARGIN, _MARGIN_OF_THIN * float(min(_extent(shape))))
 

@@ -24,9 +24,10 @@ from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet
 from pydrake.multibody.plant import MultibodyPlant
 
 from drake_twin.description.drake_log import captured_warnings
-from drake_twin.diagram.contact_material import candidates, yielding
+from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group
+from drake_twin.diagram.yielding_shapes import yielding
 
 # What a shape is towards a partner: rigid because it does not move, yielding, rigid because the partner yields, or
 # something that touches in a point.

@@ -1,6 +1,6 @@
 """How much room a robot takes, and how high its root link must be for it to stand on the ground."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.geometry import (
@@ -19,7 +19,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.diagram.plant import add_plant
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.scenario import Scenario, World
+from drake_twin.scenario import POINT, Scenario, World
 
 _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
 
@@ -35,6 +35,7 @@ class Footprint:
 def footprint(plan: RobotPlan) -> Footprint:
     """The box around a robot's collision shapes, or around what is drawn of it when it has none."""
     builder = DiagramBuilder()
+    plan = replace(plan, robot=replace(plan.robot, contact=POINT))  # Drake makes no meshes for that
     scenario = Scenario(robots=(plan.robot,), world=World(ground=False))
     parts = add_plant(builder, scenario, [plan])
     diagram = builder.Build()

@@ -119,7 +119,7 @@ def test_a_rule_that_does_not_exist_is_refused_with_those_there_are():
     check_rule_names(["inertia"], RULES)
     with pytest.raises(
         InputError,
-        match=r"there is no repair 'inertias'\. Did you mean 'inertia'\? Valid: color, continuous_joint_with_limits, effort",
+        match=r"there is no repair 'inertias'\. Did you mean 'inertia'\? Valid: color, continuous_joint",
     ):
         check_rule_names(["inertias"], RULES)
 

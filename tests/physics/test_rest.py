@@ -16,6 +16,7 @@ from scenes import (
     sphere,
     static_box,
     static_mesh,
+    thing,
     velocity,
 )
 
@@ -52,7 +53,6 @@ def lying(folder, what):
         return box((0.2, 0.3, 0.1), 2.0), 0.05
     if what == "cylinder":
         return cylinder(0.05, 0.12, 0.8), 0.06
-    from scenes import thing
 
     mesh = f'<mesh filename="file://{bowl(folder)}"/>'
     return thing(mesh, 0.5, (1e-3, 1e-3, 1e-3), center=(0, 0, 0.04)), 0.0
@@ -164,3 +164,23 @@ def test_what_is_sunk_in_comes_out_without_a_jump(tmp_path, engine, what):
     assert abs(heights[1.0]) < 2e-3
     assert max(heights.values()) < 0.02
     assert np.linalg.norm(velocity(twin, "thing")) < 1e-3
+
+
+def wedge(folder):
+    """A mesh whose foot is two triangles: a block with a ridge."""
+    points = [(x, y, 0.0) for x in (-0.2, 0.2) for y in (-0.15, 0.15)]
+    points += [(x, y, 0.2) for x in (-0.2, 0.2) for y in (-0.15, 0.15)] + [(0, 0, 0.25)]
+    faces = ["1 2 4 3", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4", "5 7 9", "7 8 9", "8 6 9", "6 5 9"]
+    file = folder / "wedge.obj"
+    file.write_text("\n".join([*(f"v {x} {y} {z}" for x, y, z in points), *(f"f {face}" for face in faces)]))
+    return f'<mesh filename="file://{file}"/>'
+
+
+@every_engine
+def test_a_hull_of_few_triangles_does_not_rock(tmp_path, engine):
+    urdf = thing(wedge(tmp_path), 40.0, (2.0, 2.0, 1.5), center=(0.04, 0.0, 0.4))
+    twin = Scene(tmp_path, engine).add("thing", urdf, (0, 0, 1e-3), (0.004, 0.002, 0)).build()
+    twin.advance_to(3.0)
+    assert np.linalg.norm(twin.entity_state("thing").angular) < 1e-4
+    assert farthest_from(twin, "thing", position(twin, "thing"), 5.0) < 1e-4
+    assert abs(position(twin, "thing")[2]) < 1e-4

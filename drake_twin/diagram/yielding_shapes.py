@@ -1,0 +1,121 @@
+"""The shapes whose faces yield, as meshes that are fine enough to stand and slide.
+
+Drake puts one force on each facet where two shapes meet, at its middle. On a face of two triangles a thing rocks about
+the line between the two forces and never comes to rest; and the fewer facets, the more it creeps, for the solver's
+regularization of friction is divided among them.
+"""
+
+from functools import lru_cache
+from heapq import heappop, heappush
+from itertools import pairwise
+
+import numpy as np
+from pydrake.common import MemoryFile
+from pydrake.geometry import Box, Convex, InMemoryMesh, Mesh, Shape
+
+from drake_twin.description.hull import without_slivers
+from drake_twin.diagram.contact_shapes import ContactShape
+
+_SQUARES = 4  # along a side of a box
+_LONGEST = 0.6  # edge of a hull's triangles, as a part of the hull's size
+_LEAST_AREA = 1e-9  # m²; with a tenth of that, Drake says that it cannot make a plane
+
+Triangle = tuple[int, int, int]
+
+
+def yielding(shape: ContactShape) -> Shape:
+    """The shape whose faces yield: hulls, and boxes that lie or slide as a whole, are fine meshes of themselves."""
+    if isinstance(shape.shape, Convex):
+        source, scale = shape.shape.source(), tuple(shape.shape.scale3().tolist())
+        text = _hull_of_file(str(source.path()), scale) if source.is_path() else _fine_hull(shape.shape)
+    elif shape.is_loose and isinstance(shape.shape, Box):
+        text = _fine_box(*shape.shape.size().tolist())
+    else:
+        return shape.shape
+    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".vtk", "yielding shape")))
+
+
+@lru_cache(maxsize=1024)
+def _hull_of_file(path: str, scale: tuple[float, ...]) -> str:
+    return _fine_hull(Convex(path, np.array(scale)))
+
+
+def _fine_hull(shape: Convex) -> str:
+    """A hull as VTK text, without the slivers that would end the simulation when they touch something."""
+    hull = shape.GetConvexHull()
+    points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+    corners = without_slivers(points, _LEAST_AREA)
+    if len(corners) < len(points):
+        hull = Convex(np.ascontiguousarray(corners.T), "hull").GetConvexHull()
+        points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+    triangles: list[Triangle] = []
+    for index in range(hull.num_elements()):
+        side = hull.element(index)
+        first, *others = (side.vertex(k) for k in range(side.num_vertices()))
+        triangles += [(first, one, other) for one, other in pairwise(others)]
+    fine, triangles = _refined(points, triangles, _LONGEST * float(np.ptp(points, axis=0).max()))
+    return _vtk(fine, triangles, points.mean(axis=0))
+
+
+def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> tuple[np.ndarray, list[Triangle]]:
+    """A surface (n×3, m) whose edges are cut in halves, the longest first, until none is longer than that (m)."""
+    places = [np.asarray(point) for point in points]
+    known = dict(enumerate(triangles))
+    beside: dict[tuple[int, int], int] = {}  # an edge, in the order of its triangle, and that triangle
+    edges: list[tuple[float, int, int]] = []
+
+    def add(number: int, triangle: Triangle) -> None:
+        known[number] = triangle
+        for a, b in pairwise((*triangle, triangle[0])):
+            beside[a, b] = number
+            length = float(np.linalg.norm(places[a] - places[b]))
+            if a < b and length > longest:
+                heappush(edges, (-length, a, b))
+
+    for number, triangle in enumerate(triangles):
+        add(number, triangle)
+    while edges:
+        _, a, b = heappop(edges)
+        if (a, b) not in beside or (b, a) not in beside:
+            continue
+        places.append((places[a] + places[b]) / 2)
+        middle = len(places) - 1
+        for one, other in ((a, b), (b, a)):
+            number = beside.pop((one, other))
+            corner = next(index for index in known[number] if index not in (one, other))
+            add(number, (one, middle, corner))
+            add(len(known), (middle, other, corner))
+    return np.array(places), list(known.values())
+
+
+@lru_cache(maxsize=64)
+def _fine_box(x: float, y: float, z: float) -> str:
+    """A box with squares on its sides, as VTK text."""
+    points: dict[tuple[float, ...], int] = {}
+    triangles: list[Triangle] = []
+    cuts = np.linspace(-0.5, 0.5, _SQUARES + 1).tolist()
+    for axis in range(3):
+        for side in (-0.5, 0.5):
+            for i, (left, right) in enumerate(pairwise(cuts)):
+                for j, (low, high) in enumerate(pairwise(cuts)):
+                    corners = []
+                    for across in ((left, low), (right, low), (right, high), (left, high)):
+                        point = np.roll((side, *across), axis) * (x, y, z)
+                        corners.append(points.setdefault(tuple(point.tolist()), len(points)))
+                    a, b, c, d = corners if side > 0 else corners[::-1]  # seen from outside, counterclockwise
+                    triangles += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(b, c, d), (b, d, a)]
+    return _vtk(np.array(list(points)), triangles, np.zeros(3))
+
+
+def _vtk(points: np.ndarray, triangles: list[Triangle], center: np.ndarray) -> str:
+    """The tetrahedra between a point inside and the triangles of a surface, counterclockwise from outside."""
+    lines = ["# vtk DataFile Version 3.0", "yielding shape", "ASCII", "DATASET UNSTRUCTURED_GRID"]
+    lines += [
+        f"POINTS {len(points) + 1} double",
+        *(" ".join(map(repr, row)) for row in [*points.tolist(), center.tolist()]),
+    ]
+    lines += [
+        f"CELLS {len(triangles)} {5 * len(triangles)}",
+        *(f"4 {a} {c} {b} {len(points)}" for a, b, c in triangles),
+    ]
+    return "\n".join([*lines, f"CELL_TYPES {len(triangles)}", *["10"] * len(triangles), ""])
