@@ -58,20 +58,21 @@ def lying(folder, what):
     return thing(mesh, 0.5, (1e-3, 1e-3, 1e-3), center=(0, 0, 0.04)), 0.0
 
 
-def check_rest(folder, engine, ground, tilt, what, seconds):
+def check_rest(figure, folder, engine, ground, tilt, what, seconds):
     urdf, height = lying(folder, what)
     scene = Scene(folder, engine, floor(folder, ground, tilt))
     scene.add("thing", urdf, on_slope(tilt, 0.3, 0.2, height + 1e-4), (0, tilt, 0))
     twin = scene.build()
     twin.advance_to(5.0)
-    assert farthest_from(twin, "thing", position(twin, "thing"), 5.0 + seconds) < 1e-3
+    moved = farthest_from(twin, "thing", position(twin, "thing"), 5.0 + seconds)
+    assert figure(f"{what} at rest for {seconds:.0f} s: moves (mm)", 1e3 * moved) < 1.0
 
 
 @every_engine
 @pytest.mark.parametrize("what", ["box", "cylinder", "bowl"])
 @pytest.mark.parametrize(("ground", "tilt"), [("plane", 0.0), ("box", SLOPE), ("mesh", SLOPE)])
-def test_what_lies_stays(tmp_path, engine, ground, tilt, what):
-    check_rest(tmp_path, engine, ground, tilt, what, 5.0)
+def test_what_lies_stays(figure, tmp_path, engine, ground, tilt, what):
+    check_rest(figure, tmp_path, engine, ground, tilt, what, 5.0)
 
 
 @pytest.mark.slow
@@ -79,11 +80,11 @@ def test_what_lies_stays(tmp_path, engine, ground, tilt, what):
 @pytest.mark.parametrize("what", ["box", "cylinder", "bowl"])
 @pytest.mark.parametrize("ground", ["plane", "box", "mesh"])
 @pytest.mark.parametrize("tilt", [0.0, SLOPE])
-def test_what_lies_stays_for_a_minute(tmp_path, engine, ground, tilt, what):
-    check_rest(tmp_path, engine, ground, tilt, what, 60.0)
+def test_what_lies_stays_for_a_minute(figure, tmp_path, engine, ground, tilt, what):
+    check_rest(figure, tmp_path, engine, ground, tilt, what, 60.0)
 
 
-def check_stack(folder, engine, count, tilt, seconds, bound, ground="box"):
+def check_stack(figure, folder, engine, count, tilt, seconds, bound, ground="box"):
     scene = Scene(folder, engine, floor(folder, ground, tilt))
     for index in range(count):
         scene.add(f"crate_{index}", box(CRATE), on_slope(tilt, z=0.1 + 0.2 * index + 1e-4), (0, tilt, 0))
@@ -92,37 +93,39 @@ def check_stack(folder, engine, count, tilt, seconds, bound, ground="box"):
     settled = [position(twin, f"crate_{index}") for index in range(count)]
     twin.advance_to(5.0 + seconds)
     moved = [np.linalg.norm(position(twin, f"crate_{index}") - settled[index]) for index in range(count)]
-    assert max(moved) < bound
+    where = "level" if tilt == 0 else "12°"
+    assert figure(f"{count} crates, {where}, {seconds:.0f} s: move (mm)", 1e3 * max(moved)) < 1e3 * bound
     expected = on_slope(tilt, z=0.2 * count - 0.1)
     assert np.linalg.norm(position(twin, f"crate_{count - 1}") - expected) < 0.01
 
 
 @every_engine
-def test_five_crates_stand_on_each_other(tmp_path, engine):
-    check_stack(tmp_path, engine, 5, 0.0, 2.0, 1e-3, "plane")
+def test_five_crates_stand_on_each_other(figure, tmp_path, engine):
+    check_stack(figure, tmp_path, engine, 5, 0.0, 2.0, 1e-3, "plane")
 
 
 @every_engine
-def test_three_crates_stand_on_each_other_on_a_slope(tmp_path, engine):
-    check_stack(tmp_path, engine, 3, SLOPE, 2.0, 2e-3)
+def test_three_crates_stand_on_each_other_on_a_slope(figure, tmp_path, engine):
+    check_stack(figure, tmp_path, engine, 3, SLOPE, 2.0, 2e-3)
 
 
 @pytest.mark.slow
 @every_engine
 @pytest.mark.parametrize(("count", "tilt", "bound"), [(5, 0.0, 1e-3), (3, SLOPE, 2e-3)])
 @pytest.mark.parametrize("ground", ["plane", "box", "mesh"])
-def test_stacks_stand_for_a_minute(tmp_path, engine, count, tilt, bound, ground):
-    check_stack(tmp_path, engine, count, tilt, 60.0, bound, ground)
+def test_stacks_stand_for_a_minute(figure, tmp_path, engine, count, tilt, bound, ground):
+    check_stack(figure, tmp_path, engine, count, tilt, 60.0, bound, ground)
 
 
 @every_engine
-def test_a_box_stays_on_a_robot_that_lies_on_a_slope(tmp_path, engine):
+def test_a_box_stays_on_a_robot_that_lies_on_a_slope(figure, tmp_path, engine):
     scene = Scene(tmp_path, engine, static_box(SLOPE))
     scene.add("robot", box((0.6, 0.4, 0.2), 12.0), on_slope(SLOPE, z=0.1), (0, SLOPE, 0))
     scene.add("crate", box(CRATE), on_slope(SLOPE, 0.1, 0.05, 0.3 + 1e-4), (0, SLOPE, 0.0))
     twin = scene.build()
     twin.advance_to(5.0)
-    assert farthest_from(twin, "crate", position(twin, "crate"), 10.0) < 1e-3
+    moved = farthest_from(twin, "crate", position(twin, "crate"), 10.0)
+    assert figure("crate on a robot at 12°, 5 s: moves (mm)", 1e3 * moved) < 1.0
 
 
 DROPPED = {
@@ -135,7 +138,7 @@ DROPPED = {
 
 @every_engine
 @pytest.mark.parametrize("what", DROPPED)
-def test_what_falls_neither_bounces_nor_sinks_in(tmp_path, engine, what):
+def test_what_falls_neither_bounces_nor_sinks_in(figure, tmp_path, engine, what):
     urdf, height = DROPPED[what]
     twin = Scene(tmp_path, engine).add("thing", urdf, (0, 0, 1.0 + height)).build()
     impact = (2 / 9.81) ** 0.5
@@ -147,22 +150,22 @@ def test_what_falls_neither_bounces_nor_sinks_in(tmp_path, engine, what):
         rebound = max(rebound, z)
         if twin.time > impact + 0.3:
             depth = max(depth, -z)
-    assert rebound < 5e-3
-    assert depth < 2e-3
+    assert figure("dropped from 1 m: rebound (mm)", 1e3 * rebound) < 5
+    assert figure("dropped from 1 m: depth after 0.3 s (mm)", 1e3 * depth) < 2
 
 
 @every_engine
 @pytest.mark.parametrize("what", ["cube", "box", "cylinder", "ball"])
-def test_what_is_sunk_in_comes_out_without_a_jump(tmp_path, engine, what):
+def test_what_is_sunk_in_comes_out_without_a_jump(figure, tmp_path, engine, what):
     urdf, height = DROPPED[what]
     twin = Scene(tmp_path, engine).add("thing", urdf, (0, 0, height - 0.05)).build()
     heights = {}
     while twin.time < 2.0:
         twin.step()
         heights[round(twin.time, 3)] = position(twin, "thing")[2] - height
-    assert heights[0.5] > -2e-3
-    assert abs(heights[1.0]) < 2e-3
-    assert max(heights.values()) < 0.02
+    assert figure("5 cm deep: height after 0.5 s (mm)", 1e3 * heights[0.5]) > -2
+    assert abs(figure("5 cm deep: height after 1 s (mm)", 1e3 * heights[1.0])) < 2
+    assert figure("5 cm deep: highest (mm)", 1e3 * max(heights.values())) < 20
     assert np.linalg.norm(velocity(twin, "thing")) < 1e-3
 
 

@@ -42,33 +42,37 @@ def forward(sign):
 @every_engine
 @pytest.mark.parametrize("roll", ["1.57", "1.5708", "-1.57", "-1.5708", "1.5707963267948966"])
 @pytest.mark.parametrize("width", [0.02, 0.05, 0.08, 0.1])
-def test_a_base_turns_in_place_at_the_rate_of_its_kinematics(tmp_path, engine, roll, width):
+def test_a_base_turns_in_place_at_the_rate_of_its_kinematics(figure, tmp_path, engine, roll, width):
     twin = drive(tmp_path, engine, two_wheels(roll=roll, width=width), [SPEED, -SPEED])
-    assert abs(turning_rate(twin)) / (SPEED * RADIUS / (TRACK / 2)) == pytest.approx(0.99, abs=0.02)
+    rate = abs(turning_rate(twin)) / (SPEED * RADIUS / (TRACK / 2))
+    assert figure("turns in place: rate ÷ kinematic", rate) == pytest.approx(0.99, abs=0.02)
 
 
 @every_engine
 @pytest.mark.parametrize("ground", ["plane", "box", "mesh"])
-def test_a_base_turns_alike_on_any_ground(tmp_path, engine, ground):
+def test_a_base_turns_alike_on_any_ground(figure, tmp_path, engine, ground):
     floor = {"plane": plane, "box": static_box, "mesh": lambda: static_mesh(tmp_path / "terrain.obj")}[ground]()
     twin = drive(tmp_path, engine, two_wheels(), [SPEED, -SPEED], floor)
-    assert abs(turning_rate(twin)) / (SPEED * RADIUS / (TRACK / 2)) == pytest.approx(0.99, abs=0.02)
+    rate = abs(turning_rate(twin)) / (SPEED * RADIUS / (TRACK / 2))
+    assert figure("turns in place: rate ÷ kinematic", rate) == pytest.approx(0.99, abs=0.02)
 
 
 @every_engine
 @pytest.mark.parametrize("roll", ["1.57", "-1.5708", "1.5707963267948966"])
-def test_wheels_roll_without_slip(tmp_path, engine, roll):
+def test_wheels_roll_without_slip(figure, tmp_path, engine, roll):
     twin = drive(tmp_path, engine, two_wheels(roll=roll), [SPEED, SPEED])
     x, start = position(twin, "base"), twin.time
     twin.advance_to(start + 3.0)
     way = np.linalg.norm(position(twin, "base") - x)
-    assert way / (SPEED * RADIUS * 3.0) == pytest.approx(1.0, abs=1e-3)
+    rolled = figure("rolls: way ÷ angle r", way / (SPEED * RADIUS * 3.0))
+    assert rolled == pytest.approx(1.0, abs=1e-3)
 
 
 @every_engine
-def test_four_wheels_that_do_not_steer_skid_as_coulomb_friction_has_it(tmp_path, engine):
+def test_four_wheels_that_do_not_steer_skid_as_coulomb_friction_has_it(figure, tmp_path, engine):
     left, right = SPEED, -SPEED
     twin = drive(tmp_path, engine, four_wheels(), [left, right, left, right])
     rate = abs(turning_rate(twin)) / (SPEED * RADIUS / (TRACK / 2))
     # Each wheel slides along the force that brakes it; the torques about the centre balance: b² / (a² + b²).
-    assert rate == pytest.approx(TRACK**2 / (BASE**2 + TRACK**2), rel=0.02)
+    skid = figure("skid steer: rate ÷ b²/(a² + b²)", rate / (TRACK**2 / (BASE**2 + TRACK**2)))
+    assert skid == pytest.approx(1.0, abs=0.02)
