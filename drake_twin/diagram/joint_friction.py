@@ -19,14 +19,17 @@ from pydrake.geometry import (
     GeometrySet,
     ProximityProperties,
     SceneGraph,
+    SceneGraphInspector,
     Sphere,
 )
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import Frame, Joint, PrismaticJoint, RevoluteJoint, RigidBody
 
-# Of the actuators, and of the geometries of brakes.
-FRICTION_SUFFIX = "/friction"
+from drake_twin.scenario import LONGEST_STEP
+
+FRICTION_SUFFIX = "/friction"  # of an actuator's name
+_ENDINGS = ("/friction/shoe", "/friction/plate")  # of the names of a brake's geometries
 
 # What the friction should hold creeps at this velocity under the full friction (rad/s or m/s).
 CREEP = 1e-3
@@ -37,9 +40,9 @@ _MARGIN = 0.5  # by which the plate of a slide is longer than its range (m)
 _LONGEST_SLIDE = 100.0  # of one without limits, to either side (m)
 
 # CENIC lets a contact slip at this share of the velocity that its friction gives the bodies' masses in a step
-# (multibody/contact_solvers/icf/patch_constraints_pool.cc). A long lever makes a small force of the friction.
+# (multibody/contact_solvers/icf/patch_constraints_pool.cc). A long lever makes a small force of the friction, so that a
+# hinge creeps no faster than it should in the longest step.
 _SLIP = 2.65e-3
-_STEP = 0.01  # for which the lever is chosen (s)
 _LEAST_LEVER = 0.02  # where the plant's stiction tolerance is a creep of half of that (m)
 
 
@@ -80,11 +83,10 @@ def add_brake(plant: MultibodyPlant, joint: Joint, friction: float) -> Brake:
     properties = ProximityProperties()
     # Two alike are half as stiff, and as rough, as one.
     AddContactMaterial(0.0, 2 * force / _DEPTH, CoulombFriction(1.0, 1.0), properties)
-    name = f"{joint.name()}{FRICTION_SUFFIX}"
     child, parent = joint.frame_on_child(), joint.frame_on_parent()
     return Brake(
-        _add_shape(plant, child, X_shoe, Sphere(_RADIUS), f"{name}/shoe", properties),
-        _add_shape(plant, parent, X_plate, Box(side, side, 2 * _RADIUS), f"{name}/plate", properties),
+        _add_shape(plant, child, X_shoe, Sphere(_RADIUS), f"{joint.name()}{_ENDINGS[0]}", properties),
+        _add_shape(plant, parent, X_plate, Box(side, side, 2 * _RADIUS), f"{joint.name()}{_ENDINGS[1]}", properties),
     )
 
 
@@ -101,16 +103,16 @@ def isolate_brakes(scene_graph: SceneGraph, brakes: Iterable[Brake]) -> None:
         manager.Apply(CollisionFilterDeclaration().AllowBetween(GeometrySet(brake.shoe), GeometrySet(brake.plate)))
 
 
-def is_brake(name: str) -> bool:
-    """Whether a geometry of this name is a brake's."""
-    return f"{FRICTION_SUFFIX}/" in name
+def is_brake(inspector: SceneGraphInspector, geometry: GeometryId) -> bool:
+    """Whether a geometry is a brake's, and nothing that anyone should see."""
+    return str(inspector.GetName(geometry)).endswith(_ENDINGS)
 
 
 def _lever(joint: Joint, friction: float) -> float:
     """The distance of the shoe from the axis at which the brake creeps as slowly as it should (m)."""
     masses = [body.default_mass() for body in (joint.child_body(), joint.parent_body())]
     mobility = sum(1 / mass for mass in masses if mass > 0)
-    return max(_LEAST_LEVER, sqrt(_SLIP * friction * _STEP * mobility / CREEP))
+    return max(_LEAST_LEVER, sqrt(_SLIP * friction * LONGEST_STEP * mobility / CREEP))
 
 
 def _add_shape(
