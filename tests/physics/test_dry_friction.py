@@ -15,6 +15,7 @@ from scenes import ENGINES, G, box, every_engine, world
 
 from drake_twin import TwinBuilder
 from drake_twin.cockpit.overlays import PATH, overlay_types
+from drake_twin.cockpit.overlays.collision_shapes import _shapes
 from drake_twin.cockpit.page import open_meshcat
 from drake_twin.scenario import World
 
@@ -204,7 +205,7 @@ def test_a_brake_pushes_both_links_alike(tmp_path, kind):
     assert momentum.get_coeffs() == pytest.approx(np.zeros(6), abs=1e-4)
 
 
-def test_a_brake_touches_nothing_else_and_is_not_seen(tmp_path):
+def test_a_brake_touches_nothing_else(tmp_path):
     crate = tmp_path / "crate.urdf"
     crate.write_text(box((0.4, 0.4, 0.4)))
     (tmp_path / "world.sdf").write_text(world(gravity=0.0))
@@ -216,12 +217,27 @@ def test_a_brake_touches_nothing_else_and_is_not_seen(tmp_path):
     twin.advance_to(1.0)
     assert velocity(twin) == pytest.approx(5.0, abs=CLOSE)
     assert twin.entity_state("crate").position == pytest.approx((0.2, 0.1, 0.3), abs=1e-12)
+
+
+def test_a_brake_is_not_drawn(tmp_path):
+    text = rotor("velocity")
+    (tmp_path / "bare.urdf").write_text(text)
+    ball = '<link name="body"><collision><geometry><sphere radius="0.1"/></geometry></collision>'
+    (tmp_path / "ball.urdf").write_text(text.replace('<link name="body">', ball))
+    builder = TwinBuilder(world=World(ground=False), **ENGINES["cenic"])
+    twin = builder.robot("bare", tmp_path / "bare.urdf").robot("ball", tmp_path / "ball.urdf", xyz=(9, 0, 0)).build()
+    twin.advance_to(0.01)
+    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
+    ids = {inspector.GetName(item): item.get_value() for item in inspector.GetAllGeometryIds()}
+    root = twin.plant.GetJointByName("joint", twin.plant.GetModelInstanceByName("bare")).parent_body().name()
     meshcat = open_meshcat()
     for name in ("contacts", "collision"):
         overlay_types()[name](meshcat, twin).draw()
-    assert meshcat.HasPath(f"{PATH}/collision")
-    assert not meshcat.HasPath(f"{PATH}/contact/point/body+world")
-    assert "friction" not in meshcat.StaticHtml()
+    shoe = ids["ball::joint/friction/shoe"]
+    arrows = (f"bare.body+bare.{root}", f"ball.body.Id({shoe})+ball.{root}")
+    assert meshcat.HasPath(f"{PATH}/contact")
+    assert not any(meshcat.HasPath(f"{PATH}/contact/point/{arrow}") for arrow in arrows)
+    assert [shape.shape.radius() for shape in _shapes(twin)] == [0.1]
 
 
 def test_a_run_repeats(tmp_path):
