@@ -24,6 +24,7 @@ from pydrake.multibody.tree import (
 
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.description.robot_description import Pose
+from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.systems.planar_base import PlanarBase
 
 _SLIDES = {LINEAR_X: (1, 0, 0), LINEAR_Y: (0, 1, 0), LINEAR_Z: (0, 0, 1)}
@@ -82,7 +83,7 @@ def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: Mo
     centers = [axis]
     for body in map(plant.get_body, plant.GetBodyIndices(instance)):
         pose = plant.EvalBodyPoseInWorld(context, body)
-        shapes = plant.GetCollisionGeometriesForBody(body)
+        shapes = [shape for shape in plant.GetCollisionGeometriesForBody(body) if not is_brake(inspector, shape)]
         centers += [(pose @ inspector.GetPoseInFrame(shape)).translation() for shape in shapes]
     return float(max(np.linalg.norm(center[:2] - axis[:2]) for center in centers))
 

@@ -16,13 +16,14 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
-from drake_twin.description.robot_description import Pose
+from drake_twin.description.robot_description import Joint, Pose
 from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.contact import TouchingShape, give_contact
 from drake_twin.diagram.contact_models import ContactModel
+from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake, can_have_brake, isolate_brakes
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.diagram.servo_gains import FRICTION_SUFFIX, ServoGains, servo_gains
+from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
 from drake_twin.scenario import CENIC, Scenario, World
@@ -110,7 +111,9 @@ def add_plant(
     with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
         models = _contact_models(plans, instances, scenario.world, world_models)
         shapes = give_contact(plant, scene_graph, models, scenario.world.contact, warnings)
+        brakes = [brake for plan in plans for brake in _add_brakes(plant, plan, instances[plan.name])]
         plant.Finalize()
+        isolate_brakes(scene_graph, brakes)
         for plan in plans:
             layouts[plan.name] = _state_layout(plant, instances[plan.name], plan)
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
@@ -161,12 +164,27 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, warnings: list[str]) -> M
             limit if isfinite(limit) else float("inf"),
         )
     for joint in plan.friction_joints:
-        name = f"{joint.name}{FRICTION_SUFFIX}"
-        plant.AddJointActuator(name, plant.GetJointByName(joint.name, instance), joint.friction)
+        if not _is_braked(plant, plan, instance, joint):
+            name = f"{joint.name}{FRICTION_SUFFIX}"
+            plant.AddJointActuator(name, plant.GetJointByName(joint.name, instance), joint.friction)
     if plan.model.is_fixed:
         root = plant.GetBodyByName(plan.model.root_body, instance)
         plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))
     return instance
+
+
+def _is_braked(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex, joint: Joint) -> bool:
+    """Whether a joint with dry friction has a brake; else it has an actuator for it."""
+    has_motor = joint in plan.description.actuated_joints
+    return plant.time_step() == 0.0 and has_motor and can_have_brake(plant.GetJointByName(joint.name, instance))
+
+
+def _add_brakes(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex) -> list[Brake]:
+    return [
+        add_brake(plant, plant.GetJointByName(joint.name, instance), joint.friction)
+        for joint in plan.friction_joints
+        if _is_braked(plant, plan, instance, joint)
+    ]
 
 
 def _contact_models(

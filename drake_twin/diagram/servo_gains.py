@@ -11,6 +11,7 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
 
+from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.errors import InputError
 from drake_twin.systems.state_layout import StateLayout
@@ -26,11 +27,6 @@ _RELATIVE_ERROR_UNDER_DAMPING = 5e-4  # of the commanded velocity
 _SETTLING_TIME = 0.2
 _SAG_UNDER_GRAVITY = 5e-4
 _YIELD_UNDER_CONTACT = 1e-2
-
-# Drake has no dry friction in joints. An actuator that brakes towards zero velocity and can do no more than the
-# friction is the same, but for a creep at rest of this velocity under the full friction (rad/s or m/s).
-FRICTION_SUFFIX = "/friction"
-_CREEP = 1e-3
 
 _SAMPLES = 16
 _LEAST_INERTIA = 1e-9  # keeps the damping above zero: Drake ends the process when both gains are zero
@@ -145,7 +141,7 @@ def servo_gains(
     for plan, instance, _ in robots:
         for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices(instance)):
             if actuator.name().endswith(FRICTION_SUFFIX):
-                actuator.set_controller_gains(PdControllerGains(p=0.0, d=actuator.effort_limit() / _CREEP))
+                actuator.set_controller_gains(PdControllerGains(p=0.0, d=actuator.effort_limit() / CREEP))
             elif plan.name not in known:
                 servos.append((plan, actuator))
     new = [robot for robot in robots if robot[0].name not in known]

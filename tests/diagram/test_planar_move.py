@@ -273,3 +273,19 @@ def test_linorobots_mecanum_base_drives_as_its_plugin_says(corpus):
     assert (odometry.x, odometry.y) == pytest.approx(pose(twin, "lino")[:2], abs=1e-12)
     assert all(name.endswith("_wheel_joint") for name in twin.joint_states("lino").name)
     assert pose(twin, "other") == pytest.approx((-3, 0, 0), abs=1e-6)
+
+
+def test_the_drive_is_as_strong_with_a_rubbing_joint_in_every_engine(tmp_path):
+    """What brakes the mast in CENIC is no shape of the robot's, however far it reaches."""
+    control = '<ros2_control name="s" type="system"><joint name="mast"><command_interface name="velocity"/></joint>'
+    text = SLED.format(feet=FEET, more=MOVE.format(more="") + control + "</ros2_control>")
+    file = tmp_path / "sled.urdf"
+    file.write_text(text.replace('<axis xyz="0 0 1"/></joint>', '<axis xyz="0 0 1"/><dynamics friction="5"/></joint>'))
+    limits = []
+    for engine in ("discrete", "cenic"):
+        plant = TwinBuilder(engine=engine).robot("sled", file).build().plant
+        instance = plant.GetModelInstanceByName("sled")
+        actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices(instance)]
+        limits.append({a.name(): a.effort_limit() for a in actuators if not a.name().startswith("mast")})
+    assert len(limits[0]) == 3
+    assert limits[0] == limits[1]
