@@ -5,6 +5,7 @@ the line between the two forces and never comes to rest; and the fewer facets, t
 regularization of friction is divided among them.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from heapq import heappop, heappush
 from itertools import pairwise
@@ -78,6 +79,8 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
         _, a, b = heappop(edges)
         if (a, b) not in beside or (b, a) not in beside:
             continue
+        if any(_double_area(places, known[beside[edge]]) < 2 * _LEAST_AREA for edge in ((a, b), (b, a))):
+            continue
         places.append((places[a] + places[b]) / 2)
         middle = len(places) - 1
         for one, other in ((a, b), (b, a)):
@@ -86,6 +89,11 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
             add(number, (one, middle, corner))
             add(len(known), (middle, other, corner))
     return np.array(places), list(known.values())
+
+
+def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
+    a, b, c = (places[index] for index in triangle)
+    return float(np.linalg.norm(np.cross(b - a, c - a)))
 
 
 @lru_cache(maxsize=64)
