@@ -37,6 +37,7 @@ from drake_twin.schedule import ScheduledCommand, meeting_step, step_at
 from drake_twin.snapshot import Snapshot
 from drake_twin.state import RobotState, hash_state, read_robot_state
 from drake_twin.subscriptions import Subscription, Subscriptions
+from drake_twin.sunk import sunk_robots
 from drake_twin.systems.controller import Interface
 
 _TERMINATED = SimulatorStatus.ReturnReason.kReachedTerminationCondition
@@ -93,11 +94,13 @@ class Twin:
         self._run(Running(scenario, meshcat))
         self._goals: list[ActionGoal] = []
         self._unheard: set[str] = set()
+        self._sunk: dict[str, tuple[str, ...]] = {}
         self.paused = False
         self._advancing = False
         self._real_time_rate = 1.0
         self._next_time_step: float | None = None
         self._start()
+        self._sunk = sunk_robots(self._built, self._context, self.robots)
         for index, command in enumerate(scenario.commands):
             try:
                 self._checked(self._command_topic(command.topic), command.topic, command.data)
@@ -209,8 +212,8 @@ class Twin:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was given up or changed to make the robots run."""
-        return self._built.warnings
+        """What was given up or changed to make the robots run, and what they stood in when they came."""
+        return (*self._built.warnings, *(text for robot in self.robots for text in self._sunk.get(robot, ())))
 
     @property
     def not_started(self) -> tuple[str, ...]:
@@ -233,6 +236,9 @@ class Twin:
         if any(known.name == robot.name for known in self.scenario.robots):
             raise InputError(f"Entity [{robot.name}] already exists.")
         self._rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
+        self._sunk |= {robot.name: ()} | sunk_robots(self._built, self._context, (robot.name,))
+        for text in self._sunk[robot.name]:
+            _log.warning("%s", text)
 
     @_outside_callbacks("delete")
     @recorded
