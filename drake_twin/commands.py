@@ -1,7 +1,7 @@
 """What is commanded of the controllers: messages that wait, that hold, that expire, and that the scenario schedules."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import is_dataclass
+from dataclasses import dataclass, is_dataclass
 from math import isfinite
 from typing import Any
 
@@ -18,6 +18,16 @@ from drake_twin.snapshot import Snapshot
 
 _ROUNDING = 1e-9  # s
 _ObjectValue = Value[object]  # what AbstractValue.Make would look up each time
+
+
+@dataclass(frozen=True)
+class _Before:
+    """What `Commands.apply` is about to change."""
+
+    values: dict[str, Any]
+    expiries: dict[str, float]
+    queue: list[tuple[str, Any]]
+    published: list[int]
 
 
 class Commands:
@@ -37,6 +47,7 @@ class Commands:
         self.silenced: set[str] = set()
         self._queue: list[tuple[str, Any]] = []
         self._ports: dict[str, CommandTopic] = {}
+        self._before: _Before | None = None
 
     def use(self, built: TwinDiagram, context: Context, controls: Mapping[str, RobotControl], time_step: float) -> None:
         """Works with a diagram from now on; what its topics do not have is forgotten."""
@@ -89,8 +100,11 @@ class Commands:
             time: the present time (s).
             publish: does with a scheduled command what is done with one that somebody publishes.
         """
+        self._before = None
         if not (self.schedule or self.expiries or self._queue):
             return
+        published = [item.published for item in self.schedule]
+        self._before = _Before(dict(self.values), dict(self.expiries), self._queue, published)
         due = []
         for scheduled in self.schedule:
             if scheduled.due_step(self._time_step) <= step:
@@ -104,6 +118,18 @@ class Commands:
             publish(scheduled)
         self._queue += waiting
         self.put_waiting(time)
+
+    def take_back(self) -> None:
+        """Undoes what `apply` did last: the step that was to follow has failed."""
+        if self._before is None:
+            return
+        for topic in self._ports:
+            if self.values.get(topic) is not self._before.values.get(topic):
+                self._fix(topic, self._before.values.get(topic))
+        self.values, self.expiries, self._queue = self._before.values, self._before.expiries, self._before.queue
+        for item, published in zip(self.schedule, self._before.published, strict=True):
+            item.published = published
+        self._before = None
 
     def set(self, topic: str, value: Any, time: float) -> None:
         """Puts a value onto a port at a time (s); None clears it."""

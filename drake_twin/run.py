@@ -60,17 +60,25 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     watch = Watch(files) if options.watch else None
     if options.record is not None:
         twin.record()
+    failure: RunError | None = None
     with _recorded(twin, meshcat, options.save_html), _Observers(options, stopped) as observers:
         while True:
-            wall_time += _simulate(twin, target, page, options, stopped, watch, observers)
-            if watch is None or stopped or not watch.is_broken_off:
+            start = time.perf_counter()
+            try:
+                _simulate(twin, target, page, options, stopped, watch, observers)
+            except RunError as error:
+                failure = error  # the twin is in its last good state
+            wall_time += time.perf_counter() - start
+            if failure is not None or watch is None or stopped or not watch.is_broken_off:
                 break
             twin, target, watch = _again(twin, target, meshcat, options, watch)
         if options.save_state is not None:
             twin.snapshot().save(options.save_state)
         if options.record is not None:
             twin.recording().save(options.record)
-        _report(twin, wall_time, options.summary)
+        _report(twin, wall_time, options.summary, failure)
+    if failure is not None:
+        raise failure
     return 0
 
 
@@ -171,8 +179,8 @@ def _simulate(
     stopped: Sequence[int],
     watch: Watch | None,
     observers: "_Observers",
-) -> float:
-    """Runs to the end, until stopped or until a file changes; returns the wall time it took (s)."""
+) -> None:
+    """Runs to the end, until stopped or until a file changes."""
     status = _StatusLine(twin)
     obey = _nothing if page is None else page.show(twin, target)
     observe = observers.show(twin)
@@ -183,7 +191,6 @@ def _simulate(
         status.show()
         return not stopped and (watch is None or not watch.breaks_off())
 
-    start = time.perf_counter()
     try:
         twin.run(
             None if options.duration is None else twin.time + options.duration,
@@ -193,7 +200,6 @@ def _simulate(
     finally:
         status.end()
     observe()
-    return time.perf_counter() - start
 
 
 def _nothing() -> None:
@@ -288,10 +294,10 @@ class _StatusLine:
             say("\r\033[K", end="")
 
 
-def _report(twin: Any, wall_time: float, file: Path | None) -> None:
+def _report(twin: Any, wall_time: float, file: Path | None, failure: RunError | None) -> None:
     from drake_twin.summary import summary
 
-    result = summary(twin, wall_time)
+    result = summary(twin, wall_time, failure)
     count = len(result["robots"])
     say(
         f"{count} robot{'s' if count > 1 else ''}, {result['sim_time']:.3f} s simulated in {wall_time:.3f} s"

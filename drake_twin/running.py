@@ -5,6 +5,7 @@ and every state is carried over by name; the old one is let go of, so that its m
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,21 @@ from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 # velocity that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
 _LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
 _SAME_TIME = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a diagram's context holds between two steps, to go back to when a step fails.
+
+    Attributes:
+        time: s.
+        state: the plant's ``[q; v]``.
+        samples: what each controller that keeps something keeps, in the order of their contexts.
+    """
+
+    time: float
+    state: np.ndarray
+    samples: tuple[Any, ...]
 
 
 class Running:
@@ -56,14 +72,16 @@ class Running:
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
         self._time_step = scenario.time_step
+        keepers = [
+            item
+            for parts in self.built.parts.values()
+            for item in parts.controllers.values()
+            if isinstance(item, PeriodicController | SensorBroadcaster)
+        ]
+        self._keepers = [(item, item.GetMyMutableContextFromRoot(self.context)) for item in keepers]
         self._updates: set[tuple[float, float]] = set()
         if scenario.engine == CENIC:
-            self._updates = {
-                (item.setup.update_period, item.setup.update_offset)
-                for parts in self.built.parts.values()
-                for item in parts.controllers.values()
-                if isinstance(item, PeriodicController | SensorBroadcaster)
-            }
+            self._updates = {(item.setup.update_period, item.setup.update_offset) for item in keepers}
 
     def initialize(self) -> None:
         """Makes the simulator begin at the context's time and state.
@@ -75,6 +93,20 @@ class Running:
             self.simulator.Initialize()
         except (RuntimeError, SystemExit) as error:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
+
+    def moment(self) -> Moment:
+        """The present moment, which `go_back` returns to. Asked for before each advance: it copies one vector."""
+        state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
+        samples = tuple(item.sample(context) for item, context in self._keepers)
+        return Moment(self.context.get_time(), state, samples)
+
+    def go_back(self, moment: Moment) -> None:
+        """Goes back to a moment of this diagram, as far as steps have changed what it holds."""
+        self.context.SetTime(moment.time)
+        self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
+        for (_, context), sample in zip(self._keepers, moment.samples, strict=True):
+            context.SetAbstractState(0, sample)
+        self.initialize()
 
     def time_of(self, step: int) -> float:
         """The time at which a step ends (s), or the time of an update that differs from it by rounding alone.
@@ -186,7 +218,7 @@ class Running:
     def discard(self) -> None:
         """Lets go of the diagram, so that it can be freed."""
         let_go([self.simulator, self.built.diagram])
-        del self.simulator, self.context, self.plant_context, self.built
+        del self.simulator, self.context, self.plant_context, self.built, self._keepers
 
     def _carry_robot(self, name: str, old: "Running") -> None:
         self.set_robot_state(name, old.robot_state(name))

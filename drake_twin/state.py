@@ -10,7 +10,6 @@ from pydrake.systems.framework import Context
 
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.errors import RunError
 from drake_twin.systems.controller import PeriodicController
 
 
@@ -60,59 +59,6 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
         efforts=tuple(float(efforts[layout.efforts[name]]) if name in layout.efforts else 0.0 for name in names),
         base_pose=(*pose.translation().tolist(), *pose.rotation().ToQuaternion().wxyz().tolist()),
     )
-
-
-def failure(built: TwinDiagram, plant_context: Context, time: float, error: BaseException) -> RunError:
-    """What Drake raises while it simulates, or solves for what a sensor measures, as an error for the user.
-
-    Args:
-        built: the diagram.
-        plant_context: its plant's context.
-        time: the last time at which all was well (s).
-        error: what Drake raised: a RuntimeError, or SystemExit, as some of its checks end the process if they can.
-
-    Raises:
-        RunError: the state is not made of numbers any more: says which robot is nowhere.
-    """
-    check_finite(built, plant_context, time)
-    return RunError(f"the simulation failed after {time:g} s: {' '.join(str(error).split())}")
-
-
-def check_finite(built: TwinDiagram, plant_context: Context, time: float) -> None:
-    """Refuses to go on with a state that is not made of finite numbers.
-
-    Args:
-        built: the diagram.
-        plant_context: its plant's context.
-        time: the last time at which all was well (s).
-
-    Raises:
-        RunError: names the first robot and joint, or model of the world, that is nowhere.
-    """
-    if np.isfinite(built.plant.GetPositionsAndVelocities(plant_context)).all():
-        return
-    for plan in built.plans:
-        parts = built.robots[plan.name]
-        state = built.plant.GetPositionsAndVelocities(plant_context, parts.instance)
-        if np.isfinite(state).all():
-            continue
-        layout = parts.layout
-        joints = [
-            joint.name
-            for joint in plan.description.movable_joints
-            if not np.isfinite([state[layout.positions[joint.name]], state[layout.velocities[joint.name]]]).all()
-        ]
-        what = f"joint {', '.join(joints)}" if joints else "the base"
-        raise RunError(
-            f"the simulation failed after {time:g} s: {what} of robot {plan.name!r} is no longer at a finite position."
-            " Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so does a step"
-            " that is too long"
-        )
-    for name, instances in built.world_models.items():
-        if not all(np.isfinite(built.plant.GetPositionsAndVelocities(plant_context, item)).all() for item in instances):
-            raise RunError(
-                f"the simulation failed after {time:g} s: model {name!r} of the world is no longer at a finite position"
-            )
 
 
 def hash_state(

@@ -24,22 +24,25 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
 from drake_twin.errors import CommandError, InputError, RunError, TwinError
+from drake_twin.failure import failure, is_possible
 from drake_twin.messages import Numbers, float64_multi_array, shortened
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.real_time import run_in_real_time
 from drake_twin.recording import Recorder, Recording, recorded
 from drake_twin.robot_control import RobotControl
-from drake_twin.running import Running
+from drake_twin.running import Moment, Running
 from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioError
 from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.schedule import ScheduledCommand, meeting_step, step_at
 from drake_twin.snapshot import Snapshot
-from drake_twin.state import RobotState, check_finite, failure, hash_state, read_robot_state
+from drake_twin.state import RobotState, hash_state, read_robot_state
 from drake_twin.subscriptions import Subscription, Subscriptions
+from drake_twin.sunk import sunk_robots
 from drake_twin.systems.controller import Interface
 
 _TERMINATED = SimulatorStatus.ReturnReason.kReachedTerminationCondition
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
+_LONGEST_ADVANCE = 1.0  # s that are simulated at one go, and once more when one of the steps fails
 
 # What goes wrong with saved values that are of another kind than they should be.
 _UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError)
@@ -91,11 +94,13 @@ class Twin:
         self._run(Running(scenario, meshcat))
         self._goals: list[ActionGoal] = []
         self._unheard: set[str] = set()
+        self._sunk: dict[str, tuple[str, ...]] = {}
         self.paused = False
         self._advancing = False
         self._real_time_rate = 1.0
         self._next_time_step: float | None = None
         self._start()
+        self._sunk = sunk_robots(self._built, self._context, self.robots)
         for index, command in enumerate(scenario.commands):
             try:
                 self._checked(self._command_topic(command.topic), command.topic, command.data)
@@ -207,8 +212,8 @@ class Twin:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was given up or changed to make the robots run."""
-        return self._built.warnings
+        """What was given up or changed to make the robots run, and what they stood in when they came."""
+        return (*self._built.warnings, *(text for robot in self.robots for text in self._sunk.get(robot, ())))
 
     @property
     def not_started(self) -> tuple[str, ...]:
@@ -231,6 +236,9 @@ class Twin:
         if any(known.name == robot.name for known in self.scenario.robots):
             raise InputError(f"Entity [{robot.name}] already exists.")
         self._rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
+        self._sunk |= {robot.name: ()} | sunk_robots(self._built, self._context, (robot.name,))
+        for text in self._sunk[robot.name]:
+            _log.warning("%s", text)
 
     @_outside_callbacks("delete")
     @recorded
@@ -308,7 +316,8 @@ class Twin:
             if snapshot.next_time_step is not None:
                 self._next_time_step = replace(scenario, time_step=snapshot.next_time_step).time_step
                 meeting_step(self._step, self.time_step, self._next_time_step)
-            check_finite(self._built, self._plant_context, self.time)
+            if not is_possible(self._built.plant.GetPositionsAndVelocities(self._plant_context)):
+                raise ValueError("positions or velocities are not finite")
         except (*_UNFIT, TwinError, SystemExit) as error:  # some of Drake's checks end the process if they can
             self._reset()
             reason = " ".join(str(error).split())
@@ -680,15 +689,20 @@ class Twin:
         """
         return self.latest(f"{self._plan(robot).robot.topic_namespace}/joint_states")
 
-    def robot_state(self, robot: str) -> RobotState:
+    def robot_state(self, robot: str, *, with_efforts: bool = True) -> RobotState:
         """The joints and the true base pose of a robot at the present time.
+
+        Args:
+            robot: its name.
+            with_efforts: whether to ask for efforts, for which the plant solves the step to come; else they are zero.
 
         Raises:
             InputError: no such robot.
+            RunError: Drake cannot solve that step.
         """
         plan = self._plan(robot)
         try:
-            return read_robot_state(self._built, self._context, plan)
+            return read_robot_state(self._built, self._context, plan, with_efforts=with_efforts)
         except (RuntimeError, SystemExit) as error:
             raise self._failure(error) from error
 
@@ -728,6 +742,7 @@ class Twin:
 
         Raises:
             InputError: the time is not a finite number, or lies in the past.
+            RunError: a step fails; the twin is in the state before that step then.
         """
         target = self._step_at(time)
         if target < self._step:
@@ -746,6 +761,7 @@ class Twin:
 
         Raises:
             InputError: the count is below one.
+            RunError: a step fails; the twin is in the state before that step then.
         """
         if not isinstance(count, int) or count < 1:
             raise InputError(f"{count!r} steps cannot be made: the number must be at least 1")
@@ -873,14 +889,14 @@ class Twin:
             if self._switch_time_step():
                 target = step_at(time, self.scenario.time_step)
                 continue
+            start, wrenches = self._running.moment(), self._wrenches
             self._apply_commands()
             # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.
             next_step = self._step + 1 if self.scenario.engine == CENIC else self._next_stop(target)
             try:
                 noticed = self._advance_simulator(next_step)
             except (RuntimeError, SystemExit) as error:
-                raise self._failure(error) from error
-            check_finite(self._built, self._plant_context, self.time)
+                raise self._go_back_from(error, start, next_step, wrenches) from error
             self._step = round(self._context.get_time() / self.scenario.time_step)
             if noticed:
                 for control in self._controls.values():
@@ -888,14 +904,50 @@ class Twin:
             if self._goals:
                 self._goals = [goal for goal in self._goals if not goal.deliver()]
 
+    def _go_back_from(self, error: BaseException, start: Moment, end: int, wrenches: list[Wrench]) -> RunError:
+        """Goes back to the last good state; returns what went wrong after it.
+
+        Args:
+            error: what was raised.
+            start: the moment from which the simulator was to advance.
+            end: the step that it was to advance to.
+            wrenches: what pushed links before that.
+        """
+        if not is_possible(start.state):  # somebody has written it into the context
+            return self._failure(error)
+        good = before = start
+        if end > self._step + 1:  # which of the steps fails, a second try tells
+            self._running.go_back(start)
+            try:
+                for step in range(self._step + 1, end + 1):
+                    self._advance_simulator(step)
+                    before, good, self._step = good, self._running.moment(), step
+            except (RuntimeError, SystemExit) as again:
+                error = again
+        earlier = None if before is good else before
+        found = failure(self._built, self._plant_context, self.time, error, good, earlier)
+        if good is start:  # what was due at this time is still due
+            self._wrenches = wrenches
+            self._running.set_wrenches(wrenches)
+            self._commands.take_back()
+        self._running.go_back(good)
+        return found
+
     def _failure(self, error: BaseException) -> RunError:
         return failure(self._built, self._plant_context, self.time, error)
 
     def _advance_simulator(self, step: int) -> bool:
         """Advances to a step, or to the first one at which a controller has something to say; whether one has."""
         status = self._simulator.AdvanceTo(self._running.time_of(step))
-        if status.reason() != _TERMINATED:
-            return False
+        noticed = bool(status.reason() == _TERMINATED)
+        if noticed:
+            self._finish_step()
+        if not is_possible(self._built.plant.GetPositionsAndVelocities(self._plant_context)):
+            raise RuntimeError("the state is not made of finite numbers")
+        return noticed
+
+    def _finish_step(self) -> None:
+        """Goes on to the next step from where a controller has ended an advance."""
         # All that happens at this time has happened, but Drake would do it again when it goes on from here, the plant's
         # step too: so it goes on from between two steps. An update a rounding before its step leaves that step to come.
         now, time_step = self._context.get_time(), self.scenario.time_step
@@ -908,7 +960,6 @@ class Twin:
             self._context.SetTime(step * time_step if now < step * time_step else (step + 0.5) * time_step)
         self._simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         self._simulator.AdvanceTo(self._running.time_of(next_step))
-        return True
 
     def _switch_time_step(self) -> bool:
         """Takes up the next step length if its time has come; returns whether it has."""
@@ -947,8 +998,9 @@ class Twin:
             raise self._failure(error) from error
 
     def _next_stop(self, target: int) -> int:
-        """The next step at which something is due, or the target if that comes first."""
-        due = [target, self._subscriptions.due_step, *self._commands.due_steps()]
+        """The next step at which something is due, or the end of the longest advance or the target if that is first."""
+        longest = max(1, round(_LONGEST_ADVANCE / self.time_step))
+        due = [target, self._step + longest, self._subscriptions.due_step, *self._commands.due_steps()]
         if self._wrenches:
             due += [step_at(item.until, self.scenario.time_step) for item in self._wrenches]
         if self._next_time_step is not None:

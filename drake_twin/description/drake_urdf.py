@@ -24,6 +24,7 @@ from drake_twin.description.meshes import (
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
+from drake_twin.description.unused_contact import is_unused
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
@@ -152,7 +153,7 @@ def _ignored(reader: XmlReader) -> list[Ignored]:
 def _unknown_elements(root: etree._Element) -> Iterator[tuple[etree._Element, etree._Element]]:
     for parent in [root, *root.iterfind("link"), *root.iterfind("joint"), *root.iterfind("gazebo")]:
         for child in parent:
-            if isinstance(child.tag, str) and child.tag not in _KNOWN[str(parent.tag)]:
+            if isinstance(child.tag, str) and child.tag not in _KNOWN[str(parent.tag)] and not is_unused(child):
                 yield parent, child
 
 

@@ -6,6 +6,7 @@ scenario's robot); then the file is used as it is, or refused. ``docs/repairs.md
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 from math import isfinite
 from pathlib import Path
 
@@ -21,6 +22,7 @@ _LEAST_RADIUS = 0.01  # m: the sphere that a link without inertia is taken for
 _LEAST_SCALE = 1e-8  # of a mesh: Drake takes none that is smaller
 _LEAST_MASS = 1e-3  # kg: what a link that moves and carries nothing is taken to weigh
 _PHYSICAL_MARGIN = 1e-9  # relative
+_LEAST_MOMENT = 1e-6  # relative to the largest: Drake cannot turn what has none
 
 
 @dataclass(frozen=True)
@@ -256,7 +258,7 @@ def _color(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
 
 
 def _inertia(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
-    """Moments that no body has become the nearest possible; mass without inertia is a small sphere."""
+    """Principal moments that no body has become the nearest possible; mass without inertia is a small sphere."""
     for link in reader.root.iterfind("link"):
         inertial = link.find("inertial")
         if inertial is None:
@@ -292,9 +294,16 @@ def possible_inertia(mass: float, tensor: np.ndarray) -> tuple[np.ndarray, str |
     repaired = _physical(moments)
     if np.abs(repaired - moments).max() <= _PHYSICAL_MARGIN * float(np.abs(moments).max()):
         return tensor, None
-    text = ", ".join(f"{moment:.3g}" for moment in moments)
+    changes = ", ".join(_change(*pair) for pair in zip(moments, repaired, strict=True))
+    given = ", ".join(f"{moment:.3g}" for moment in moments)
     nearest = np.asarray(axes @ np.diag(repaired) @ axes.T)
-    return nearest, f"no body has the principal moments {text}: the nearest possible are used"
+    return nearest, f"no body has the principal moments {given} kg·m²: the nearest possible are used: {changes}"
+
+
+def _change(moment: float, repaired: float) -> str:
+    """What becomes of a principal moment (kg·m²)."""
+    has_share = moment > 1e-3 * repaired  # what was next to nothing has become something
+    return f"{repaired:.3g} ({100 * (repaired / moment - 1):+.3g} %)" if has_share else f"{repaired:.3g}"
 
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -312,14 +321,23 @@ def _set_tensor(inertia: etree._Element, tensor: np.ndarray) -> None:
 
 
 def _physical(moments: np.ndarray) -> np.ndarray:
-    """Principal moments (ascending) raised until each is positive and none is larger than the other two together."""
+    """The principal moments nearest to given ones that a body can have.
+
+    None is larger than the other two together: they are those of three rods, one along each axis, whose moments are not
+    negative. The nearest are on the face of that cone which leaves the least difference.
+    """
     largest = float(np.abs(moments).max())
-    raised = np.maximum(moments, 1e-6 * largest)
-    missing = raised[2] - raised[0] - raised[1]
-    if missing > -_PHYSICAL_MARGIN * largest:
-        raised = raised + (max(0.0, missing) + _PHYSICAL_MARGIN * largest) * np.array([0.5, 0.5, 0.0])
-        missing = raised[2] - raised[0] - raised[1]
-    return np.asarray(raised)
+    if moments.min() >= _LEAST_MOMENT * largest and 2 * moments.max() <= moments.sum() + _PHYSICAL_MARGIN * largest:
+        return moments
+    nearest = np.zeros(3)
+    for count in (1, 2, 3):
+        for rods in combinations(1.0 - np.eye(3), count):
+            parts = np.linalg.lstsq(np.transpose(rods), moments, rcond=None)[0]
+            found = parts @ rods
+            if parts.min() >= 0 and np.linalg.norm(found - moments) < np.linalg.norm(nearest - moments):
+                nearest = found
+    parts = np.maximum(nearest.sum() / 2 - nearest, _LEAST_MOMENT * largest)  # the rods': no moment is zero then
+    return np.asarray(parts.sum() - parts)
 
 
 def _massless_link(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:

@@ -10,6 +10,7 @@ from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.unused_contact import unused_in_urdf
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro
@@ -99,7 +100,7 @@ def load_robot_model(
         drake_text=prepared.text,
         drake_format="urdf",
         is_fixed=description.root_link == "world",
-        warnings=tuple(warnings),
+        warnings=(*warnings, *unused_in_urdf(reader)),
         repairs=(*repairs, *prepared.repairs),
         ignored=prepared.ignored,
         meshes=prepared.meshes,

@@ -8,6 +8,7 @@ from lxml import etree
 from drake_twin.description.drake_urdf import Ignored
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_model import mend_model
+from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xml_reader import XmlReader
 
 # What a robot's SDF may hold and the twin makes no use of.
@@ -76,6 +77,7 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         parent = sensor.getparent()
         assert parent is not None
         parent.remove(sensor)
-    warnings = mend_model(model, reader, packages.resolve)
+    warnings = unused_in_sdf(model, with_links=True)
+    warnings += mend_model(model, reader, packages.resolve)
     text = etree.tostring(reader.root, encoding="unicode")
     return PreparedSdf(text, is_fixed, own_name, tuple(warnings))

@@ -16,6 +16,7 @@ from drake_twin.description.package_index import MissingPackageError, PackageInd
 from drake_twin.description.robot_description import Pose, Vector3
 from drake_twin.description.sdf_includes import SdfIncludes, free_name, read_sdf, sdf_version
 from drake_twin.description.sdf_model import falls, is_static, mend_model, pose_transform
+from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -213,7 +214,8 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
-        for what in mend_model(model, self._reader, self._includes.find):
+        unused = unused_in_sdf(model, with_links=False)
+        for what in (*unused, *mend_model(model, self._reader, self._includes.find)):
             self._mended[what].append(name)
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)

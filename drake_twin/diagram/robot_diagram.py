@@ -11,7 +11,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.diagram.controller_plan import ACTIVE, ControllerPlan
+from drake_twin.diagram.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_plan import RobotPlan
@@ -112,17 +112,11 @@ def _add_controllers(
     }
     depths = {name: _depth(name, usable) for name in usable}
     controllers: dict[str, Controller] = {}
-    warnings = []
+    warnings = _too_fast(plan, time_step)
     for name, item in sorted(usable.items(), key=lambda entry: depths[entry[0]]):  # a chain from its upper end
         kind = controller_class(item.type)
         assert kind is not None
-        period = 1.0 / item.update_rate
-        if period < time_step * (1 - 1e-9) and item.state == ACTIVE and issubclass(kind, PeriodicController):
-            warnings.append(
-                f"{plan.name}: controller {name}: the desired controller update period ({period:g} s) is faster than"
-                f" the simulation period ({time_step:g} s): it is updated at every step"
-            )
-        steps = max(1, ceil(period / time_step - 1e-6))
+        steps = max(1, ceil(1.0 / item.update_rate / time_step - 1e-6))
         setup = ControllerSetup(
             name=name,
             parameters=item.parameters,
@@ -143,6 +137,19 @@ def _add_controllers(
         controllers[name] = builder.AddNamedSystem(name, kind(setup))
         warnings += [f"{plan.name}: controller {name}: {warning}" for warning in controllers[name].warnings]
     return {name: controllers[name] for name in usable}, tuple(warnings)
+
+
+def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
+    """Warns of what is to be updated more often than there are steps: all of one rate in one sentence."""
+    loaded = [item for item in plan.controllers if item.state != UNLOADED]
+    rates = {f"controller {item.name}": item.update_rate for item in loaded}
+    if loaded:
+        rates["the controller manager"] = plan.update_rate
+    return [
+        f"{plan.name}: {', '.join(name for name in rates if rates[name] == rate)}: an update rate of {rate:g} Hz is"
+        f" faster than the physics, which steps every {time_step:g} s: updated at {1 / time_step:g} Hz"
+        for rate in sorted({rate for rate in rates.values() if rate * time_step > 1 + 1e-9})
+    ]
 
 
 def _not_behind(steps: int, time_step: float) -> float:

@@ -34,6 +34,8 @@ from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
 from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 
+GROUND = "ground"  # the name of the shape that a world has without a file
+
 # Drake 1.51 crashes where a half space and other shapes (53 were enough), or more than 14 half spaces, stand on the
 # world body: FCL never ends dividing a tree of bounding boxes with an infinite one. So beside a plane all else stands
 # on a body that is welded to the world, where a shape costs 0.1 µs a step, and more where shapes overlap (a terrain of
@@ -71,7 +73,7 @@ class StaticShape:
 
 def ground_shape(friction: float) -> StaticShape:
     """The half space z < 0."""
-    return StaticShape("ground", HalfSpace(), RigidTransform(), friction=CoulombFriction(friction, friction))
+    return StaticShape(GROUND, HalfSpace(), RigidTransform(), friction=CoulombFriction(friction, friction))
 
 
 def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list[StaticShape]:

@@ -393,13 +393,13 @@ def test_what_the_twin_makes_no_use_of_is_listed_with_its_lines():
         "\n<link name='arm'><self_collision_checking/></link>"
         f"\n{joint(inside='<safety_controller/>')}"
         "\n<transmission name='t'/>"
-        "\n<gazebo reference='arm'><kp>1</kp><mu1>1</mu1><plugin name='laser' filename='l.so'/></gazebo>"
+        "\n<gazebo reference='arm'><kp>1</kp><turnGravityOff/><plugin name='laser' filename='l.so'/></gazebo>"
     )
     assert ignored(body) == [
         "<transmission> (line 5)",
         "<self_collision_checking> in <link> (line 2, 3)",
         "<safety_controller> in <joint> (line 4)",
-        "<kp> in <gazebo> (line 6)",
+        "<turnGravityOff> in <gazebo> (line 6)",
         "Gazebo plugin laser (line 6)",
     ]
 

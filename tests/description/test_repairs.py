@@ -2,10 +2,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.optimize
 from lxml import etree
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
 
-from drake_twin.description.repairs import RULES, check_rule_names, repair_urdf
+from drake_twin.description.repairs import RULES, check_rule_names, possible_inertia, repair_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
@@ -363,6 +364,27 @@ def test_an_inertia_that_no_body_can_have_becomes_one_that_drake_takes(values):
     assert moments[2] <= moments[0] + moments[1]
     assert "no body has the principal moments" in repair
     assert SpatialInertia(2.0, np.zeros(3), unit_inertia(tensor(root) / 2.0)).IsPhysicallyValid()
+
+
+@pytest.mark.parametrize(
+    "moments", [(1, 1, 9), (0.1, 0.2, 1), (-1, 1, 1), (-5, 1, 1), (0, 1, 1), (-3, -2, 4), (2, 3, 9)]
+)
+def test_no_possible_inertia_is_nearer(moments):
+    """Against SciPy's search among rods along the axes, whatever the axes are."""
+    axes = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    given = axes @ np.diag(moments).astype(float) @ axes.T
+    found, why = possible_inertia(2.0, given)
+    rods = 1.0 - np.eye(3)
+    _, distance = scipy.optimize.nnls(rods, np.array(moments, dtype=float))
+    assert np.linalg.norm(found - given) == pytest.approx(distance, abs=3e-6 * np.abs(moments).max())
+    assert np.allclose(axes.T @ found @ axes, np.diag(np.diag(axes.T @ found @ axes)), atol=1e-12)
+    assert "kg·m²: the nearest possible are used: " in why
+
+
+@pytest.mark.parametrize("moments", [(1, 1, 2), (1e-3, 1, 1), (1, 1, 1), (2e-6, 1, 1)])
+def test_what_a_body_can_have_is_left_as_it_is(moments):
+    found, why = possible_inertia(2.0, np.diag(moments).astype(float))
+    assert (np.diag(found).tolist(), why) == (list(moments), None)
 
 
 def unit_inertia(moments: np.ndarray) -> UnitInertia:

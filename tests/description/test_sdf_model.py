@@ -65,7 +65,8 @@ def test_a_moving_models_mesh_collides_as_its_hull_or_the_primitive_that_it_is(t
 def test_moments_that_no_body_has_are_mended_as_in_a_robot(tmp_path):
     inertia = "<mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>9</izz></inertia>"
     world = world_of(tmp_path, f'<model name="a"><link name="l"><inertial>{inertia}</inertial></link></model>')
-    assert world.warnings == ("a: link l: no body has the principal moments 1, 1, 9: the nearest possible are used",)
+    what = "a: link l: no body has the principal moments 1, 1, 9 kg·m²: the nearest possible are used: "
+    assert world.warnings == (f"{what}3.33 (+233 %), 3.33 (+233 %), 6.67 (-25.9 %)",)
     ixx, iyy, izz = (float(etree.fromstring(world.models[0].text).findtext(f".//{n}")) for n in ("ixx", "iyy", "izz"))
     assert ixx + iyy >= izz
 

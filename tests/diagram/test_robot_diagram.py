@@ -24,6 +24,28 @@ def test_no_update_comes_behind_the_step_that_it_belongs_to(step, rate, tmp_path
     assert np.allclose(updates, of_plant, rtol=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("rate", "own", "expected"),
+    [
+        (250, "", ["states, controller slow, the controller manager: an update rate of 250 Hz"]),
+        (100, "update_rate: 400, ", ["slow: an update rate of 400 Hz"]),
+        (100, "", []),
+    ],
+)
+def test_rates_beyond_the_physics_are_said_of_broadcasters_and_the_manager_too(rate, own, expected, tmp_path):
+    (tmp_path / "c.yaml").write_text(
+        f"controller_manager: {{ros__parameters: {{update_rate: {rate}, "
+        "states: {type: joint_state_broadcaster/JointStateBroadcaster},"
+        " slow: {type: velocity_controllers/JointGroupVelocityController}}}\n"
+        f"slow: {{ros__parameters: {{{own}joints: [joint_1]}}}}\n"
+    )
+    twin = TwinBuilder(time_step=0.01).robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    assert [text for text in twin.warnings if "Hz" in text] == [
+        f"arm: controller {text} is faster than the physics, which steps every 0.01 s: updated at 100 Hz"
+        for text in expected
+    ]
+
+
 FALLING = (
     '<robot name="ball"><link name="ball"><inertial><mass value="1"/>'
     '<inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'

@@ -1,0 +1,124 @@
+"""What files ask of contact beyond a coefficient of friction, which has no effect here: said once, not dropped.
+
+Of a surface the twin uses the smallest of its coefficients of friction. How hard contact is follows from the masses.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from lxml import etree
+
+from drake_twin.description.xml_reader import XmlReader
+
+_STIFFNESS = "contact is as hard and as damped as suits the masses"
+_ISOTROPY = "friction is the same in all directions"
+_SLIP = "nothing slips below its limit of friction"
+_ROLLING = "nothing but friction brakes what rolls"
+_TORSION = "only what touches with faces brakes a turn on the spot"
+_BOUNCE = "nothing bounces"
+_MASKS = "what belongs to different models collides"
+
+# Parameter → what Gazebo takes where a file does not say, and what happens here.
+_UNUSED: Mapping[str, tuple[tuple[float, ...], str]] = {
+    "kp": ((1e12,), _STIFFNESS),
+    "kd": ((1.0,), _STIFFNESS),
+    "soft_cfm": ((0.0,), _STIFFNESS),
+    "soft_erp": ((0.2,), _STIFFNESS),
+    "min_depth": ((0.0,), _STIFFNESS),
+    "max_vel": ((0.01,), _STIFFNESS),
+    "fdir1": ((0.0, 0.0, 0.0), _ISOTROPY),
+    "slip1": ((0.0,), _SLIP),
+    "slip2": ((0.0,), _SLIP),
+    "rolling_friction": ((0.0,), _ROLLING),
+    "patch_radius": ((0.0,), _TORSION),
+    "surface_radius": ((0.0,), _TORSION),
+    "restitution_coefficient": ((0.0,), _BOUNCE),
+    "collide_without_contact": ((0.0,), _MASKS),
+    "collide_bitmask": ((65535.0,), _MASKS),
+    "category_bitmask": ((65535.0,), _MASKS),
+}
+_COEFFICIENTS = ("mu", "mu1", "mu2", "friction", "friction2")
+_MOST_NAMED = 6  # links in a sentence
+_NEVER_THE_SMALLER = 10.0  # of the two coefficients of a pair, in practice
+
+
+def parameter(element: etree._Element) -> str:
+    """An element's name as SDF has it: URDF's ``<gazebo>`` also knows ``minDepth``."""
+    name = element.tag if isinstance(element.tag, str) else ""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+
+
+def is_unused(element: etree._Element) -> bool:
+    """Whether an element is one of these parameters."""
+    return parameter(element) in _UNUSED
+
+
+def unused_in_urdf(reader: XmlReader) -> list[str]:
+    """What ``<gazebo reference="link">`` asks of contact and does not get, with the links' names."""
+    surfaces: dict[str, list[etree._Element]] = {
+        link.get("name", ""): [] for link in reader.root.iterfind("link") if link.find("collision") is not None
+    }
+    for element in reader.root.iterfind("gazebo"):
+        surfaces.get(element.get("reference", ""), []).extend([*element, *element.iterfind("collision/surface//*")])
+    return list(_sentences(surfaces.items()))
+
+
+def unused_in_sdf(model: etree._Element, *, with_links: bool) -> list[str]:
+    """What the collisions of a model ask of contact and do not get.
+
+    Args:
+        model: the model.
+        with_links: whether to name its links.
+    """
+    surfaces = [
+        (link.get("name", "") if with_links else "", [*surface.iter()])
+        for link in model.iter("link")
+        for surface in link.iterfind("collision/surface")
+    ]
+    return list(_sentences(surfaces))
+
+
+def _sentences(surfaces: Iterable[tuple[str, Sequence[etree._Element]]]) -> Iterator[str]:
+    """A sentence for each thing that happens otherwise, with all parameters and links that it is about."""
+    found: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    for link, elements in surfaces:
+        for name, instead in _found(elements):
+            found[instead]["names"].append(name)
+            found[instead]["links"] += [link] if link else []
+    for instead, about in found.items():
+        names, links = (list(dict.fromkeys(about[key])) for key in ("names", "links"))
+        more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
+        whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
+        yield f"{', '.join(names)}{whose}: without effect: {instead}"
+
+
+def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[str, str]]:
+    """The parameters of a surface that would have an effect, and what happens here instead."""
+    coefficients: dict[float, str] = {}
+    for element in elements:
+        name, values = parameter(element), _values(element)
+        if name in _COEFFICIENTS and len(values) == 1:
+            coefficients.setdefault(values[0], name)
+        elif name in _UNUSED and values and values != _UNUSED[name][0]:
+            yield name, _UNUSED[name][1]
+    smallest = min(coefficients, default=0.0)
+    if smallest < _NEVER_THE_SMALLER:
+        for value, name in coefficients.items():
+            if value != smallest:
+                yield name, f"{_ISOTROPY}, and the smaller coefficient counts"
+
+
+def _values(element: etree._Element) -> tuple[float, ...]:
+    """The numbers in an element, or in its attribute ``value``; nothing where it holds anything else."""
+    words = (element.get("value") or element.text or "").lower().split()
+    try:
+        return tuple(map(_number, words))
+    except ValueError:
+        return ()
+
+
+def _number(word: str) -> float:
+    if word in ("true", "false"):
+        return float(word == "true")
+    return float(int(word, 16)) if word.startswith("0x") else float(word)
