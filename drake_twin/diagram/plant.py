@@ -18,6 +18,8 @@ from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Pose
 from drake_twin.description.world_file import WorldFile
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.diagram.ball_joints import hold_ball_joints
 from drake_twin.diagram.contact import TouchingShape, give_contact
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
@@ -148,6 +150,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, warnings: list[str]) -> M
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() == instance:
             plant.RemoveJointActuator(actuator)
+    _hold_ball_joints(plant, instance, plan, warnings)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         warnings.append(f"{plan.name}: the robot has no collision shape: it falls through the ground")
@@ -167,6 +170,25 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, warnings: list[str]) -> M
         root = plant.GetBodyByName(plan.model.root_body, instance)
         plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))
     return instance
+
+
+def _hold_ball_joints(
+    plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, warnings: list[str]
+) -> None:
+    description = plan.description
+    try:
+        hold_ball_joints(plant, [instance])
+    except InputError as error:
+        reader = XmlReader(description.text, description.file)
+        lines = [reader.line(joint) for joint in reader.root.iter("joint") if joint.get("name") == error.value]
+        what = f"robot {plan.name!r}: {error.message}"
+        raise InputError(what, file=description.file, line=next(iter(lines), None)) from None
+    balls = {joint.name for joint in description.joints if joint.type == "ball"}
+    warnings.extend(
+        f"{plan.name}: sensor {sensor.name}: it measures nothing in the ball joint {sensor.joint}"
+        for sensor in description.sensors
+        if sensor.joint in balls
+    )
 
 
 def _contact_models(

@@ -9,6 +9,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.world_file import WorldFile, WorldModel
+from drake_twin.diagram.ball_joints import hold_ball_joints
 from drake_twin.diagram.static_world import (
     StaticShape,
     bearable_detail,
@@ -98,19 +99,20 @@ def _add_models(
                 if model.is_static:
                     shapes += static_shapes(model, detail, warnings)
                 else:
-                    _try_out(model)
+                    _try_out(model, plant.time_step())
                     moving[model.name] = _add_moving(plant, model)
-            except (RuntimeError, ValueError, SystemExit) as error:
+            except (RuntimeError, ValueError, SystemExit, InputError) as error:
                 reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
                 warnings.append(f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})")
         warnings.extend(dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages))
     return shapes, moving
 
 
-def _try_out(model: WorldModel) -> None:
+def _try_out(model: WorldModel, time_step: float) -> None:
     """Parses a model in a plant of its own: what Drake refuses must not break the twin's."""
-    plant = MultibodyPlant(time_step=0.001)
+    plant = MultibodyPlant(time_step)
     Parser(plant).AddModelsFromString(model.text, "sdf")
+    hold_ball_joints(plant, map(ModelInstanceIndex, range(plant.num_model_instances())))
     plant.Finalize()
 
 
@@ -127,6 +129,7 @@ def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstance
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() in every:
             plant.RemoveJointActuator(actuator)
+    hold_ball_joints(plant, every)
     for index in every:
         plant.set_gravity_enabled(index, model.falls)
     return tuple(every)
