@@ -8,7 +8,13 @@ centre. Only the discrete engine has such constraints.
 from collections.abc import Iterable
 
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import BallRpyJoint, ModelInstanceIndex, QuaternionFloatingJoint
+from pydrake.multibody.tree import (
+    BallRpyJoint,
+    ModelInstanceIndex,
+    QuaternionFloatingJoint,
+    SpatialInertia,
+    default_model_instance,
+)
 
 from drake_twin.errors import InputError
 from drake_twin.scenario import CENIC, DISCRETE
@@ -41,5 +47,10 @@ def hold_ball_joints(plant: MultibodyPlant, instances: Iterable[ModelInstanceInd
         F, M = joint.frame_on_parent(), joint.frame_on_child()
         plant.RemoveJoint(joint)
         plant.AddJoint(QuaternionFloatingJoint(name, F, M, damping, 0.0))
-        centers = [frame.GetFixedPoseInBodyFrame().translation() for frame in (F, M)]
-        plant.AddBallConstraint(F.body(), centers[0], M.body(), centers[1])
+        p_PF, p_CM = (frame.GetFixedPoseInBodyFrame().translation() for frame in (F, M))
+        parent = F.body()
+        if parent.index() == plant.world_body().index():  # a constraint to which crashes Drake 1.51
+            called = f"{plant.GetModelInstanceName(M.model_instance())}.{name}"
+            parent = plant.AddRigidBody(called, default_model_instance(), SpatialInertia.Zero())
+            plant.WeldFrames(plant.world_frame(), parent.body_frame())
+        plant.AddBallConstraint(parent, p_PF, M.body(), p_CM)
