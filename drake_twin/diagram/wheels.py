@@ -12,7 +12,7 @@ import numpy as np
 from pydrake.geometry import Convex, Cylinder, Ellipsoid, Shape
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Joint, ModelInstanceIndex, RevoluteJoint, RigidBody, WeldJoint
+from pydrake.multibody.tree import Joint, JointIndex, ModelInstanceIndex, RevoluteJoint, RigidBody, WeldJoint
 
 _PARALLEL = cos(radians(1.0))  # the joint's axis and the cylinder's
 _OFF_CENTER = 0.02  # of the radius
@@ -34,7 +34,7 @@ class WheelFinder:
     def __init__(self, plant: MultibodyPlant, root_poses: Mapping[ModelInstanceIndex, RigidTransform]):
         self._plant = plant
         self._root_poses = root_poses
-        joints = map(plant.get_joint, plant.GetJointIndices())
+        joints = [plant.get_joint(JointIndex(index)) for index in range(plant.num_joints())]
         self._inboard: dict[int, Joint] = {int(joint.child_body().index()): joint for joint in joints}
 
     def wheel(self, body: RigidBody, shape: Shape, X_BG: RigidTransform) -> tuple[Ellipsoid, RigidTransform] | None:

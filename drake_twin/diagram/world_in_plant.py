@@ -3,13 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.world_file import WorldFile, WorldModel
-from drake_twin.diagram.ball_joints import hold_ball_joints
+from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.static_world import (
     StaticShape,
     bearable_detail,
@@ -111,13 +110,12 @@ def _add_models(
 def _try_out(model: WorldModel, time_step: float) -> None:
     """Parses a model in a plant of its own: what Drake refuses must not break the twin's."""
     plant = MultibodyPlant(time_step)
-    Parser(plant).AddModelsFromString(model.text, "sdf")
-    hold_ball_joints(plant, map(ModelInstanceIndex, range(plant.num_model_instances())))
+    add_sdf_models(plant, model.text)
     plant.Finalize()
 
 
 def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
-    Parser(plant).AddModelsFromString(model.text, "sdf")
+    add_sdf_models(plant, model.text)
     every = [
         index
         for index in map(ModelInstanceIndex, range(plant.num_model_instances()))
@@ -129,7 +127,6 @@ def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstance
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() in every:
             plant.RemoveJointActuator(actuator)
-    hold_ball_joints(plant, every)
     for index in every:
         plant.set_gravity_enabled(index, model.falls)
     return tuple(every)

@@ -37,17 +37,14 @@ class ForceTorqueSensor(WitnesslessSystem):
 
     Args:
         joint: the joint.
-        place: where its wrench stands in ``reaction_forces``.
         pose: the sensor S in the joint's frame J, which moves with the child link C.
         measured_on: the link that the measured wrench acts on: ``parent`` or ``child``.
         axes: ``child``, ``parent`` or ``sensor``.
     """
 
-    def __init__(
-        self, joint: Joint, place: int, pose: RigidTransform, measured_on: str = "parent", axes: str = "child"
-    ):
+    def __init__(self, joint: Joint, pose: RigidTransform, measured_on: str = "parent", axes: str = "child"):
         super().__init__()
-        self._place = place
+        self._joint = int(joint.index())
         self._parent, self._child = int(joint.parent_body().index()), int(joint.child_body().index())
         self._p_JS_J = np.array(pose.translation())
         self._sign = {"parent": -1.0, "child": 1.0}[measured_on]
@@ -71,9 +68,7 @@ class ForceTorqueSensor(WitnesslessSystem):
     def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> "ForceTorqueSensor":
         """The sensor of a robot in a finalized plant."""
         pose = RigidTransform(RollPitchYaw(*sensor.pose.rpy), np.array(sensor.pose.xyz))
-        joint = plant.GetJointByName(sensor.joint, instance)
-        place = plant.GetJointIndices().index(joint.index())  # indices have gaps where joints were replaced
-        return cls(joint, place, pose, sensor.measured_on, sensor.axes)
+        return cls(plant.GetJointByName(sensor.joint, instance), pose, sensor.measured_on, sensor.axes)
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
         """Which of the plant's ports goes to which of its own."""
@@ -85,7 +80,7 @@ class ForceTorqueSensor(WitnesslessSystem):
         return self._wrench
 
     def _calc_wrench(self, context: Context, output: BasicVector) -> None:
-        F_CJ_J = self._forces.Eval(context)[self._place]
+        F_CJ_J = self._forces.Eval(context)[self._joint]
         force = np.array(F_CJ_J.translational())
         torque = np.array(F_CJ_J.rotational()) - np.cross(self._p_JS_J, force)
         R_AJ = self._R_AJ
