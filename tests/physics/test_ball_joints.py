@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
-from drake_twin.scenario import World
+from drake_twin.scenario import Robot, World
 from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
 
 discrete_engines = pytest.mark.parametrize("engine", ["1ms", "10ms"])
@@ -223,3 +223,29 @@ def test_a_sensor_beside_a_ball_joint_measures_and_one_in_it_is_named(tmp_path):
     context = dut.CreateDefaultContext()
     own.FixValue(context, Value[list[SpatialForce]](twin.evaluate(forces)))
     assert dut.get_wrench_output_port().Eval(context) == pytest.approx([0, 0, -MASS * G, 0, 0, 0], abs=1e-6)
+
+
+FOLLOWER = """<robot name="leader"><link name="base"/>{}</robot>""".format(
+    "".join(
+        f"""<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+</inertial></link><joint name="{name}_joint" type="continuous"><parent link="base"/><child link="{name}"/>
+<axis xyz="0 0 1"/>{more}</joint>"""
+        for name, more in (("lead", ""), ("follow", '<mimic joint="lead_joint" multiplier="2"/>'))
+    )
+)
+
+
+def test_models_have_ball_joints_beside_others_and_keep_moving_when_one_is_spawned(tmp_path):
+    (tmp_path / "l.urdf").write_text(FOLLOWER)
+    (tmp_path / "m.sdf").write_text(on_post(pendulum()))
+    builder = TwinBuilder(world=World(ground=False), time_step=0.001)
+    twin = builder.robot("l", tmp_path / "l.urdf").robot("m", tmp_path / "m.sdf").build()
+    assert twin.plant.num_constraints() == 2  # one is the follower's: Drake removes no joint where there is one
+    twin.advance_to(0.3)
+    before = pose(twin).GetAsMatrix4()
+    twin.spawn(Robot("n", str(tmp_path / "m.sdf"), xyz=(3.0, 0.0, 0.0)))
+    assert np.array_equal(pose(twin).GetAsMatrix4(), before)
+    twin.advance_to(0.6)
+    assert pose(twin) @ CENTER == pytest.approx([0, 0, 1], abs=1e-5)
+    assert pose(twin, "n::bob") @ CENTER == pytest.approx([3, 0, 1], abs=1e-5)
+    assert pose(twin).translation()[0] != pytest.approx(pose(twin, "n::bob").translation()[0] - 3.0, abs=1e-3)
