@@ -9,6 +9,7 @@ _LOGGER = logging.getLogger("drake")
 
 _NOT_FOR_USERS = (
     "half spaces are not currently supported for deformable contact",  # the twin has no deformable bodies
+    "Actuation (via non-zero effort limits) for ",  # only what is commanded has an actuator
     "Meshcat listening for connections",  # the program says where its page is
 )
 

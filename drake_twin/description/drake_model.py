@@ -6,6 +6,7 @@ from pathlib import Path
 
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.robot_description import (
+    POSED_JOINT_TYPES,
     HardwareSystem,
     Joint,
     JointLimits,
@@ -62,8 +63,8 @@ def describe_model(
 def _joints(plant, instance, efforts: Mapping[str, float]) -> Iterator[Joint]:  # type: ignore[no-untyped-def]  # pydrake types stay in this module
     for index in plant.GetJointIndices(instance):
         joint = plant.get_joint(index)
-        kind = {"weld": "fixed"}.get(joint.type_name(), joint.type_name())
-        if kind not in ("fixed", "revolute", "prismatic", "planar"):
+        kind = {"weld": "fixed", "ball_rpy": "ball"}.get(joint.type_name(), joint.type_name())
+        if kind not in ("fixed", "revolute", "prismatic", "planar", *POSED_JOINT_TYPES):
             kind = "floating"
         axis: Vector3 = (1.0, 0.0, 0.0)
         limits = JointLimits()

@@ -13,6 +13,9 @@ Vector3 = tuple[float, float, float]
 
 MOVABLE_JOINT_TYPES = ("revolute", "continuous", "prismatic")
 
+# SDF's: they move, but have not one position that says where the child link is.
+POSED_JOINT_TYPES = ("ball", "universal", "screw")
+
 
 @dataclass(frozen=True)
 class Pose:

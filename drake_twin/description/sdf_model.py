@@ -11,11 +11,13 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
+from drake_twin.description.caster_balls import weld_caster_balls
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
 from drake_twin.description.meshes import collision_mesh, mesh_address, mesh_primitive, visual_mesh
 from drake_twin.description.package_index import MissingPackageError
 from drake_twin.description.repairs import possible_inertia
 from drake_twin.description.sdf_includes import free_name
+from drake_twin.description.sdf_pose import pose_transform
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
@@ -46,7 +48,9 @@ _SIZES = {
 }
 _SHAPES = (*_SIZES, "plane", "mesh")
 
-_JOINTS = ("fixed", "revolute", "continuous", "prismatic", "ball", "universal", "screw", "planar")
+_LIMITLESS = ("ball", "universal", "screw")
+_JOINTS = ("fixed", "revolute", "continuous", "prismatic", "planar", *_LIMITLESS)
+_INFINITE = 1e16  # SDF's
 
 FindFile = Callable[[str, Path | None], Path]
 
@@ -67,6 +71,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         found.update(rule(model))
     _flatten_planes(model)
     found.update(_meshes(model, reader, find))
+    found.update(weld_caster_balls(model))
     for nested in [*model.iter("model")][:0:-1]:  # the innermost first
         parent = nested.getparent()
         if parent is not None and nested.find("link") is None and nested.find("model") is None:
@@ -175,12 +180,21 @@ def _joints(model: etree._Element) -> Iterator[str]:
         elif kind not in _JOINTS:
             joint.set("type", "fixed")
             yield f"joint {joint.get('name', '')} is fixed: Drake has no {kind or 'nameless'} joints"
+        elif kind in _LIMITLESS and any(map(_is_bound, joint.iterfind("*/limit/*"))):
+            yield f"joint {joint.get('name', '')} moves without limits: Drake has none for {kind} joints"
         for limit in joint.iterfind("axis/limit"):
             lower, upper = limit.find("lower"), limit.find("upper")
             low, high = _number(lower), _number(upper)
             if lower is not None and upper is not None and low is not None and high is not None and low > high:
                 lower.text, upper.text = upper.text, lower.text
                 yield f"joint {joint.get('name', '')}: lower {low:g} is above upper {high:g}: they change places"
+
+
+def _is_bound(limit: etree._Element) -> bool:
+    value = _number(limit)
+    if value is None or limit.tag not in ("lower", "upper", "velocity") or abs(value) >= _INFINITE:
+        return False
+    return limit.tag != "velocity" or value >= 0  # a negative one is SDF's old default
 
 
 def _fix_for_good(joint: etree._Element) -> None:
@@ -364,31 +378,6 @@ def move_shape(shape: etree._Element, rotation: np.ndarray, translation: np.ndar
         pose.attrib.pop(attribute, "")
     numbers = [*X.translation(), *RollPitchYaw(X.rotation()).vector()]
     pose.text = " ".join(f"{float(number):.17g}" for number in numbers)
-
-
-def pose_transform(pose: etree._Element):  # type: ignore[no-untyped-def]  # pydrake types stay in this module
-    """A ``<pose>`` as Drake's transform, whatever the format of its rotation.
-
-    Raises:
-        ValueError: it is no pose.
-    """
-    from pydrake.common.eigen_geometry import Quaternion
-    from pydrake.math import RigidTransform, RollPitchYaw
-
-    values = np.array([float(part) for part in (pose.text or "").split()])
-    if not len(values):
-        return RigidTransform()
-    if not np.all(np.isfinite(values)):
-        raise ValueError("not finite")
-    if pose.get("rotation_format") == "quat_xyzw":
-        if len(values) != 7:
-            raise ValueError("seven numbers are needed")
-        quaternion = np.roll(values[3:], 1)
-        return RigidTransform(Quaternion(quaternion / np.linalg.norm(quaternion)), values[:3])
-    if len(values) != 6:
-        raise ValueError("six numbers are needed")
-    angles = np.radians(values[3:]) if pose.get("degrees", "").lower() in ("1", "true") else values[3:]
-    return RigidTransform(RollPitchYaw(*angles), values[:3])
 
 
 def _meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[str]:

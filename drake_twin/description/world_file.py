@@ -15,7 +15,8 @@ from lxml import etree
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import Pose, Vector3
 from drake_twin.description.sdf_includes import SdfIncludes, free_name, read_sdf, sdf_version
-from drake_twin.description.sdf_model import falls, is_static, mend_model, pose_transform
+from drake_twin.description.sdf_model import falls, is_static, mend_model
+from drake_twin.description.sdf_pose import pose_transform
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader

@@ -18,6 +18,8 @@ from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Joint, Pose
 from drake_twin.description.world_file import WorldFile
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.contact import TouchingShape, give_contact
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake, can_have_brake, isolate_brakes
@@ -144,8 +146,9 @@ def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
 
 def _add_robot(plant: MultibodyPlant, plan: RobotPlan, warnings: list[str]) -> ModelInstanceIndex:
     with captured_warnings() as messages:
-        (instance,) = Parser(plant).AddModelsFromString(plan.model.drake_text, plan.model.drake_format)
+        (instance,) = _parse(plant, plan)
     warnings.extend(f"{plan.name}: {without_literal(message)}" for message in messages)
+    warnings.extend(_of_ball_joints(plan))
     # Drake's parser actuates an SDF's joints; here only what is commanded has an actuator. (Asked for one instance, the
     # plant lists its actuators only once it is finalized.)
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
@@ -185,6 +188,30 @@ def _add_brakes(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceI
         for joint in plan.friction_joints
         if _is_braked(plant, plan, instance, joint)
     ]
+
+
+def _parse(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
+    model, description = plan.model, plan.description
+    if model.drake_format != "sdf":
+        return list(Parser(plant).AddModelsFromString(model.drake_text, model.drake_format))
+    try:
+        return add_sdf_models(plant, model.drake_text)
+    except InputError as error:
+        reader = XmlReader(description.text, description.file)
+        lines = (reader.line(joint) for joint in reader.root.iter("joint") if joint.get("name") == error.value)
+        what = f"robot {plan.name!r}: {error.message}"
+        raise InputError(what, file=description.file, line=next(lines, None)) from None
+
+
+def _of_ball_joints(plan: RobotPlan) -> Iterator[str]:
+    """What does not work with a robot's ball joints."""
+    balls = [joint.name for joint in plan.description.joints if joint.type == "ball"]
+    if plan.model.drake_format != "sdf":
+        for name in balls:
+            yield f"{plan.name}: ball joint {name}: the run ends where its pitch comes to 90°, as it is no SDF joint"
+    for sensor in plan.description.sensors:
+        if sensor.joint in balls:
+            yield f"{plan.name}: sensor {sensor.name}: it measures nothing in the ball joint {sensor.joint}"
 
 
 def _contact_models(

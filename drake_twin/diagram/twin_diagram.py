@@ -1,6 +1,6 @@
 """The root diagram of a twin: plant, scene graph, one sub-diagram per robot, clock, tf and viewer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -10,9 +10,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
-from drake_twin.description.drake_urdf import urdf_link_name
+from drake_twin.description.drake_urdf import drake_link_name, urdf_link_name
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_description import Pose
+from drake_twin.description.robot_description import POSED_JOINT_TYPES, Pose
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.controller_plan import ControllerPlan
@@ -27,7 +27,7 @@ from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
-from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
+from drake_twin.systems.robot_state_publisher import FixedFrame, LinkFrame, RobotFrames, RobotStatePublisher
 
 ROBOT_DESCRIPTION, GROUND_TRUTH = "robot_description", "ground_truth/odom"
 ROBOT_TOPICS = (*PUBLISHED, ROBOT_DESCRIPTION, GROUND_TRUTH)  # that every robot has, below its namespace
@@ -384,6 +384,7 @@ def _add_frames(
         for plan in own
         if not plan.model.is_fixed and plan.base_frame not in placed_by_odometry
     }
+    links = [frame for plan in plans for frame in _posed_links(parts, plan)]
     publisher = RobotStatePublisher(
         [
             RobotFrames(
@@ -398,9 +399,12 @@ def _add_frames(
         parts.plant.num_multibody_states(),
         static_transforms=[*static_transforms, *fixed_bases],
         odometry=[f"{robot}/{name}/{TF_ODOMETRY}" for robot, name in odometry],
+        links=links,
     )
     builder.AddNamedSystem("tf", publisher)
     builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
+    if links:
+        builder.Connect(parts.plant.get_body_poses_output_port(), publisher.GetInputPort("body_poses"))
     for robot, name in odometry:
         port = robots[robot].diagram.GetOutputPort(f"{name}/{TF_ODOMETRY}")
         builder.Connect(port, publisher.GetInputPort(f"{robot}/{name}/{TF_ODOMETRY}"))
@@ -409,6 +413,17 @@ def _add_frames(
         port = publisher.GetOutputPort(f"{plan.name}/robot_description")
         topics.publish(topic, port, "std_msgs/msg/String", None, plan.name)
     return publisher
+
+
+def _posed_links(parts: PlantOfTwin, plan: RobotPlan) -> Iterator[LinkFrame]:
+    """The links at joints whose positions do not say where they are."""
+    for joint in plan.description.joints:
+        if joint.type in POSED_JOINT_TYPES:
+            parent, child = (
+                int(parts.plant.GetBodyByName(drake_link_name(link), parts.robots[plan.name].instance).index())
+                for link in (joint.parent, joint.child)
+            )
+            yield LinkFrame(plan.frame_prefix + joint.parent, plan.frame_prefix + joint.child, parent, child)
 
 
 def _refuse_circles(plans: Sequence[RobotPlan], static_transforms: Sequence[FixedFrame]) -> None:

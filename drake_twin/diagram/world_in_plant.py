@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from drake_twin.description.drake_log import captured_warnings, without_literal
 from drake_twin.description.world_file import WorldFile, WorldModel
+from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.static_world import (
     StaticShape,
     bearable_detail,
@@ -98,24 +98,24 @@ def _add_models(
                 if model.is_static:
                     shapes += static_shapes(model, detail, warnings)
                 else:
-                    _try_out(model)
+                    _try_out(model, plant.time_step())
                     moving[model.name] = _add_moving(plant, model)
-            except (RuntimeError, ValueError, SystemExit) as error:
+            except (RuntimeError, ValueError, SystemExit, InputError) as error:
                 reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
                 warnings.append(f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})")
         warnings.extend(dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages))
     return shapes, moving
 
 
-def _try_out(model: WorldModel) -> None:
+def _try_out(model: WorldModel, time_step: float) -> None:
     """Parses a model in a plant of its own: what Drake refuses must not break the twin's."""
-    plant = MultibodyPlant(time_step=0.001)
-    Parser(plant).AddModelsFromString(model.text, "sdf")
+    plant = MultibodyPlant(time_step)
+    add_sdf_models(plant, model.text)
     plant.Finalize()
 
 
 def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstanceIndex, ...]:
-    Parser(plant).AddModelsFromString(model.text, "sdf")
+    add_sdf_models(plant, model.text)
     every = [
         index
         for index in map(ModelInstanceIndex, range(plant.num_model_instances()))

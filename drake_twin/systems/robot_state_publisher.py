@@ -6,7 +6,8 @@ from math import sqrt
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import AbstractValue
+from pydrake.common.value import AbstractValue, Value
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
@@ -24,6 +25,23 @@ class FixedFrame:
     parent: str
     child: str
     pose: Pose
+
+
+@dataclass(frozen=True)
+class LinkFrame:
+    """A link's frame in another link's, as the plant has them.
+
+    Attributes:
+        parent: the frame of the one link.
+        child: the frame of the other.
+        parent_body: the index of the one link's body in the plant.
+        child_body: that of the other.
+    """
+
+    parent: str
+    child: str
+    parent_body: int
+    child_body: int
 
 
 @dataclass(frozen=True)
@@ -50,7 +68,8 @@ class RobotStatePublisher(WitnesslessSystem):
 
     Behaves for each robot as ``robot_state_publisher`` in ROS 2 Jazzy: moving joints on ``tf``, fixed ones on
     ``tf_static``, the frame prefix put before every frame name, floating and planar joints skipped; and as
-    ``static_transform_publisher`` for further frames. One system does it for all robots, since all joints together
+    ``static_transform_publisher`` for further frames. SDF's ball, universal and screw joints, which URDF has not, are
+    on ``tf`` too. One system does it for all robots, since all joints together
     take hardly longer than those of one.
 
     .. pydrake_system::
@@ -58,6 +77,7 @@ class RobotStatePublisher(WitnesslessSystem):
         name: RobotStatePublisher
         input_ports:
         - state
+        - body_poses
         - <robot>/<controller>/tf_odometry
         output_ports:
         - tf
@@ -65,9 +85,10 @@ class RobotStatePublisher(WitnesslessSystem):
         - <robot>/robot_description
 
     - ``state``: vector ``[q; v]`` of the plant (rad, rad/s, or m, m/s).
+    - ``body_poses``: the plant's port of this name; only declared where there are ``links``.
     - ``<robot>/<controller>/tf_odometry``: ``tf2_msgs/msg/TFMessage``, or ``None``, from the drives' controllers.
     - ``tf``: ``tf2_msgs/msg/TFMessage``: true base poses, odometry, then one transform for each revolute, continuous
-      and prismatic joint, in the order of the robots; topic ``/tf``.
+      and prismatic joint, in the order of the robots, then ``links``; topic ``/tf``.
     - ``tf_static``: ``tf2_msgs/msg/TFMessage``: the static transforms, then one for each fixed joint; never changes;
       topic ``/tf_static``.
     - ``<robot>/robot_description``: ``std_msgs/msg/String`` with the URDF (or SDF) text; never changes.
@@ -77,6 +98,7 @@ class RobotStatePublisher(WitnesslessSystem):
         size: the size of ``state``.
         static_transforms: further frames for ``tf_static``.
         odometry: the names of the ports for drives' transforms.
+        links: links whose joints have not one position.
 
     Raises:
         ValueError: a base is to be published and does not move.
@@ -88,6 +110,7 @@ class RobotStatePublisher(WitnesslessSystem):
         size: int,
         static_transforms: Iterable[FixedFrame] = (),
         odometry: Iterable[str] = (),
+        links: Sequence[LinkFrame] = (),
     ):
         super().__init__()
         moving, indices = [], []
@@ -106,7 +129,12 @@ class RobotStatePublisher(WitnesslessSystem):
         )
         self._state = self.DeclareVectorInputPort("state", size)
         self._odometry = [self.DeclareAbstractInputPort(name, AbstractValue.Make(None)) for name in odometry]
-        inputs = {self.input_port_ticket(port.get_index()) for port in (self._state, *self._odometry)}
+        self._links = tuple(links)
+        self._poses = []
+        if links:
+            self._poses = [self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())]
+        ports = (self._state, *self._odometry, *self._poses)
+        inputs = {self.input_port_ticket(port.get_index()) for port in ports}
         self._tf = self._declare_output("tf", weakly(self._calc_tf), {self.time_ticket(), *inputs})
         self._tf_static = self._declare_output("tf_static", weakly(self._calc_tf_static), {self.nothing_ticket()})
         for robot in robots:
@@ -139,6 +167,8 @@ class RobotStatePublisher(WitnesslessSystem):
             if message is not None:
                 transforms += message.transforms
         transforms += self._moving.messages(state[self._indices], stamp)
+        for poses in (port.Eval(context) for port in self._poses):
+            transforms += [_link_transform(stamp, link, poses) for link in self._links]
         output.set_value(messages.TFMessage(transforms))
 
     def _calc_tf_static(self, context: Context, output: AbstractValue) -> None:
@@ -181,6 +211,13 @@ class _Transforms:
                 self._parents, self._children, translations, self._frames.quaternions(positions).tolist(), strict=True
             )
         ]
+
+
+def _link_transform(stamp: Any, link: LinkFrame, poses: Sequence[RigidTransform]) -> Any:
+    X_PC = poses[link.parent_body].inverse() @ poses[link.child_body]
+    w, x, y, z = X_PC.rotation().ToQuaternion().wxyz().tolist()
+    transform = messages.Transform(messages.Vector3(*X_PC.translation().tolist()), messages.Quaternion(x, y, z, w))
+    return messages.TransformStamped(messages.Header(stamp, link.parent), link.child, transform)
 
 
 def _base_transform(header: Any, frame: str, layout: StateLayout, state: np.ndarray) -> Any:

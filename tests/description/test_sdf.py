@@ -126,7 +126,9 @@ def test_links_joints_and_text_are_those_of_the_file():
         ("revolute", AXIS.format("<limit><lower>0</lower><upper>1</upper></limit>"), "revolute"),
         ("revolute", AXIS.format(""), "continuous"),
         ("continuous", AXIS.format(""), "continuous"),
-        ("ball", "", "floating"),
+        ("ball", "", "ball"),
+        ("universal", AXIS.format("") + "<axis2><xyz>1 0 0</xyz></axis2>", "universal"),
+        ("screw", AXIS.format(""), "screw"),
     ],
 )
 def test_joint_types_are_those_of_urdf(kind, inside, expected):

@@ -107,3 +107,13 @@ def test_what_no_axis_has_is_left_out(tmp_path):
     joint = JOINT.format("continuous").replace("<limit>", "<initial_position>1</initial_position><limit>")
     world = world_of(tmp_path, f'<model name="m">{joint}</model>')
     assert "m: <initial_position> is not used" in world.warnings
+
+
+@pytest.mark.parametrize("kind", ["ball", "universal", "screw"])
+def test_limits_that_drake_has_not_are_named(tmp_path, kind):
+    world = world_of(tmp_path, f'<model name="m">{JOINT.format(kind)}</model>')
+    assert f"m: joint j moves without limits: Drake has none for {kind} joints" in world.warnings
+    endless = JOINT.format(kind).replace(
+        "<lower>2</lower><upper>1</upper>", "<lower>-1e16</lower><velocity>-1</velocity>"
+    )
+    assert world_of(tmp_path, f'<model name="m">{endless}</model>').warnings == ()

@@ -1,0 +1,99 @@
+"""Models with ball joints, which turn every way for ever.
+
+Drake's own ball joint counts its orientation in roll, pitch and yaw, and ends the run where the pitch comes to 90°.
+Here the orientation is a quaternion: the child hangs on a joint of six degrees of freedom, and a constraint holds its
+centre. Only the discrete engine has such constraints.
+"""
+
+from lxml import etree
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    FixedOffsetFrame,
+    ModelInstanceIndex,
+    QuaternionFloatingJoint,
+    SpatialInertia,
+    default_model_instance,
+)
+
+from drake_twin.errors import InputError
+from drake_twin.scenario import CENIC, DISCRETE
+
+_ON_PARENT = ".on_parent"
+
+
+def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]:
+    """Parses SDF into a plant, as Drake's parser does except for ball joints.
+
+    A plant that has constraints lets no joint be removed. So each ball joint is taken out of the text, and stays as two
+    frames that say where it is.
+
+    Args:
+        plant: the plant, not yet finalized; it is changed.
+        text: the document.
+
+    Returns:
+        The model instances of the outermost models.
+
+    Raises:
+        InputError: the engine is ``cenic``, and there is a ball joint: the error's ``value`` is its name.
+        RuntimeError: Drake refuses the text.
+    """
+    root = etree.fromstring(text.encode())
+    balls = [joint for joint in root.iter("joint") if joint.get("type") == "ball"]
+    if not balls:
+        return list(Parser(plant).AddModelsFromString(text, "sdf"))
+    if plant.time_step() == 0.0:
+        name = balls[0].get("name", "")
+        what = (
+            f"the engine {CENIC} has no ball joints, and {name!r} is one: use the engine {DISCRETE}, or make the joint"
+        )
+        raise InputError(f"{what} fixed, revolute or universal", value=name)
+    places = [(_scope(joint), joint.get("name", ""), _damping(joint)) for joint in balls]
+    for joint in balls:
+        _leave_frames(joint)
+    instances = list(Parser(plant).AddModelsFromString(etree.tostring(root, encoding="unicode"), "sdf"))
+    for scope, name, damping in places:
+        _add_ball_joint(plant, plant.GetModelInstanceByName(scope), name, damping)
+    return instances
+
+
+def _scope(joint: etree._Element) -> str:
+    """The name of the model that a joint belongs to, as Drake has it."""
+    return "::".join([model.get("name", "") for model in joint.iterancestors("model")][::-1])
+
+
+def _damping(joint: etree._Element) -> float:
+    return float(joint.findtext("axis/dynamics/damping") or 0.0)
+
+
+def _leave_frames(joint: etree._Element) -> None:
+    """Changes a joint to a frame on its child link, and one at the same place on its parent link."""
+    model, name = joint.getparent(), joint.get("name", "")
+    assert model is not None
+    child, parent = ((joint.findtext(end) or "").strip() for end in ("child", "parent"))
+    frame = etree.SubElement(model, "frame", name=name, attached_to=child)
+    pose = joint.find("pose")
+    if pose is not None:
+        frame.append(pose)
+    if parent != "world":
+        on_parent = etree.SubElement(model, "frame", name=f"{name}{_ON_PARENT}", attached_to=parent)
+        etree.SubElement(on_parent, "pose", relative_to=name).text = "0 0 0 0 0 0"
+    model.remove(joint)
+
+
+def _add_ball_joint(plant: MultibodyPlant, instance: ModelInstanceIndex, name: str, damping: float) -> None:
+    M = plant.GetFrameByName(name, instance)
+    child = M.body()
+    if plant.HasFrameNamed(f"{name}{_ON_PARENT}", instance):
+        F = plant.GetFrameByName(f"{name}{_ON_PARENT}", instance)
+        parent = F.body()
+    else:  # on the world, a constraint to which crashes Drake 1.51
+        called = f"{plant.GetModelInstanceName(instance)}.{name}"
+        parent = plant.AddRigidBody(called, default_model_instance(), SpatialInertia.Zero())
+        plant.WeldFrames(plant.world_frame(), parent.body_frame())
+        X_WM = plant.GetDefaultFloatingBaseBodyPose(child) @ M.GetFixedPoseInBodyFrame()
+        F = plant.AddFrame(FixedOffsetFrame(f"{name}{_ON_PARENT}", parent.body_frame(), X_WM, instance))
+    plant.AddJoint(QuaternionFloatingJoint(name, F, M, damping, 0.0))
+    p_PF, p_CM = (frame.GetFixedPoseInBodyFrame().translation() for frame in (F, M))
+    plant.AddBallConstraint(parent, p_PF, child, p_CM)
