@@ -15,6 +15,7 @@ from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import Command
 from drake_twin.schedule import ScheduledCommand, step_at
 from drake_twin.snapshot import Snapshot
+from drake_twin.systems.controller import PeriodicController
 
 _ROUNDING = 1e-9  # s
 _ObjectValue = Value[object]  # what AbstractValue.Make would look up each time
@@ -107,6 +108,12 @@ class Commands:
 
     def set(self, topic: str, value: Any, time: float) -> None:
         """Puts a value onto a port at a time (s); None clears it."""
+        self._put(topic, value, time)
+        item = self._ports[topic]
+        if not isinstance(self._controls[item.robot].controllers[item.controller], PeriodicController):
+            self._controls[item.robot].follow_commands()  # others write it at their next update
+
+    def _put(self, topic: str, value: Any, time: float) -> None:
         self._fix(topic, value)
         self.values.pop(topic, None)
         self.expiries.pop(topic, None)
@@ -150,7 +157,7 @@ class Commands:
             KeyError: likewise.
         """
         for topic, value in snapshot.commands.items():
-            self.set(topic, self._saved(topic, value), time)
+            self._put(topic, self._saved(topic, value), time)
         if not set(snapshot.expiries) <= set(snapshot.commands):
             raise ValueError("what expires is not commanded")
         self.expiries = dict(snapshot.expiries)
