@@ -39,6 +39,8 @@ _SLIP_PERIOD = 0.1
 # the difference, or what it grips (rad or m).
 _REACHED = 1e-2
 
+_ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class DrivenJoint:
@@ -163,9 +165,8 @@ def _next_mode(
         speed = 0.0
     T = joint.gains.stopping_time
     if not isnan(target):
-        approach = (target - position) / T + speed
-        # A stream of positions runs ahead of a joint that moves at its limit, by as far as that moves between two.
-        if abs(approach) <= joint.velocity_limit * (1 + (CHECK_PERIOD / T if mode in (POSITION, HOLD) else 0.0)):
+        approach = (target - position) / max(T, CHECK_PERIOD) + speed
+        if abs(approach) <= joint.velocity_limit * (1 + _ROUNDING):
             return POSITION, hold
         return (UP if approach > 0 else DOWN), hold
     if speed != 0.0:

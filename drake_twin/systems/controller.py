@@ -245,8 +245,8 @@ class PeriodicController(Controller):
     Context, so that a saved Context is a saved controller. An update that raises makes it write nothing, and ends the
     advance so that it can be deactivated. With ``tells_of_motion`` one that starts or stops a joint ends it, too.
 
-    A position that it writes is no farther from the joint than the joint's servo may approach within the velocity limit
-    (`servo_modes` has what Gazebo does); a stream of positions at that limit is not changed.
+    A position that it writes is no farther from the joint than the joint's servo approaches within the velocity limit;
+    `drake_twin.diagram.servo_modes` says what Gazebo does.
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
@@ -365,11 +365,11 @@ class PeriodicController(Controller):
             if interface == "position" and joint is not None and 0 < joint.limits.velocity < inf:
                 hint = Interface(name, "velocity")
                 reaches.append(
-                    PositionReach(
+                    PositionReach.of_joint(
                         position=index,
                         velocity=interfaces.index(hint) if hint in interfaces else None,
                         joint=setup.layout.positions[name],
-                        limit=joint.limits.velocity,
+                        velocity_limit=joint.limits.velocity,
                         time_constant=setup.position_time_constant,
                         period=setup.update_period,
                     )
