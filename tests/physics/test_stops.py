@@ -188,6 +188,41 @@ def test_a_joint_that_is_put_somewhere_stays_there_at_a_velocity_of_zero(tmp_pat
     assert scene.positions[0] == pytest.approx(0.9, abs=1e-4)
 
 
+DIFF_DRIVE = """controller_manager:
+  ros__parameters: {update_rate: 100, drive: {type: diff_drive_controller/DiffDriveController}}
+drive:
+  ros__parameters:
+    left_wheel_names: [front_left_joint, rear_left_joint]
+    right_wheel_names: [front_right_joint, rear_right_joint]
+    wheel_separation: 0.4
+    wheel_radius: 0.1
+    cmd_vel_timeout: 9.0
+    linear: {x: {max_acceleration: 2.0, max_deceleration: -2.0}}
+"""
+
+
+@every_engine
+def test_wheels_are_held_and_let_go_of_as_their_controller_stops_and_starts(tmp_path, engine):
+    (tmp_path / "drive.yaml").write_text(DIFF_DRIVE)
+
+    def driven(slices):
+        scene = Scene(tmp_path, engine, plane())
+        scene.add("base", four_wheels(roll="-1.5708"), (0, 0, RADIUS), controllers=tmp_path / "drive.yaml")
+        twin = scene.build()
+        for speed in (0.5, 0.0, -0.5):
+            twin.publish("/base/drive/cmd_vel", {"twist": {"linear": {"x": speed}}})
+            until = twin.time + 1.0
+            while twin.time < until - 1e-9:
+                twin.advance_to(min(until, twin.time + slices))
+            assert np.array(twin.robot_state("base").velocities) == pytest.approx(speed / RADIUS, abs=0.02)
+            actuators = [twin.plant.get_joint_actuator(index) for index in twin.plant.GetJointActuatorIndices()]
+            stiff = [actuator.get_controller_gains().p > 1.0 for actuator in actuators]
+            assert stiff == [speed == 0.0] * 4
+        return twin.state_sha256()
+
+    assert driven(1.0) == driven(0.03)
+
+
 # The way to a position
 
 
