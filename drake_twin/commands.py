@@ -15,7 +15,6 @@ from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import Command
 from drake_twin.schedule import ScheduledCommand, step_at
 from drake_twin.snapshot import Snapshot
-from drake_twin.systems.controller import PeriodicController
 
 _ROUNDING = 1e-9  # s
 _ObjectValue = Value[object]  # what AbstractValue.Make would look up each time
@@ -108,10 +107,11 @@ class Commands:
 
     def set(self, topic: str, value: Any, time: float) -> None:
         """Puts a value onto a port at a time (s); None clears it."""
+        before, item = self.values.get(topic), self._ports[topic]
         self._put(topic, value, time)
-        item = self._ports[topic]
-        if not isinstance(self._controls[item.robot].controllers[item.controller], PeriodicController):
-            self._controls[item.robot].follow_commands()  # others write it at their next update
+        control = self._controls[item.robot]
+        if control.controllers[item.controller].starts_or_stops(before, value):
+            control.follow_commands()
 
     def _put(self, topic: str, value: Any, time: float) -> None:
         self._fix(topic, value)

@@ -5,7 +5,6 @@ import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
@@ -15,7 +14,14 @@ from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, set_gains
-from drake_twin.diagram.servo_modes import JointMotion, check_period, driven_joints, next_modes, released, stopped
+from drake_twin.diagram.servo_modes import (
+    JointMotion,
+    check_period,
+    driven_joints,
+    next_modes,
+    released,
+    without_commands,
+)
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
 from drake_twin.errors import CommandError
 from drake_twin.plain_data import from_plain, to_plain
@@ -59,6 +65,10 @@ class RobotControl:
         self._in_plant = built.robots[self._plan.name]
         self._context = context
         self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
+        layout = self._in_plant.layout
+        names = [joint or next(iter(layout.positions)) for joint in self._parts.joints]  # any, where it models friction
+        self._positions = [layout.positions[name] for name in names]
+        self._velocities = [layout.velocities[name] for name in names]
         self._put_gains_in_force()
 
     @property
@@ -219,7 +229,9 @@ class RobotControl:
         if servo is None:
             return (), ()
         self.follow_commands()
-        return stopped(servo.assignment(servo.GetMyContextFromRoot(self._context)), self._joints, self._motion())
+        return without_commands(
+            servo.assignment(servo.GetMyContextFromRoot(self._context)), self._joints, self._motion()
+        )
 
     def _assign(self, modes: Sequence[str], holds: Sequence[float]) -> None:
         """Lets the joints follow the controllers that are active now."""
@@ -243,26 +255,24 @@ class RobotControl:
         new = next_modes(
             now, self._joints, self._motion(with_gravity=is_check and BRAKE in now.modes), is_check=is_check
         )
-        if new != now:
+        if new is not now:
             servo.assign(context, new)
             self._put_gains_in_force()
 
     def _motion(self, *, with_gravity: bool = False) -> JointMotion:
         """How the joints move, and what is commanded of them."""
-        servo, layout, plant = self._parts.servo, self._in_plant.layout, self._built.plant
+        servo, plant, instance = self._parts.servo, self._built.plant, self._in_plant.instance
         assert servo is not None
-        context, instance = plant.GetMyContextFromRoot(self._context), self._in_plant.instance
-        state = plant.GetPositionsAndVelocities(context, instance)
-        gravity = np.zeros(len(state))
+        context = plant.GetMyContextFromRoot(self._context)
+        state = plant.GetPositionsAndVelocities(context, instance).tolist()
+        gravity = [0.0] * len(state)
         if with_gravity:
-            forces = plant.GetVelocitiesFromArray(instance, plant.CalcGravityGeneralizedForces(context))
-            gravity[len(state) - len(forces) :] = forces
-        joints = [joint or next(iter(layout.positions)) for joint in self._parts.joints]
-        velocities = [layout.velocities[joint] for joint in joints]
+            forces = plant.GetVelocitiesFromArray(instance, plant.CalcGravityGeneralizedForces(context)).tolist()
+            gravity[-len(forces) :] = forces
         return JointMotion(
-            state[[layout.positions[joint] for joint in joints]].tolist(),
-            state[velocities].tolist(),
-            gravity[velocities].tolist(),
+            [state[index] for index in self._positions],
+            [state[index] for index in self._velocities],
+            [gravity[index] for index in self._velocities],
             *servo.commanded(servo.GetMyContextFromRoot(self._context)),
         )
 

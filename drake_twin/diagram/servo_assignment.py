@@ -53,7 +53,7 @@ def assign(
         position, velocity, effort = (
             sources.get((driver, Interface(joint, kind)), -1) for kind in (POSITION, VELOCITY, EFFORT)
         )
-        driven.append(EFFORT if kinds[0] == EFFORT else idle)
+        driven.append(EFFORT if kinds[0] == EFFORT and position < 0 else idle)
         rows.append((position, velocity, effort))
     positions, velocities, efforts = (tuple(column) for column in zip(*rows, strict=True)) if rows else ((), (), ())
     return ServoAssignment(tuple(driven), tuple(map(float, holds)), positions, velocities, efforts)

@@ -135,11 +135,6 @@ class ServoGains:
         gains = self.of(mode)
         return float(gains.d / gains.p) if gains.p > 0 else 0.0
 
-    @property
-    def stopping_time(self) -> float:
-        """A joint that moves at v and is held v times this ahead comes to rest there without going back (s)."""
-        return float(self.position.d / self.position.p)
-
     def of(self, mode: str) -> PdControllerGains:
         """The gains for a way of driving the joint."""
         if mode in (HOLD, POSITION):

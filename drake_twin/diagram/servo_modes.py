@@ -47,13 +47,17 @@ class DrivenJoint:
     """What limits the joint of an actuator.
 
     Attributes:
-        gains: its servo's.
+        stiffness: its position servo's (N·m/rad or N/m).
+        time_constant: at which that approaches a position, and comes to rest (s).
+        effort_limit: N·m or N.
         lower: the lowest position at which it is held (rad or m).
         upper: the highest.
         velocity_limit: the largest velocity at which it approaches a position (rad/s or m/s).
     """
 
-    gains: ServoGains
+    stiffness: float
+    time_constant: float
+    effort_limit: float
     lower: float
     upper: float
     velocity_limit: float
@@ -94,7 +98,8 @@ def driven_joints(
             driven.append(None)
         else:
             limits = description.joints_by_name[joint].limits
-            driven.append(DrivenJoint(servo, limits.lower, limits.upper, velocity_limit))
+            p, d = servo.position.p, servo.position.d
+            driven.append(DrivenJoint(p, d / p, servo.effort_limit, limits.lower, limits.upper, velocity_limit))
     return tuple(driven)
 
 
@@ -113,10 +118,10 @@ def next_modes(
     for index, joint in enumerate(joints):
         if joint is not None and modes[index] not in (EFFORT, FREE):
             modes[index], holds[index] = _next_mode(now, index, joint, motion, is_check=is_check)
-    return replace(now, modes=tuple(modes), holds=tuple(holds))
+    return now if modes == [*now.modes] else replace(now, modes=tuple(modes), holds=tuple(holds))
 
 
-def stopped(
+def without_commands(
     now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion
 ) -> tuple[tuple[str, ...], tuple[float, ...]]:
     """The modes and held positions of joints that nothing is commanded of any more: none jumps, none turns back.
@@ -124,13 +129,15 @@ def stopped(
     A joint that rests where it was told to be stays held there. Any other one brakes.
     """
     modes, holds = [BRAKE] * len(joints), list(now.holds)
-    for index, mode in enumerate(now.modes):
+    for index, (joint, mode) in enumerate(zip(joints, now.modes, strict=True)):
+        if joint is None:
+            continue
         position, velocity = motion.positions[index], motion.velocities[index]
         target = motion.commanded_positions[index]
         if mode == HOLD:
             modes[index] = HOLD
         elif mode == POSITION and abs(velocity) <= REST_VELOCITY and abs(target - position) <= _REACHED:
-            modes[index], holds[index] = HOLD, target
+            modes[index], holds[index] = HOLD, float(np.clip(target, joint.lower, joint.upper))
     return tuple(modes), tuple(holds)
 
 
@@ -163,20 +170,18 @@ def _next_mode(
     target, speed = motion.commanded_positions[index], motion.commanded_velocities[index]
     if isnan(speed):
         speed = 0.0
-    T = joint.gains.stopping_time
     if not isnan(target):
-        approach = (target - position) / max(T, CHECK_PERIOD) + speed
+        approach = (target - position) / max(joint.time_constant, CHECK_PERIOD) + speed
         if abs(approach) <= joint.velocity_limit * (1 + _ROUNDING):
             return POSITION, hold
         return (UP if approach > 0 else DOWN), hold
     if speed != 0.0:
         return (VELOCITY if now.positions[index] < 0 else POSITION), hold
     if mode == HOLD:
-        stiffness = joint.gains.position.p
-        slips = _may_slip(now, index) and stiffness * abs(hold - position) > joint.gains.effort_limit
-        return (BRAKE if slips and is_check else HOLD), hold
+        slips = is_check and _may_slip(now, index) and joint.stiffness * abs(hold - position) > joint.effort_limit
+        return (BRAKE if slips else HOLD), hold
     if mode == BRAKE and is_check and abs(velocity) <= REST_VELOCITY:
-        hold = position + velocity * T - motion.gravity[index] / joint.gains.position.p
+        hold = position + velocity * joint.time_constant - motion.gravity[index] / joint.stiffness
         return HOLD, float(np.clip(hold, joint.lower, joint.upper))
     return BRAKE, hold
 

@@ -153,6 +153,10 @@ class Controller(WitnesslessSystem):
         """How long a message on a topic holds (s) before the port is cleared again; None for ever."""
         return None
 
+    def starts_or_stops(self, before: Any, now: Any) -> bool:
+        """Whether a joint may be driven otherwise when one value on a topic's port follows another; None is none."""
+        return True
+
     def activate(self, context: Context) -> None:
         """Begins anew; whoever calls this has cleared the topics' ports."""
 
@@ -277,6 +281,10 @@ class PeriodicController(Controller):
         """The memory at activation."""
         return None
 
+    def starts_or_stops(self, before: Any, now: Any) -> bool:
+        """No joint is driven otherwise before the next update, which tells of it."""
+        return False
+
     def update(self, context: Context, time: float, memory: Any) -> Update:
         """One update.
 
@@ -348,7 +356,7 @@ class PeriodicController(Controller):
         try:
             update = self.update(context, time, sample.memory)
             commands = self._within_reach(context, tuple(map(float, update.commands)))
-            notice = update.notice or self._starts_or_stops(sample.commands, commands)
+            notice = update.notice or self._tells_of(sample.commands, commands)
             sample = Sample(True, time, update.memory, commands)
         except Exception as error:  # whatever a controller raises concerns that controller alone
             sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
@@ -385,13 +393,14 @@ class PeriodicController(Controller):
             limited[reach.position] = reach.limited(commands, state)
         return tuple(limited)
 
-    def _starts_or_stops(self, before: Sequence[float], now: Sequence[float]) -> bool:
+    def _tells_of(self, before: Sequence[float], now: Sequence[float]) -> bool:
         """Whether a commanded velocity is zero, or none, and was not before; or the other way round."""
-        return any(_is_motion(before[index]) != _is_motion(now[index]) for index in self._velocities)
+        return any(is_motion(before[index]) != is_motion(now[index]) for index in self._velocities)
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self.sample(context).commands)
 
 
-def _is_motion(velocity: float) -> bool:
+def is_motion(velocity: float) -> bool:
+    """Whether a commanded velocity, NaN where there is none, moves a joint."""
     return velocity != 0.0 and not isnan(velocity)

@@ -4,14 +4,18 @@ from dataclasses import replace
 from math import inf, nan
 
 import pytest
-from pydrake.multibody.tree import PdControllerGains
 
-from drake_twin.diagram.servo_gains import ServoGains
-from drake_twin.diagram.servo_modes import DrivenJoint, JointMotion, check_period, next_modes, released, stopped
+from drake_twin.diagram.servo_modes import (
+    DrivenJoint,
+    JointMotion,
+    check_period,
+    next_modes,
+    released,
+    without_commands,
+)
 from drake_twin.systems.joint_servo import ServoAssignment
 
-GAINS = ServoGains(PdControllerGains(p=10, d=2), PdControllerGains(p=0, d=4), PdControllerGains(p=0, d=5e3), 5.0)
-JOINT = DrivenJoint(GAINS, -1.0, 1.0, 2.0)
+JOINT = DrivenJoint(stiffness=10.0, time_constant=0.2, effort_limit=5.0, lower=-1.0, upper=1.0, velocity_limit=2.0)
 VELOCITY_CLAIMED = ServoAssignment(("hold",), (0.3,), (-1,), (0,), (-1,))
 POSITION_CLAIMED = ServoAssignment(("hold",), (0.3,), (0,), (-1,), (-1,))
 UNCLAIMED = ServoAssignment(("hold",), (0.3,), (-1,), (-1,), (-1,))
@@ -71,11 +75,11 @@ def test_efforts_and_limp_joints_are_left_alone(mode):
 
 def test_only_a_joint_that_rests_where_it_was_told_to_be_stays_held_there():
     at_target = replace(POSITION_CLAIMED, modes=("position",))
-    assert stopped(at_target, [JOINT], motion(position=0.495, target=0.5)) == (("hold",), (0.5,))
-    assert stopped(at_target, [JOINT], motion(position=0.4, target=0.5))[0] == ("brake",)
-    assert stopped(at_target, [JOINT], motion(position=0.5, target=0.5, velocity=0.01))[0] == ("brake",)
-    assert stopped(UNCLAIMED, [JOINT], motion(velocity=0.01)) == (("hold",), (0.3,))
-    assert stopped(replace(VELOCITY_CLAIMED, modes=("velocity",)), [JOINT], motion())[0] == ("brake",)
+    assert without_commands(at_target, [JOINT], motion(position=0.495, target=0.5)) == (("hold",), (0.5,))
+    assert without_commands(at_target, [JOINT], motion(position=0.4, target=0.5))[0] == ("brake",)
+    assert without_commands(at_target, [JOINT], motion(position=0.5, target=0.5, velocity=0.01))[0] == ("brake",)
+    assert without_commands(UNCLAIMED, [JOINT], motion(velocity=0.01)) == (("hold",), (0.3,))
+    assert without_commands(replace(VELOCITY_CLAIMED, modes=("velocity",)), [JOINT], motion())[0] == ("brake",)
 
 
 def test_nothing_is_looked_at_while_nothing_brakes_or_may_slip():
