@@ -161,7 +161,7 @@ class RobotControl:
             self._put_gains_in_force()
 
     def emergency_stop(self) -> None:
-        """Brings all joints to rest, within their effort limits, and holds them; goals are cancelled."""
+        """Brakes all joints until they are at rest, and holds them; goals are cancelled."""
         if not self.stopped:
             for name in self.manager.active:
                 if name in self.controllers:

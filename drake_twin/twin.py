@@ -578,7 +578,7 @@ class Twin:
 
     @recorded
     def emergency_stop(self, robot: str) -> None:
-        """Brings a robot's joints to rest within their effort limits and holds them, whatever controllers say.
+        """Brakes a robot's joints with all of their effort until they are at rest and holds them there.
 
         Goals on their way are cancelled; commands are refused until `clear_emergency_stop`.
 

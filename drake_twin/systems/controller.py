@@ -355,8 +355,10 @@ class PeriodicController(Controller):
         notice = False
         try:
             update = self.update(context, time, sample.memory)
-            commands = self._within_reach(context, tuple(map(float, update.commands)))
-            notice = update.notice or self._tells_of(sample.commands, commands)
+            commands = tuple(map(float, update.commands))
+            if self._reaches:
+                commands = self._within_reach(context, commands)
+            notice = update.notice or (bool(self._velocities) and self._tells_of(sample.commands, commands))
             sample = Sample(True, time, update.memory, commands)
         except Exception as error:  # whatever a controller raises concerns that controller alone
             sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
@@ -386,9 +388,7 @@ class PeriodicController(Controller):
 
     def _within_reach(self, context: Context, commands: tuple[float, ...]) -> tuple[float, ...]:
         """The commands with each position within its reach."""
-        if not self._reaches:
-            return commands
-        state, limited = self._state_port.Eval(context), list(commands)
+        state, limited = self._state_port.Eval(context).tolist(), list(commands)
         for reach in self._reaches:
             limited[reach.position] = reach.limited(commands, state)
         return tuple(limited)

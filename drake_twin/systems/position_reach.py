@@ -52,9 +52,9 @@ class PositionReach:
             commands: what the controller would write; NaN where nothing.
             state: the robot's ``[q; v]``.
         """
-        T, position, present = self.time_constant, commands[self.position], float(state[self.joint])
+        position, present, T = commands[self.position], state[self.joint], self.time_constant
         velocity = 0.0 if self.velocity is None or isnan(commands[self.velocity]) else commands[self.velocity]
         approach = (position - present) / T + velocity
-        if isnan(position) or abs(approach) <= self.limit:
+        if -self.limit <= approach <= self.limit or isnan(position):
             return position
         return present + T * (copysign(self.limit, approach) - velocity)
