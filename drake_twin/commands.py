@@ -133,6 +133,13 @@ class Commands:
 
     def set(self, topic: str, value: Any, time: float) -> None:
         """Puts a value onto a port at a time (s); None clears it."""
+        before, item = self.values.get(topic), self._ports[topic]
+        self._put(topic, value, time)
+        control = self._controls[item.robot]
+        if control.controllers[item.controller].starts_or_stops(before, value):
+            control.follow_commands()
+
+    def _put(self, topic: str, value: Any, time: float) -> None:
         self._fix(topic, value)
         self.values.pop(topic, None)
         self.expiries.pop(topic, None)
@@ -176,7 +183,7 @@ class Commands:
             KeyError: likewise.
         """
         for topic, value in snapshot.commands.items():
-            self.set(topic, self._saved(topic, value), time)
+            self._put(topic, self._saved(topic, value), time)
         if not set(snapshot.expiries) <= set(snapshot.commands):
             raise ValueError("what expires is not commanded")
         self.expiries = dict(snapshot.expiries)

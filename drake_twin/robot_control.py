@@ -2,7 +2,7 @@
 
 import functools
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 from pydrake.systems.framework import Context
@@ -12,8 +12,16 @@ from drake_twin.controller_manager import ControllerManager
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.robot_plan import RobotPlan
-from drake_twin.diagram.servo_assignment import assign, holds_after
-from drake_twin.diagram.servo_gains import set_gains
+from drake_twin.diagram.servo_assignment import assign
+from drake_twin.diagram.servo_gains import BRAKE, set_gains
+from drake_twin.diagram.servo_modes import (
+    JointMotion,
+    check_period,
+    driven_joints,
+    next_modes,
+    released,
+    without_commands,
+)
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
 from drake_twin.errors import CommandError
 from drake_twin.plain_data import from_plain, to_plain
@@ -34,6 +42,7 @@ class RobotControl:
     Attributes:
         manager: the controller manager.
         stopped: whether an emergency stop holds.
+        check_period: how often `check_joints` is to be called (s); None while no joint needs it.
     """
 
     _built: TwinDiagram
@@ -47,6 +56,7 @@ class RobotControl:
         self._note = note
         self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
         self.stopped = False
+        self.check_period: float | None = None
 
     def use(self, built: TwinDiagram, context: Context) -> None:
         """Works with a diagram from now on; states have been carried over to it."""
@@ -54,6 +64,11 @@ class RobotControl:
         self._parts = built.parts[self._plan.name]
         self._in_plant = built.robots[self._plan.name]
         self._context = context
+        self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
+        layout = self._in_plant.layout
+        names = [joint or next(iter(layout.positions)) for joint in self._parts.joints]  # any, where it models friction
+        self._positions = [layout.positions[name] for name in names]
+        self._velocities = [layout.velocities[name] for name in names]
         self._put_gains_in_force()
 
     @property
@@ -128,15 +143,32 @@ class RobotControl:
         stopped = self.manager.give_up(controller)
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
 
+    def follow_commands(self) -> None:
+        """Lets the joints be driven as is commanded now."""
+        self._next_modes(is_check=False)
+
+    def check_joints(self) -> None:
+        """Holds joints that have come to rest, and lets those slip that are pushed away."""
+        self._next_modes(is_check=True)
+
+    def release(self, joints: Collection[str]) -> None:
+        """Holds joints that a velocity is commanded of where they have been put, and not where they were."""
+        servo = self._parts.servo
+        if servo is not None:
+            context = servo.GetMyMutableContextFromRoot(self._context)
+            indices = [index for index, joint in enumerate(self._parts.joints) if joint in joints]
+            servo.assign(context, released(servo.assignment(context), indices))
+            self._put_gains_in_force()
+
     def emergency_stop(self) -> None:
-        """Brings all joints to rest, within their effort limits, and holds them; goals are cancelled."""
+        """Brakes all joints until they are at rest, and holds them; goals are cancelled."""
         if not self.stopped:
             for name in self.manager.active:
                 if name in self.controllers:
                     self.controllers[name].cancel(self.context_of(name))
-            before = self._set_points()
+            modes, holds = self._stopped_joints()
             self.stopped = True
-            self._assign(before)
+            self._assign(modes, holds)
 
     def clear_emergency_stop(self) -> None:
         """Lets the controllers command again; each begins anew."""
@@ -180,7 +212,7 @@ class RobotControl:
         self._put_gains_in_force()
 
     def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:
-        before = self._set_points()
+        modes, holds = self._stopped_joints()
         for name in stopped:
             if name in self.controllers:
                 self.controllers[name].deactivate(self.context_of(name))  # it still sees a goal that waits for it
@@ -189,44 +221,67 @@ class RobotControl:
             if name in self.controllers:
                 self._clear(self._plan.name, name)
                 self.controllers[name].activate(self.context_of(name))
-        self._assign(before)
+        self._assign(modes, holds)
 
-    def _set_points(self) -> list[float]:
-        """The positions that are commanded or held at present (rad or m), for each actuator."""
+    def _stopped_joints(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
+        """How the joints are driven once the present controllers write nothing more, and where they are held."""
         servo = self._parts.servo
         if servo is None:
-            return []
-        return servo.set_points(servo.GetMyContextFromRoot(self._context))
+            return (), ()
+        self.follow_commands()
+        return without_commands(
+            servo.assignment(servo.GetMyContextFromRoot(self._context)), self._joints, self._motion()
+        )
 
-    def _assign(self, set_points: Sequence[float]) -> None:
+    def _assign(self, modes: Sequence[str], holds: Sequence[float]) -> None:
         """Lets the joints follow the controllers that are active now."""
-        servo, layout = self._parts.servo, self._in_plant.layout
+        servo = self._parts.servo
         if servo is None:
             return
-        context = servo.GetMyMutableContextFromRoot(self._context)
-        plant_context = self._built.plant.GetMyContextFromRoot(self._context)
-        state = self._built.plant.GetPositionsAndVelocities(plant_context, self._in_plant.instance)
-        joints = [joint or next(iter(layout.positions)) for joint in self._parts.joints]
-        holds = holds_after(
-            servo.assignment(context),
-            set_points,
-            state[[layout.positions[joint] for joint in joints]],
-            state[[layout.velocities[joint] for joint in joints]],
-            self._in_plant.gains,
-        )
-        limits = [self._plan.description.joints_by_name[joint].limits for joint in joints]
-        holds = [min(max(hold, item.lower), item.upper) for hold, item in zip(holds, limits, strict=True)]
         driving = {name: item for name, item in self.controllers.items() if item.claims}
         active = () if self.stopped else self.manager.active
         hold_joints = self._plan.hold_joints or self.stopped
-        servo.assign(context, assign(self._parts.joints, driving, active, holds, hold_joints=hold_joints))
+        assignment = assign(self._parts.joints, driving, active, holds, modes, hold_joints=hold_joints)
+        servo.assign(servo.GetMyMutableContextFromRoot(self._context), assignment)
         self._put_gains_in_force()
+        self.follow_commands()
+
+    def _next_modes(self, *, is_check: bool) -> None:
+        servo = self._parts.servo
+        if servo is None:
+            return
+        context = servo.GetMyMutableContextFromRoot(self._context)
+        now = servo.assignment(context)
+        new = next_modes(
+            now, self._joints, self._motion(with_gravity=is_check and BRAKE in now.modes), is_check=is_check
+        )
+        if new is not now:
+            servo.assign(context, new)
+            self._put_gains_in_force()
+
+    def _motion(self, *, with_gravity: bool = False) -> JointMotion:
+        """How the joints move, and what is commanded of them."""
+        servo, plant, instance = self._parts.servo, self._built.plant, self._in_plant.instance
+        assert servo is not None
+        context = plant.GetMyContextFromRoot(self._context)
+        state = plant.GetPositionsAndVelocities(context, instance).tolist()
+        gravity = [0.0] * len(state)
+        if with_gravity:
+            forces = plant.GetVelocitiesFromArray(instance, plant.CalcGravityGeneralizedForces(context)).tolist()
+            gravity[-len(forces) :] = forces
+        return JointMotion(
+            [state[index] for index in self._positions],
+            [state[index] for index in self._velocities],
+            [gravity[index] for index in self._velocities],
+            *servo.commanded(servo.GetMyContextFromRoot(self._context)),
+        )
 
     def _put_gains_in_force(self) -> None:
         servo = self._parts.servo
         if servo is not None:
-            modes = servo.assignment(servo.GetMyContextFromRoot(self._context)).modes
-            set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, modes)
+            assignment = servo.assignment(servo.GetMyContextFromRoot(self._context))
+            set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
+            self.check_period = check_period(assignment)
 
 
 def _like(present: Any, saved: Any) -> Any:

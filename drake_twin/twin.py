@@ -593,7 +593,7 @@ class Twin:
 
     @recorded
     def emergency_stop(self, robot: str) -> None:
-        """Brings a robot's joints to rest within their effort limits and holds them, whatever controllers say.
+        """Brakes a robot's joints with all of their effort until they are at rest and holds them there.
 
         Goals on their way are cancelled; commands are refused until `clear_emergency_stop`.
 
@@ -730,6 +730,7 @@ class Twin:
                 raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
             q[parts.layout.positions[joint]] = position
         self._built.plant.SetPositions(context, parts.instance, q)
+        self._controls[robot].release(positions)
 
     def advance_to(self, time: float) -> float:
         """Runs until a simulation time (s), as fast as it can.
@@ -833,6 +834,10 @@ class Twin:
         states = {name: control.manager.states for name, control in self._controls.items()}
         return hash_state(self._built, self._context, time, states, self._commands.values, self._wrenches)
 
+    def _steps(self, period: float) -> int:
+        """How many steps make up a period (s), one at least."""
+        return max(1, round(period / self.scenario.time_step))
+
     def _step_at(self, time: float) -> int:
         """The first step that is not before a time (s)."""
         if not _is_number(time, -LONGEST_TIME) or time > LONGEST_TIME:
@@ -891,6 +896,9 @@ class Twin:
                 continue
             start, wrenches = self._running.moment(), self._wrenches
             self._apply_commands()
+            for control in self._controls.values():
+                if control.check_period is not None and self._step % self._steps(control.check_period) == 0:
+                    control.check_joints()
             # CENIC's steps follow from where it is stopped: always at the same places, whoever listens.
             next_step = self._step + 1 if self.scenario.engine == CENIC else self._next_stop(target)
             try:
@@ -901,6 +909,7 @@ class Twin:
             if noticed:
                 for control in self._controls.values():
                     control.give_up_faulty()
+                    control.follow_commands()
             if self._goals:
                 self._goals = [goal for goal in self._goals if not goal.deliver()]
 
@@ -1005,6 +1014,10 @@ class Twin:
             due += [step_at(item.until, self.scenario.time_step) for item in self._wrenches]
         if self._next_time_step is not None:
             due.append(meeting_step(self._step, self.time_step, self._next_time_step))
+        for control in self._controls.values():
+            if control.check_period is not None:
+                steps = self._steps(control.check_period)
+                due.append((self._step // steps + 1) * steps)
         return int(min([step for step in due if step > self._step]))
 
 

@@ -16,7 +16,8 @@ from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, control
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
-from drake_twin.diagram.servo_gains import MODES, ServoGains
+from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, SETTLING_TIME, UP, ServoGains
+from drake_twin.diagram.servo_modes import velocity_limits
 from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
 from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
 from drake_twin.systems.imu_sensor import ImuSensor
@@ -133,6 +134,8 @@ def _add_controllers(
             },
             true_odometry=item.true_odometry,
             physics_step=0.0 if continuous else time_step,
+            position_time_constant=plan.position_time_constant or SETTLING_TIME,
+            tells_of_motion=True,
         )
         controllers[name] = builder.AddNamedSystem(name, kind(setup))
         warnings += [f"{plan.name}: controller {name}: {warning}" for warning in controllers[name].warnings]
@@ -208,9 +211,12 @@ def _add_servo(
         as_position = {
             mode: [0.0 if servo is None else servo.velocity_as_position(mode) for servo in gains] for mode in MODES
         }
+    fastest = np.array(velocity_limits(description, joints))
+    own_velocities = {BRAKE: np.zeros(len(joints)).tolist(), UP: fastest.tolist(), DOWN: (-fastest).tolist()}
     sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
-        _free_name(builder, "joint_servo"), JointServo(sizes, assignment, limits[..., 0], limits[..., 1], as_position)
+        _free_name(builder, "joint_servo"),
+        JointServo(sizes, assignment, limits[..., 0], limits[..., 1], as_position, own_velocities),
     )
     for name, controller in driving.items():
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))

@@ -24,9 +24,13 @@ _VELOCITY_ERROR_UNDER_CONTACT = 1e-2
 _RELATIVE_ERROR_UNDER_DAMPING = 5e-4  # of the commanded velocity
 
 # A position servo settles in about this time without overshoot (s), and sags by this much under gravity (rad or m).
-_SETTLING_TIME = 0.2
+SETTLING_TIME = 0.2
 _SAG_UNDER_GRAVITY = 5e-4
 _YIELD_UNDER_CONTACT = 1e-2
+
+# A joint that is stopped brakes as a dry friction of its effort limit would: with all of it above this velocity. It is
+# at rest below, where less than that holds it (rad/s or m/s).
+REST_VELOCITY = 1e-3
 
 _SAMPLES = 16
 _LEAST_INERTIA = 1e-9  # keeps the damping above zero: Drake ends the process when both gains are zero
@@ -76,17 +80,31 @@ def position_gains(load: JointLoad, time_constant: float | None = None) -> PdCon
         load: what resists the joint.
         time_constant: T (s), by default one that suits most joints.
     """
-    T = time_constant or _SETTLING_TIME
+    T = time_constant or SETTLING_TIME
     stiffness = max(16.0 * load.inertia / T**2, load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT)
     return PdControllerGains(p=stiffness, d=stiffness * T)
+
+
+def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
+    """Gains of a joint that comes to rest.
+
+    Args:
+        load: what resists the joint, which says how hard one without an effort limit brakes.
+        effort_limit: N·m or N.
+    """
+    if np.isfinite(effort_limit):
+        return PdControllerGains(p=0.0, d=max(effort_limit / REST_VELOCITY, _LEAST_INERTIA))
+    return PdControllerGains(p=0.0, d=max(velocity_gains(load).d, (load.gravity + load.contact) / REST_VELOCITY))
 
 
 # In a continuous plant a velocity v is commanded as the position v · this (s).
 VELOCITY_AS_POSITION = 1e7
 
-# What drives a joint: its position is held, one of its command interfaces is written, or nothing holds it.
+# What drives a joint: its position is held, one of its command interfaces is written, or nothing holds it. It brakes
+# until it can be held. A position that is far away is approached at the joint's velocity limit, up or down.
 HOLD, POSITION, VELOCITY, EFFORT, FREE = "hold", "position", "velocity", "effort", "free"
-MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE)
+BRAKE, UP, DOWN = "brake", "up", "down"
+MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE, BRAKE, UP, DOWN)
 
 # Drake ends the process when both gains are zero. This damping does nothing.
 _NO_GAINS = PdControllerGains(p=0.0, d=1e-9)
@@ -98,25 +116,28 @@ class ServoGains:
 
     Attributes:
         position: when a position is commanded or held.
-        velocity: when a velocity is commanded.
+        velocity: when a velocity is commanded, or a position is approached at the velocity limit.
+        brake: when the joint comes to rest.
+        effort_limit: what the actuator can do (N·m or N).
     """
 
     position: PdControllerGains
     velocity: PdControllerGains
+    brake: PdControllerGains
+    effort_limit: float
 
     def velocity_as_position(self, mode: str) -> float:
         """How far ahead a position stands for a velocity (s): damping over stiffness; 0 where there is no stiffness."""
         gains = self.of(mode)
         return float(gains.d / gains.p) if gains.p > 0 else 0.0
 
-    @property
-    def stopping_time(self) -> float:
-        """A joint that moves at v and is held v times this ahead comes to rest there without going back (s)."""
-        return float(self.position.d / self.position.p)
-
     def of(self, mode: str) -> PdControllerGains:
         """The gains for a way of driving the joint."""
-        return {HOLD: self.position, POSITION: self.position, VELOCITY: self.velocity}.get(mode, _NO_GAINS)
+        if mode in (HOLD, POSITION):
+            return self.position
+        if mode in (VELOCITY, UP, DOWN):
+            return self.velocity
+        return self.brake if mode == BRAKE else _NO_GAINS
 
 
 def servo_gains(
@@ -156,7 +177,10 @@ def servo_gains(
             )
     gains = {
         actuator.index(): ServoGains(
-            position_gains(load, plan.position_time_constant), velocity_gains(load, continuous=continuous)
+            position_gains(load, plan.position_time_constant),
+            velocity_gains(load, continuous=continuous),
+            brake_gains(load, actuator.effort_limit()),
+            actuator.effort_limit(),
         )
         for (plan, actuator), load in zip(servos, loads, strict=True)
     }

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf, isnan
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from pydrake.systems.framework import (
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.frozen import Frozen
 from drake_twin.systems.goal_state import GoalState
+from drake_twin.systems.position_reach import PositionReach
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
@@ -56,6 +58,8 @@ class ControllerSetup:
         upstream: the controllers that may write this one's references.
         true_odometry: whether a drive's odometry is the true pose instead of what its wheels tell.
         physics_step: the time between two steps of the physics (s); 0 for one much shorter than ``update_period``.
+        position_time_constant: a joint approaches its commanded position at error / this (s).
+        tells_of_motion: whether the twin should stop and look when a commanded velocity begins or ceases to be zero.
     """
 
     name: str
@@ -70,6 +74,8 @@ class ControllerSetup:
     upstream: Mapping[str, "Upstream"] = field(default_factory=dict)
     true_odometry: bool = False
     physics_step: float = 0.0
+    position_time_constant: float = 0.2
+    tells_of_motion: bool = False
 
 
 @dataclass(frozen=True)
@@ -146,6 +152,10 @@ class Controller(WitnesslessSystem):
     def timeout(self, topic: str) -> float | None:
         """How long a message on a topic holds (s) before the port is cleared again; None for ever."""
         return None
+
+    def starts_or_stops(self, before: Any, now: Any) -> bool:
+        """Whether a joint may be driven otherwise when one value on a topic's port follows another; None is none."""
+        return True
 
     def activate(self, context: Context) -> None:
         """Begins anew; whoever calls this has cleared the topics' ports."""
@@ -237,7 +247,10 @@ class PeriodicController(Controller):
     It samples its inputs at an update and holds its output until the next. What it writes acts in the physics step that
     begins there: Drake makes unrestricted updates before the discrete plant's. Its memory is one frozen value in the
     Context, so that a saved Context is a saved controller. An update that raises makes it write nothing, and ends the
-    advance so that it can be deactivated.
+    advance so that it can be deactivated. With ``tells_of_motion`` one that starts or stops a joint ends it, too.
+
+    A position that it writes is no farther from the joint than the joint's servo approaches within the velocity limit;
+    `drake_twin.diagram.servo_modes` says what Gazebo does.
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
@@ -246,6 +259,12 @@ class PeriodicController(Controller):
     def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
         super().__init__(setup, hints)
         self._nothing = (float("nan"),) * (len(self.claims) + len(self.hints))
+        self._reaches = self._position_reaches()
+        self._velocities = [
+            index
+            for index, claim in enumerate(self.claims)
+            if setup.tells_of_motion and claim.name == "velocity" and claim.joint in setup.layout.velocities
+        ]
         self._state_port = self.DeclareVectorInputPort("state", setup.layout.size)
         self._upstream_ports = {
             name: self.DeclareVectorInputPort(name, upstream.size) for name, upstream in setup.upstream.items()
@@ -261,6 +280,10 @@ class PeriodicController(Controller):
     def start(self, context: Context) -> Any:
         """The memory at activation."""
         return None
+
+    def starts_or_stops(self, before: Any, now: Any) -> bool:
+        """No joint is driven otherwise before the next update, which tells of it."""
+        return False
 
     def update(self, context: Context, time: float, memory: Any) -> Update:
         """One update.
@@ -333,12 +356,51 @@ class PeriodicController(Controller):
         try:
             update = self.update(context, time, sample.memory)
             commands = tuple(map(float, update.commands))
-            sample, notice = Sample(True, time, update.memory, commands), update.notice
+            if self._reaches:
+                commands = self._within_reach(context, commands)
+            notice = update.notice or (bool(self._velocities) and self._tells_of(sample.commands, commands))
+            sample = Sample(True, time, update.memory, commands)
         except Exception as error:  # whatever a controller raises concerns that controller alone
             sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
             notice = True
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
         return EventStatus.ReachedTermination(self, self.setup.name) if notice else EventStatus.Succeeded()
 
+    def _position_reaches(self) -> tuple[PositionReach, ...]:
+        """The reach of each position that it writes to a joint with a velocity limit."""
+        setup, interfaces = self.setup, (*self.claims, *self.hints)
+        reaches = []
+        for index, (name, interface) in enumerate(interfaces):
+            joint = setup.description.joints_by_name.get(name)  # None for a reference of another controller
+            if interface == "position" and joint is not None and 0 < joint.limits.velocity < inf:
+                hint = Interface(name, "velocity")
+                reaches.append(
+                    PositionReach.of_joint(
+                        position=index,
+                        velocity=interfaces.index(hint) if hint in interfaces else None,
+                        joint=setup.layout.positions[name],
+                        velocity_limit=joint.limits.velocity,
+                        time_constant=setup.position_time_constant,
+                        period=setup.update_period,
+                    )
+                )
+        return tuple(reaches)
+
+    def _within_reach(self, context: Context, commands: tuple[float, ...]) -> tuple[float, ...]:
+        """The commands with each position within its reach."""
+        state, limited = self._state_port.Eval(context).tolist(), list(commands)
+        for reach in self._reaches:
+            limited[reach.position] = reach.limited(commands, state)
+        return tuple(limited)
+
+    def _tells_of(self, before: Sequence[float], now: Sequence[float]) -> bool:
+        """Whether a commanded velocity is zero, or none, and was not before; or the other way round."""
+        return any(is_motion(before[index]) != is_motion(now[index]) for index in self._velocities)
+
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self.sample(context).commands)
+
+
+def is_motion(velocity: float) -> bool:
+    """Whether a commanded velocity, NaN where there is none, moves a joint."""
+    return velocity != 0.0 and not isnan(velocity)

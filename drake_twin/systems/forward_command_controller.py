@@ -9,7 +9,7 @@ from pydrake.systems.framework import BasicVector, Context, InputPort
 from drake_twin import messages
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
-from drake_twin.systems.controller import Controller, ControllerSetup, Interface
+from drake_twin.systems.controller import Controller, ControllerSetup, Interface, is_motion
 
 
 @dataclass(frozen=True)
@@ -116,6 +116,16 @@ class ForwardCommandController(Controller):
             if not isfinite(number):
                 raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
         return messages.Numbers(data)
+
+    def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
+        """A new position may be far away, and a velocity of zero brakes."""
+        if before is None or now is None:
+            return True
+        pairs = zip(self.claims, before.data, now.data, strict=True)
+        return any(
+            claim.name == "position" or (claim.name == "velocity" and is_motion(old) != is_motion(new))
+            for claim, old, new in pairs
+        )
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         numbers = self._commands.Eval(context)

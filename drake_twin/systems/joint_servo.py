@@ -27,7 +27,7 @@ class ServoAssignment(Frozen):
     where nothing is commanded.
 
     Attributes:
-        modes: what drives each actuator, as in `drake_twin.diagram.servo_gains`.
+        modes: how each actuator is driven, as in `drake_twin.diagram.servo_gains`.
         holds: the position that is held as long as none is commanded (rad or m).
         positions: the commanded position.
         velocities: the commanded velocity, or the one that goes with the position.
@@ -46,7 +46,8 @@ class JointServo(WitnesslessSystem):
 
     The servo itself is Drake's implicit PD inside the plant, so no Python runs in a physics step. As in
     gz_ros2_control, a joint that no controller has claimed is held, one whose velocity is claimed and not yet written
-    stands still, and one whose effort is claimed and not yet written has none.
+    stands still, and one whose effort is claimed and not yet written has none. The assignment's modes say how a joint
+    is driven at the moment; `drake_twin.diagram.servo_modes` changes them as commands and motion demand.
 
     .. pydrake_system::
 
@@ -71,6 +72,7 @@ class JointServo(WitnesslessSystem):
         as_position: for a continuous plant, the seconds by which a velocity is ahead of its position, for each mode and
             each actuator: Drake's CENIC takes velocity targets with the wrong sign, so they come as positions. None for
             a discrete plant.
+        own_velocities: the velocities of the modes that have their own, whatever is commanded (rad/s or m/s).
         lower: three rows (position, velocity, effort) of the lowest command for each actuator.
         upper: of the highest.
     """
@@ -82,9 +84,11 @@ class JointServo(WitnesslessSystem):
         lower: np.ndarray,
         upper: np.ndarray,
         as_position: Mapping[str, Sequence[float]] | None = None,
+        own_velocities: Mapping[str, Sequence[float]] | None = None,
     ):
         super().__init__()
         self._as_position = as_position
+        self._own_velocities = own_velocities or {}
         self._lower, self._upper = np.array(lower, dtype=float).tolist(), np.array(upper, dtype=float).tolist()
         self._ports = [self.DeclareVectorInputPort(name, size) for name, size in controllers.items()]
         self._assignment: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(assignment))
@@ -117,10 +121,10 @@ class JointServo(WitnesslessSystem):
         """Lets the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
         context.SetAbstractState(int(self._assignment), assignment)
 
-    def set_points(self, context: Context) -> list[float]:
-        """The positions that are commanded or held at present (rad or m), an element for each actuator."""
-        assignment = self.assignment(context)
-        return self._set_points(assignment, self._values(context))
+    def commanded(self, context: Context) -> tuple[list[float], list[float]]:
+        """The positions and the velocities that are commanded at present, for each actuator; NaN where none is."""
+        assignment, values = self.assignment(context), self._values(context)
+        return self._clamped(0, values, assignment.positions), self._clamped(1, values, assignment.velocities)
 
     def _values(self, context: Context) -> list[float]:
         """All controllers' values, and NaN as the last one."""
@@ -131,19 +135,17 @@ class JointServo(WitnesslessSystem):
         limits = zip(sources, self._lower[row], self._upper[row], strict=True)
         return [min(max(values[source], lower), upper) for source, lower, upper in limits]
 
-    def _set_points(self, assignment: ServoAssignment, values: Sequence[float]) -> list[float]:
-        commanded = self._clamped(0, values, assignment.positions)
-        return [hold if isnan(value) else value for hold, value in zip(assignment.holds, commanded, strict=True)]
-
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
-        assignment, values = self.assignment(context), self._values(context)
-        positions = self._set_points(assignment, values)
-        velocities = self._clamped(1, values, assignment.velocities)
+        assignment = self.assignment(context)
+        commanded, velocities = self.commanded(context)
+        positions = [hold if isnan(value) else value for hold, value in zip(assignment.holds, commanded, strict=True)]
         for index, (source, position) in enumerate(zip(assignment.positions, positions, strict=True)):
             # At the end of its range a joint does not go on at the velocity that goes with a position beyond.
             at_end = source >= 0 and not self._lower[0][index] < position < self._upper[0][index]
             if at_end or isnan(velocities[index]):
                 velocities[index] = 0.0
+            if assignment.modes[index] in self._own_velocities:
+                velocities[index] = self._own_velocities[assignment.modes[index]][index]
         if self._as_position is not None:
             ahead = [self._as_position[mode][index] for index, mode in enumerate(assignment.modes)]
             positions = [p + v * seconds for p, v, seconds in zip(positions, velocities, ahead, strict=True)]

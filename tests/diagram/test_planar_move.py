@@ -201,7 +201,8 @@ def test_its_controller_claims_the_base_and_lets_go_of_it(sled):
     assert manager.switch_controller(deactivate=["object_controller"])
     moving = pose(twin)[0]
     twin.advance_to(5.0)
-    assert pose(twin)[0] == pytest.approx(moving + 0.1, abs=0.01)  # held where it stops without going back
+    stopped = pose(twin)[0]
+    assert moving < stopped <= moving + 0.5**2 / (2 * 30)  # it brakes with 30 N for each kg, and rubs besides
     assert manager.switch_controller(activate=["object_controller"])
     twin.publish("/sled/cmd_vel", twist(0, 0.5))
     twin.advance_to(6.0)

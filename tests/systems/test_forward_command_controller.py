@@ -98,3 +98,13 @@ def test_a_command_holds_as_long_as_the_parameter_command_timeout_says():
     assert make_dut().timeout("commands") is None
     parameters = ForwardCommandParameters(("left",), "velocity", command_timeout=0.5)
     assert make_dut(parameters=parameters).timeout("commands") == 0.5
+
+
+def test_a_velocity_starts_or_stops_a_joint_where_it_becomes_or_ceases_to_be_zero_and_a_position_always_may():
+    velocities = make_dut()
+    positions = make_dut(parameters=ForwardCommandParameters(("arm",), "position"))
+    assert not velocities.starts_or_stops(messages.Numbers((1.0, 2.0, 0.0)), messages.Numbers((-3.0, 1.0, 0.0)))
+    assert velocities.starts_or_stops(messages.Numbers((1.0, 2.0, 0.0)), messages.Numbers((1.0, 0.0, 0.0)))
+    assert velocities.starts_or_stops(messages.Numbers((1.0, 2.0, 0.0)), None)
+    assert velocities.starts_or_stops(None, messages.Numbers((0.0, 0.0, 0.0)))
+    assert positions.starts_or_stops(messages.Numbers((1.0,)), messages.Numbers((1.0,)))

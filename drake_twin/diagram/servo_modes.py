@@ -1,0 +1,192 @@
+"""How each joint of a robot is driven at a moment: it follows what is commanded, brakes, or is held.
+
+A joint of which no motion is commanded brakes with all of its effort until it is at rest, and is held there. So does
+one whose commanded velocity is zero: it does not creep under a load, as it would by following the zero. Where more than
+its effort pushes it away, it is held where that leaves it.
+
+A position that is farther away than its servo could approach within the joint's velocity limit is approached at that
+limit. In Gazebo, gz_ros2_control writes ``gain · error`` as the velocity of a position interface, and the physics clamp
+it to the joint's limit, whatever ``enforce_command_limits`` says.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isnan
+
+import numpy as np
+
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.diagram.servo_gains import (
+    BRAKE,
+    DOWN,
+    EFFORT,
+    FREE,
+    HOLD,
+    POSITION,
+    REST_VELOCITY,
+    UP,
+    VELOCITY,
+    ServoGains,
+)
+from drake_twin.systems.joint_servo import ServoAssignment
+
+# How often joints that brake or approach a far position are looked at, and those held against a commanded velocity of
+# zero, which may be pushed away (s).
+CHECK_PERIOD = 0.01
+_SLIP_PERIOD = 0.1
+
+# A joint at rest that is this close to its commanded position is held at that, not where it is: what it bears makes
+# the difference, or what it grips (rad or m).
+_REACHED = 1e-2
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class DrivenJoint:
+    """What limits the joint of an actuator.
+
+    Attributes:
+        stiffness: its position servo's (N·m/rad or N/m).
+        time_constant: at which that approaches a position, and comes to rest (s).
+        effort_limit: N·m or N.
+        lower: the lowest position at which it is held (rad or m).
+        upper: the highest.
+        velocity_limit: the largest velocity at which it approaches a position (rad/s or m/s).
+    """
+
+    stiffness: float
+    time_constant: float
+    effort_limit: float
+    lower: float
+    upper: float
+    velocity_limit: float
+
+
+@dataclass(frozen=True)
+class JointMotion:
+    """How the joints of a robot's actuators move, and what is commanded of them; an element for each actuator.
+
+    Attributes:
+        positions: where they are (rad or m).
+        velocities: how they move (rad/s or m/s).
+        gravity: what gravity does to them (N·m or N); needed at a check.
+        commanded_positions: NaN where none is commanded.
+        commanded_velocities: likewise.
+    """
+
+    positions: Sequence[float]
+    velocities: Sequence[float]
+    gravity: Sequence[float]
+    commanded_positions: Sequence[float]
+    commanded_velocities: Sequence[float]
+
+
+def velocity_limits(description: RobotDescription, joints: Sequence[str | None]) -> list[float]:
+    """The velocity limit of each actuator's joint (rad/s or m/s); infinite where its file has none."""
+    limits = [inf if joint is None else description.joints_by_name[joint].limits.velocity for joint in joints]
+    return [limit if limit > 0 else inf for limit in limits]
+
+
+def driven_joints(
+    description: RobotDescription, joints: Sequence[str | None], gains: Sequence[ServoGains | None]
+) -> tuple[DrivenJoint | None, ...]:
+    """What limits each actuator's joint; None for an actuator that models friction."""
+    driven: list[DrivenJoint | None] = []
+    for joint, servo, velocity_limit in zip(joints, gains, velocity_limits(description, joints), strict=True):
+        if joint is None or servo is None:
+            driven.append(None)
+        else:
+            limits = description.joints_by_name[joint].limits
+            p, d = servo.position.p, servo.position.d
+            driven.append(DrivenJoint(p, d / p, servo.effort_limit, limits.lower, limits.upper, velocity_limit))
+    return tuple(driven)
+
+
+def next_modes(
+    now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion, *, is_check: bool
+) -> ServoAssignment:
+    """The assignment with the modes that follow from what is commanded and how the joints move.
+
+    Args:
+        now: the present assignment.
+        joints: what limits the joints.
+        motion: how they move.
+        is_check: whether joints may come to rest or slip now, which they do at the times of `check_period` alone.
+    """
+    modes, holds = list(now.modes), list(now.holds)
+    for index, joint in enumerate(joints):
+        if joint is not None and modes[index] not in (EFFORT, FREE):
+            modes[index], holds[index] = _next_mode(now, index, joint, motion, is_check=is_check)
+    return now if modes == [*now.modes] else replace(now, modes=tuple(modes), holds=tuple(holds))
+
+
+def without_commands(
+    now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion
+) -> tuple[tuple[str, ...], tuple[float, ...]]:
+    """The modes and held positions of joints that nothing is commanded of any more: none jumps, none turns back.
+
+    A joint that rests where it was told to be stays held there. Any other one brakes.
+    """
+    modes, holds = [BRAKE] * len(joints), list(now.holds)
+    for index, (joint, mode) in enumerate(zip(joints, now.modes, strict=True)):
+        if joint is None:
+            continue
+        position, velocity = motion.positions[index], motion.velocities[index]
+        target = motion.commanded_positions[index]
+        if mode == HOLD:
+            modes[index] = HOLD
+        elif mode == POSITION and abs(velocity) <= REST_VELOCITY and abs(target - position) <= _REACHED:
+            modes[index], holds[index] = HOLD, float(np.clip(target, joint.lower, joint.upper))
+    return tuple(modes), tuple(holds)
+
+
+def released(now: ServoAssignment, indices: Collection[int]) -> ServoAssignment:
+    """The assignment after joints have been moved by other means: one whose velocity is commanded is not pulled back.
+
+    Args:
+        now: the present assignment.
+        indices: those of the joints' actuators.
+    """
+    modes = [BRAKE if i in indices and _may_slip(now, i) else mode for i, mode in enumerate(now.modes)]
+    return replace(now, modes=tuple(modes))
+
+
+def check_period(assignment: ServoAssignment) -> float | None:
+    """How often `next_modes` is to be asked again while nothing is commanded anew (s); None for never."""
+    if any(mode in (BRAKE, UP, DOWN) for mode in assignment.modes):
+        return CHECK_PERIOD
+    if any(_may_slip(assignment, index) for index in range(len(assignment.modes))):
+        return _SLIP_PERIOD
+    return None
+
+
+def _next_mode(
+    now: ServoAssignment, index: int, joint: DrivenJoint, motion: JointMotion, *, is_check: bool
+) -> tuple[str, float]:
+    """How a joint is driven from here on, and where it is held."""
+    mode, hold = now.modes[index], now.holds[index]
+    position, velocity = motion.positions[index], motion.velocities[index]
+    target, speed = motion.commanded_positions[index], motion.commanded_velocities[index]
+    if isnan(speed):
+        speed = 0.0
+    if not isnan(target):
+        approach = (target - position) / max(joint.time_constant, CHECK_PERIOD) + speed
+        if abs(approach) <= joint.velocity_limit * (1 + _ROUNDING):
+            return POSITION, hold
+        return (UP if approach > 0 else DOWN), hold
+    if speed != 0.0:
+        return (VELOCITY if now.positions[index] < 0 else POSITION), hold
+    if mode == HOLD:
+        slips = is_check and _may_slip(now, index) and joint.stiffness * abs(hold - position) > joint.effort_limit
+        return (BRAKE if slips else HOLD), hold
+    if mode == BRAKE and is_check and abs(velocity) <= REST_VELOCITY:
+        hold = position + velocity * joint.time_constant - motion.gravity[index] / joint.stiffness
+        return HOLD, float(np.clip(hold, joint.lower, joint.upper))
+    return BRAKE, hold
+
+
+def _may_slip(assignment: ServoAssignment, index: int) -> bool:
+    """Whether a joint is held because its commanded velocity is zero."""
+    is_velocity = assignment.velocities[index] >= 0 and assignment.positions[index] < 0
+    return is_velocity and assignment.modes[index] == HOLD
