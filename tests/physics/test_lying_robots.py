@@ -1,0 +1,89 @@
+"""Robots lie and stand still: a quadruped on its belly, and all of example-robot-data (the extra ``corpus``)."""
+
+import sysconfig
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import ENGINES, Scene, every_engine, position, static_box
+
+from drake_twin import Twin
+from drake_twin.launch.robot_file import robot_file_scenario
+
+SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
+DATA = SHARE / "example-robot-data" / "robots"
+SETTLED, MEASURED = 60.0, 10.0  # s; limp arms with damping take a minute to sink down
+
+# They have no collision shapes, or none that reaches the ground: they fall.
+FALLING = {"alexander_v1.lowerBodyOnly", "human", "simple_humanoid_classical"}
+
+LEG = """<link name="{name}"><inertial><mass value="0.4"/><origin xyz="0 0 -0.1"/>
+<inertia ixx="0.002" iyy="0.002" izz="0.0004" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><origin xyz="0 0 -0.2"/><geometry><sphere radius="0.02"/></geometry></collision></link>
+<joint name="{name}_joint" type="revolute"><parent link="trunk"/><child link="{name}"/><origin xyz="{x} {y} 0"/>
+<axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="20" velocity="20"/><dynamics damping="0.05" friction="0.2"/>
+</joint>"""
+
+
+def quadruped():
+    legs = [
+        LEG.format(name=f"{end}_{side}", x=x, y=y)
+        for end, x in (("front", 0.2), ("hind", -0.2))
+        for side, y in (("left", 0.13), ("right", -0.13))
+    ]
+    return f"""<robot name="dog"><link name="trunk"><inertial><mass value="8"/>
+<inertia ixx="0.03" iyy="0.1" izz="0.12" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="0.4 0.2 0.12"/></geometry></collision></link>{"".join(legs)}</robot>"""
+
+
+@every_engine
+@pytest.mark.parametrize("tilt", [0.0, np.radians(12.0)])
+def test_a_quadruped_lies_on_its_belly(figure, tmp_path, engine, tilt):
+    scene = Scene(tmp_path, engine, static_box(tilt))
+    joints = [f"{end}_{side}_joint" for end in ("front", "hind") for side in ("left", "right")]
+    legs = dict.fromkeys(joints, 1.45)
+    twin = scene.add("dog", quadruped(), (0, 0, 0.07), (0, tilt, 0), initial_positions=legs).build()
+    twin.advance_to(5.0)
+    start = position(twin, "dog")
+    twin.advance_to(10.0)
+    moved = np.linalg.norm(position(twin, "dog") - start)
+    assert figure("limp quadruped on its belly, 5 s: moves (mm)", 1e3 * moved) < 1.0
+    fastest = np.abs(twin.robot_state("dog").velocities).max()
+    assert figure("limp quadruped on its belly: fastest joint (rad/s)", fastest) < 2e-3
+
+
+def resisted(twin, plan):
+    """The velocities (rad/s) of the joints that damping, friction or a servo resists."""
+    plant, context = twin.plant, twin.plant.GetMyContextFromRoot(twin.context)
+    instance = plant.GetModelInstanceByName(plan.name)
+    held = {plant.get_joint_actuator(index).joint().name() for index in plant.GetJointActuatorIndices(instance)}
+    found = [0.0]
+    for joint in map(plant.get_joint, plant.GetJointIndices(instance)):
+        if joint.num_velocities() == 1 and (joint.name() in held or joint.default_damping_vector()[0] > 0):
+            found.append(plant.GetVelocities(context)[joint.velocity_start()])
+    return np.abs(found)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'")
+@every_engine
+@pytest.mark.parametrize("file", sorted(DATA.glob("**/*.urdf")), ids=lambda file: file.stem)
+def test_robots_that_nobody_here_wrote_lie_still(figure, file, engine):
+    scenario = robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)])
+    twin = Twin(replace(scenario, **ENGINES[engine]))
+    (plan,) = twin.plans
+    if file.stem in FALLING:
+        pytest.skip("it has no collision shape that reaches the ground")
+    twin.advance_to(SETTLED)
+    start, moved, fastest = np.array(twin.entity_state(plan.name).position), 0.0, 0.0
+    while twin.time < SETTLED + MEASURED - 1e-9:
+        twin.advance_to(twin.time + 0.1)
+        moved = max(moved, float(np.linalg.norm(np.array(twin.entity_state(plan.name).position) - start)))
+        fastest = max(fastest, float(resisted(twin, plan).max()))
+    limp = not (resisted(twin, plan).size > 1)
+    print(f"{file.stem}, {engine}: moves {1e3 * moved:.3f} mm, fastest joint {fastest:.1e} rad/s{' (limp)' * limp}")
+    figure("robots of example-robot-data, 10 s: move (mm)", 1e3 * moved)
+    figure("robots of example-robot-data: fastest joint that is resisted (rad/s)", fastest)
+    assert moved < 1e-3
+    assert fastest < 2e-3
