@@ -21,7 +21,6 @@ DATA = SHARE / "example-robot-data" / "robots"
 BODY = pinocchio.FrameType.BODY
 URDFS = sorted(DATA.glob("**/*.urdf"))
 
-pytestmark = pytest.mark.slow
 needs_data = pytest.mark.skipif(
     not URDFS, reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'"
 )

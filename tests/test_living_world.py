@@ -136,7 +136,6 @@ def test_reset_keeps_who_is_there_and_begins_anew(twin):
     assert twin.robots[-1] == "new"
 
 
-@pytest.mark.slow
 def test_two_hundred_spawns_and_deletes_leave_nothing_behind():
     rng = np.random.default_rng(3)
     twin = rovers(2).build()

@@ -63,7 +63,6 @@ def test_a_replay_ends_in_the_same_state():
     assert again.robots == twin.robots
 
 
-@pytest.mark.slow
 def test_a_minute_with_five_hundred_commands_five_spawns_and_two_pauses_in_another_process(tmp_path):
     twin = a_lively_run(60.0, commands=500, spawns=5, pauses=2)
     twin.recording().save(tmp_path / "run.json")

@@ -58,11 +58,10 @@ def resisted(twin, plan):
     plant, context = twin.plant, twin.plant.GetMyContextFromRoot(twin.context)
     instance = plant.GetModelInstanceByName(plan.name)
     held = {plant.get_joint_actuator(index).joint().name() for index in plant.GetJointActuatorIndices(instance)}
-    found = [0.0]
-    for joint in map(plant.get_joint, plant.GetJointIndices(instance)):
-        if joint.num_velocities() == 1 and (joint.name() in held or joint.default_damping_vector()[0] > 0):
-            found.append(plant.GetVelocities(context)[joint.velocity_start()])
-    return np.abs(found)
+    velocities = plant.GetVelocities(context)
+    joints = (joint for joint in map(plant.get_joint, plant.GetJointIndices(instance)) if joint.num_velocities() == 1)
+    moving = [joint for joint in joints if joint.name() in held or joint.default_damping_vector()[0] > 0]
+    return np.abs([0.0, *(velocities[joint.velocity_start()] for joint in moving)])
 
 
 @pytest.mark.slow
