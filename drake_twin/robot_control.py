@@ -15,11 +15,13 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, set_gains
 from drake_twin.diagram.servo_modes import (
+    CHECK_PERIOD,
     JointMotion,
     check_period,
     driven_joints,
     next_modes,
     released,
+    slipping_range,
     without_commands,
 )
 from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
@@ -149,7 +151,8 @@ class RobotControl:
 
     def check_joints(self) -> None:
         """Holds joints that have come to rest, and lets those slip that are pushed away."""
-        self._next_modes(is_check=True)
+        if self.check_period == CHECK_PERIOD or self._is_pushed_away():
+            self._next_modes(is_check=True)
 
     def release(self, joints: Collection[str]) -> None:
         """Holds joints that a velocity is commanded of where they have been put, and not where they were."""
@@ -259,6 +262,12 @@ class RobotControl:
             servo.assign(context, new)
             self._put_gains_in_force()
 
+    def _is_pushed_away(self) -> bool:
+        """Whether a joint slips, which is sooner told than how all are driven."""
+        plant = self._built.plant
+        q = plant.GetPositions(plant.GetMyContextFromRoot(self._context), self._in_plant.instance)
+        return not all(lower <= q[self._positions[index]] <= upper for index, lower, upper in self._slipping)
+
     def _motion(self, *, with_gravity: bool = False) -> JointMotion:
         """How the joints move, and what is commanded of them."""
         servo, plant, instance = self._parts.servo, self._built.plant, self._in_plant.instance
@@ -282,6 +291,7 @@ class RobotControl:
             assignment = servo.assignment(servo.GetMyContextFromRoot(self._context))
             set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
             self.check_period = check_period(assignment)
+            self._slipping = slipping_range(assignment, self._joints)
 
 
 def _like(present: Any, saved: Any) -> Any:

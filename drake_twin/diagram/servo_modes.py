@@ -33,7 +33,7 @@ from drake_twin.systems.joint_servo import ServoAssignment
 # How often joints that brake or approach a far position are looked at, and those held against a commanded velocity of
 # zero, which may be pushed away (s).
 CHECK_PERIOD = 0.01
-_SLIP_PERIOD = 0.1
+_SLIP_PERIOD = 0.2
 
 # A joint at rest that is this close to its commanded position is held at that, not where it is: what it bears makes
 # the difference, or what it grips (rad or m).
@@ -49,7 +49,7 @@ class DrivenJoint:
     Attributes:
         stiffness: its position servo's (N·m/rad or N/m).
         time_constant: at which that approaches a position, and comes to rest (s).
-        effort_limit: N·m or N.
+        yields: how far it is from where it is held once all of its effort holds it (rad or m).
         lower: the lowest position at which it is held (rad or m).
         upper: the highest.
         velocity_limit: the largest velocity at which it approaches a position (rad/s or m/s).
@@ -57,7 +57,7 @@ class DrivenJoint:
 
     stiffness: float
     time_constant: float
-    effort_limit: float
+    yields: float
     lower: float
     upper: float
     velocity_limit: float
@@ -99,7 +99,7 @@ def driven_joints(
         else:
             limits = description.joints_by_name[joint].limits
             p, d = servo.position.p, servo.position.d
-            driven.append(DrivenJoint(p, d / p, servo.effort_limit, limits.lower, limits.upper, velocity_limit))
+            driven.append(DrivenJoint(p, d / p, servo.effort_limit / p, limits.lower, limits.upper, velocity_limit))
     return tuple(driven)
 
 
@@ -161,6 +161,17 @@ def check_period(assignment: ServoAssignment) -> float | None:
     return None
 
 
+def slipping_range(
+    assignment: ServoAssignment, joints: Sequence[DrivenJoint | None]
+) -> tuple[tuple[int, float, float], ...]:
+    """The joints that slip outside of a range: the index of each one's actuator, and the lower and upper end."""
+    return tuple(
+        (index, assignment.holds[index] - joint.yields, assignment.holds[index] + joint.yields)
+        for index, joint in enumerate(joints)
+        if joint is not None and _may_slip(assignment, index)
+    )
+
+
 def _next_mode(
     now: ServoAssignment, index: int, joint: DrivenJoint, motion: JointMotion, *, is_check: bool
 ) -> tuple[str, float]:
@@ -178,7 +189,7 @@ def _next_mode(
     if speed != 0.0:
         return (VELOCITY if now.positions[index] < 0 else POSITION), hold
     if mode == HOLD:
-        slips = is_check and _may_slip(now, index) and joint.stiffness * abs(hold - position) > joint.effort_limit
+        slips = is_check and _may_slip(now, index) and abs(hold - position) > joint.yields
         return (BRAKE if slips else HOLD), hold
     if mode == BRAKE and is_check and abs(velocity) <= REST_VELOCITY:
         hold = position + velocity * joint.time_constant - motion.gravity[index] / joint.stiffness

@@ -15,7 +15,7 @@ from drake_twin.diagram.servo_modes import (
 )
 from drake_twin.systems.joint_servo import ServoAssignment
 
-JOINT = DrivenJoint(stiffness=10.0, time_constant=0.2, effort_limit=5.0, lower=-1.0, upper=1.0, velocity_limit=2.0)
+JOINT = DrivenJoint(stiffness=10.0, time_constant=0.2, yields=0.5, lower=-1.0, upper=1.0, velocity_limit=2.0)
 VELOCITY_CLAIMED = ServoAssignment(("hold",), (0.3,), (-1,), (0,), (-1,))
 POSITION_CLAIMED = ServoAssignment(("hold",), (0.3,), (0,), (-1,), (-1,))
 UNCLAIMED = ServoAssignment(("hold",), (0.3,), (-1,), (-1,), (-1,))
@@ -86,7 +86,7 @@ def test_nothing_is_looked_at_while_nothing_brakes_or_may_slip():
     assert check_period(UNCLAIMED) is None
     assert check_period(POSITION_CLAIMED) is None
     assert check_period(replace(VELOCITY_CLAIMED, modes=("velocity",))) is None
-    assert check_period(VELOCITY_CLAIMED) == pytest.approx(0.1)
+    assert check_period(VELOCITY_CLAIMED) == pytest.approx(0.2)
     for mode in ("brake", "up", "down"):
         assert check_period(replace(UNCLAIMED, modes=(mode,))) == pytest.approx(0.01)
 
