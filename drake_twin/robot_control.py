@@ -28,6 +28,7 @@ from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
 from drake_twin.errors import CommandError
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.systems.controller import Controller, PeriodicController
+from drake_twin.systems.joint_servo import ServoAssignment
 from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 
 _log = logging.getLogger(__name__)
@@ -59,6 +60,7 @@ class RobotControl:
         self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
         self.stopped = False
         self.check_period: float | None = None
+        self._kept: ServoAssignment | None = None
 
     def use(self, built: TwinDiagram, context: Context) -> None:
         """Works with a diagram from now on; states have been carried over to it."""
@@ -144,6 +146,18 @@ class RobotControl:
         """Deactivates a controller, and says so."""
         stopped = self.manager.give_up(controller)
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
+
+    def keep_modes(self) -> None:
+        """Keeps how the joints are driven, for `take_back`."""
+        self._kept = None
+
+    def take_back(self) -> None:
+        """Drives the joints as when `keep_modes` was called: the step that was to follow has failed."""
+        servo = self._parts.servo
+        if servo is not None and self._kept is not None:
+            servo.assign(servo.GetMyMutableContextFromRoot(self._context), self._kept)
+            self._put_gains_in_force()
+            self._kept = None
 
     def follow_commands(self) -> None:
         """Lets the joints be driven as is commanded now."""
@@ -259,6 +273,7 @@ class RobotControl:
             now, self._joints, self._motion(with_gravity=is_check and BRAKE in now.modes), is_check=is_check
         )
         if new is not now:
+            self._kept = self._kept or now
             servo.assign(context, new)
             self._put_gains_in_force()
 

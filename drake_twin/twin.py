@@ -895,6 +895,8 @@ class Twin:
                 target = step_at(time, self.scenario.time_step)
                 continue
             start, wrenches = self._running.moment(), self._wrenches
+            for control in self._controls.values():
+                control.keep_modes()
             self._apply_commands()
             for control in self._controls.values():
                 if control.check_period is not None and self._step % self._steps(control.check_period) == 0:
@@ -939,6 +941,8 @@ class Twin:
             self._wrenches = wrenches
             self._running.set_wrenches(wrenches)
             self._commands.take_back()
+            for control in self._controls.values():
+                control.take_back()
         self._running.go_back(good)
         return found
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tests in physics
 
 from drake_twin.launch.builder import TwinBuilder
 
