@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from math import isfinite
+from operator import attrgetter
 from typing import Any
 
 from pydrake.common.value import Value
@@ -17,6 +18,7 @@ from drake_twin.schedule import ScheduledCommand, step_at
 from drake_twin.snapshot import Snapshot
 
 _ROUNDING = 1e-9  # s
+_published = attrgetter("published")
 _ObjectValue = Value[object]  # what AbstractValue.Make would look up each time
 
 
@@ -103,7 +105,7 @@ class Commands:
         self._before = None
         if not (self.schedule or self.expiries or self._queue):
             return
-        published = [item.published for item in self.schedule]
+        published = list(map(_published, self.schedule))
         self._before = _Before(dict(self.values), dict(self.expiries), self._queue, published)
         due = []
         for scheduled in self.schedule:

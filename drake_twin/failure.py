@@ -75,7 +75,7 @@ def failure(
 
 def is_possible(state: np.ndarray) -> bool:
     """Whether a state is made of finite numbers, none of them absurdly large."""
-    return bool((np.abs(state) < _ABSURD).all())  # which NaN is not
+    return bool(np.logical_and.reduce(np.abs(state) < _ABSURD))  # which NaN is not
 
 
 def _lost(lost: Sequence[_Mover], was_good: bool) -> str:

@@ -45,6 +45,7 @@ class RobotControl:
     Attributes:
         manager: the controller manager.
         stopped: whether an emergency stop holds.
+        kept: how the joints were driven before that changed; the twin clears it before each advance.
         check_period: how often `check_joints` is to be called (s); None while no joint needs it.
     """
 
@@ -60,7 +61,7 @@ class RobotControl:
         self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
         self.stopped = False
         self.check_period: float | None = None
-        self._kept: ServoAssignment | None = None
+        self.kept: ServoAssignment | None = None
 
     def use(self, built: TwinDiagram, context: Context) -> None:
         """Works with a diagram from now on; states have been carried over to it."""
@@ -147,17 +148,13 @@ class RobotControl:
         stopped = self.manager.give_up(controller)
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
 
-    def keep_modes(self) -> None:
-        """Keeps how the joints are driven, for `take_back`."""
-        self._kept = None
-
     def take_back(self) -> None:
-        """Drives the joints as when `keep_modes` was called: the step that was to follow has failed."""
+        """Drives the joints as `kept` has it: the step that was to follow has failed."""
         servo = self._parts.servo
-        if servo is not None and self._kept is not None:
-            servo.assign(servo.GetMyMutableContextFromRoot(self._context), self._kept)
+        if servo is not None and self.kept is not None:
+            servo.assign(servo.GetMyMutableContextFromRoot(self._context), self.kept)
             self._put_gains_in_force()
-            self._kept = None
+            self.kept = None
 
     def follow_commands(self) -> None:
         """Lets the joints be driven as is commanded now."""
@@ -273,7 +270,7 @@ class RobotControl:
             now, self._joints, self._motion(with_gravity=is_check and BRAKE in now.modes), is_check=is_check
         )
         if new is not now:
-            self._kept = self._kept or now
+            self.kept = self.kept or now
             servo.assign(context, new)
             self._put_gains_in_force()
 
@@ -294,9 +291,9 @@ class RobotControl:
             forces = plant.GetVelocitiesFromArray(instance, plant.CalcGravityGeneralizedForces(context)).tolist()
             gravity[-len(forces) :] = forces
         return JointMotion(
-            [state[index] for index in self._positions],
-            [state[index] for index in self._velocities],
-            [gravity[index] for index in self._velocities],
+            list(map(state.__getitem__, self._positions)),
+            list(map(state.__getitem__, self._velocities)),
+            list(map(gravity.__getitem__, self._velocities)),
             *servo.commanded(servo.GetMyContextFromRoot(self._context)),
         )
 

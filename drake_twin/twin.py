@@ -896,7 +896,7 @@ class Twin:
                 continue
             start, wrenches = self._running.moment(), self._wrenches
             for control in self._controls.values():
-                control.keep_modes()
+                control.kept = None
             self._apply_commands()
             for control in self._controls.values():
                 if control.check_period is not None and self._step % self._steps(control.check_period) == 0:

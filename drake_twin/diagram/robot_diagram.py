@@ -16,7 +16,7 @@ from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, control
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
-from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, SETTLING_TIME, UP, ServoGains
+from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
 from drake_twin.diagram.servo_modes import velocity_limits
 from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
 from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
@@ -212,7 +212,8 @@ def _add_servo(
             mode: [0.0 if servo is None else servo.velocity_as_position(mode) for servo in gains] for mode in MODES
         }
     fastest = np.array(velocity_limits(description, joints))
-    own_velocities = {BRAKE: np.zeros(len(joints)).tolist(), UP: fastest.tolist(), DOWN: (-fastest).tolist()}
+    still = np.zeros(len(joints)).tolist()
+    own_velocities = {BRAKE: still, REST: still, UP: fastest.tolist(), DOWN: (-fastest).tolist()}
     sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
         _free_name(builder, "joint_servo"),

@@ -101,10 +101,11 @@ def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
 VELOCITY_AS_POSITION = 1e7
 
 # What drives a joint: its position is held, one of its command interfaces is written, or nothing holds it. It brakes
-# until it can be held. A position that is far away is approached at the joint's velocity limit, up or down.
+# until it can be held, or rests where a position is too large a number to be held exactly. A position that is far away
+# is approached at the joint's velocity limit, up or down.
 HOLD, POSITION, VELOCITY, EFFORT, FREE = "hold", "position", "velocity", "effort", "free"
-BRAKE, UP, DOWN = "brake", "up", "down"
-MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE, BRAKE, UP, DOWN)
+BRAKE, REST, UP, DOWN = "brake", "rest", "up", "down"
+MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE, BRAKE, REST, UP, DOWN)
 
 # Drake ends the process when both gains are zero. This damping does nothing.
 _NO_GAINS = PdControllerGains(p=0.0, d=1e-9)
@@ -137,7 +138,7 @@ class ServoGains:
             return self.position
         if mode in (VELOCITY, UP, DOWN):
             return self.velocity
-        return self.brake if mode == BRAKE else _NO_GAINS
+        return self.brake if mode in (BRAKE, REST) else _NO_GAINS
 
 
 def servo_gains(

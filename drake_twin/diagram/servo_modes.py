@@ -23,6 +23,7 @@ from drake_twin.diagram.servo_gains import (
     FREE,
     HOLD,
     POSITION,
+    REST,
     REST_VELOCITY,
     UP,
     VELOCITY,
@@ -38,6 +39,10 @@ _SLIP_PERIOD = 0.2
 # A joint at rest that is this close to its commanded position is held at that, not where it is: what it bears makes
 # the difference, or what it grips (rad or m).
 _REACHED = 1e-2
+
+# Farther than this from zero a joint is not held at its position, but goes on braking (rad or m): Drake's servo works
+# with the position itself, and its solver fails for a light wheel that has turned by 1000 rad.
+_FAR = 10.0
 
 _ROUNDING = 1e-9
 
@@ -191,7 +196,11 @@ def _next_mode(
     if mode == HOLD:
         slips = is_check and _may_slip(now, index) and abs(hold - position) > joint.yields
         return (BRAKE if slips else HOLD), hold
+    if mode == REST:
+        return REST, hold
     if mode == BRAKE and is_check and abs(velocity) <= REST_VELOCITY:
+        if abs(position) > _FAR:
+            return REST, hold
         hold = position + velocity * joint.time_constant - motion.gravity[index] / joint.stiffness
         return HOLD, float(np.clip(hold, joint.lower, joint.upper))
     return BRAKE, hold

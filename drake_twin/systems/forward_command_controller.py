@@ -9,7 +9,7 @@ from pydrake.systems.framework import BasicVector, Context, InputPort
 from drake_twin import messages
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
-from drake_twin.systems.controller import Controller, ControllerSetup, Interface, is_motion
+from drake_twin.systems.controller import Controller, ControllerSetup, Interface
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,7 @@ class ForwardCommandController(Controller):
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
+        self._has_positions = any(claim.name == "position" for claim in self.claims)
         self._commands = self._declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
         self._declare_command_interfaces(
             self._calc_command_interfaces, {self.input_port_ticket(self._commands.get_index())}
@@ -121,11 +122,11 @@ class ForwardCommandController(Controller):
         """A new position may be far away, and a velocity of zero brakes."""
         if before is None or now is None:
             return True
-        pairs = zip(self.claims, before.data, now.data, strict=True)
-        return any(
-            claim.name == "position" or (claim.name == "velocity" and is_motion(old) != is_motion(new))
-            for claim, old, new in pairs
-        )
+        if self._has_positions:
+            return True
+        if before.data == now.data:
+            return False
+        return [value != 0.0 for value in before.data] != [value != 0.0 for value in now.data]
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         numbers = self._commands.Eval(context)
