@@ -16,6 +16,7 @@ from drake_twin.robot_control import RobotControl
 from drake_twin.scenario import Command
 from drake_twin.schedule import ScheduledCommand, step_at
 from drake_twin.snapshot import Snapshot
+from drake_twin.systems.controller import Controller
 
 _ROUNDING = 1e-9  # s
 _published = attrgetter("published")
@@ -136,20 +137,20 @@ class Commands:
     def set(self, topic: str, value: Any, time: float) -> None:
         """Puts a value onto a port at a time (s); None clears it."""
         before, item = self.values.get(topic), self._ports[topic]
-        self._put(topic, value, time)
         control = self._controls[item.robot]
-        if control.controllers[item.controller].starts_or_stops(before, value):
+        controller = control.controllers[item.controller]
+        self._put(topic, value, time, controller)
+        if controller.starts_or_stops(before, value):
             control.follow_commands()
 
-    def _put(self, topic: str, value: Any, time: float) -> None:
+    def _put(self, topic: str, value: Any, time: float, controller: Controller) -> None:
         self._fix(topic, value)
         self.values.pop(topic, None)
         self.expiries.pop(topic, None)
         if value is None:
             return
         self.values[topic] = value
-        item = self._ports[topic]
-        timeout = self._controls[item.robot].controllers[item.controller].timeout(item.name)
+        timeout = controller.timeout(self._ports[topic].name)
         if timeout is not None and isfinite(timeout):
             self.expiries[topic] = time + max(timeout, self._time_step)
 
@@ -185,7 +186,8 @@ class Commands:
             KeyError: likewise.
         """
         for topic, value in snapshot.commands.items():
-            self._put(topic, self._saved(topic, value), time)
+            saved, item = self._saved(topic, value), self._ports[topic]
+            self._put(topic, saved, time, self._controls[item.robot].controllers[item.controller])
         if not set(snapshot.expiries) <= set(snapshot.commands):
             raise ValueError("what expires is not commanded")
         self.expiries = dict(snapshot.expiries)
