@@ -186,8 +186,8 @@ class Commands:
             KeyError: likewise.
         """
         for topic, value in snapshot.commands.items():
-            saved, item = self._saved(topic, value), self._ports[topic]
-            self._put(topic, saved, time, self._controls[item.robot].controllers[item.controller])
+            saved, port = self._saved(topic, value), self._ports[topic]
+            self._put(topic, saved, time, self._controls[port.robot].controllers[port.controller])
         if not set(snapshot.expiries) <= set(snapshot.commands):
             raise ValueError("what expires is not commanded")
         self.expiries = dict(snapshot.expiries)
