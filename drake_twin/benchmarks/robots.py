@@ -14,7 +14,7 @@ from drake_twin.description.world_file import read_world
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 
-FRICTION = 2 * 0.9 * 1.0 / (0.9 + 1.0)  # of tyres on the ground, as Drake combines the two
+FRICTION = 0.9  # of tyres on the ground: the smaller one, as in Gazebo
 
 
 @dataclass(frozen=True)
