@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
 from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError
@@ -295,7 +296,7 @@ def _command(topic: str, text: str) -> Command:
     import yaml
 
     try:
-        value = yaml.safe_load(text)
+        value = load_yaml(text)
         data = value["data"] if isinstance(value, dict) and [*value] == ["data"] else value
         if isinstance(data, dict):
             return Command(topic, data)

@@ -6,13 +6,11 @@ from typing import Any
 
 import yaml
 
+from drake_twin.description.bounded_yaml import DEEPEST, compose_yaml
 from drake_twin.errors import InputError
-
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 # Aliases let a few lines stand for gigabytes; no scenario and no parameters file comes near this many values.
 _MOST_VALUES = 200_000
-_DEEPEST = 100
 
 _MERGE_TAG = "tag:yaml.org,2002:merge"
 
@@ -43,7 +41,7 @@ class YamlDocument:
         self._constructor = yaml.constructor.SafeConstructor()
         self._items_of_mapping: dict[yaml.Node, dict[Any, yaml.Node]] = {}
         try:
-            root = yaml.compose(text, Loader=_LOADER)
+            root = compose_yaml(text)
         except yaml.YAMLError as error:
             mark = getattr(error, "problem_mark", None)
             problem = getattr(error, "problem", None) or str(error).splitlines()[0]
@@ -67,8 +65,8 @@ class YamlDocument:
         self._lines[path] = node.start_mark.line + 1
         if len(self._lines) > _MOST_VALUES:
             raise InputError(f"the file holds more than {_MOST_VALUES} values", file=self.file)
-        if len(path) > _DEEPEST:
-            raise InputError(f"the values nest more than {_DEEPEST} deep", file=self.file, line=self._lines[path])
+        if len(path) > DEEPEST:
+            raise InputError(f"the values nest more than {DEEPEST} deep", file=self.file, line=self._lines[path])
         if isinstance(node, yaml.MappingNode):
             return {key: self._plain(value_node, (*path, key)) for key, value_node in self._items(node).items()}
         if isinstance(node, yaml.SequenceNode):
@@ -101,8 +99,8 @@ class YamlDocument:
         return self._items_of_mapping[node]
 
     def _merged_items(self, node: yaml.Node, depth: int) -> Iterator[tuple[Any, yaml.Node]]:
-        if depth > _DEEPEST:
-            raise InputError(f"<< nests more than {_DEEPEST} deep", file=self.file, line=node.start_mark.line + 1)
+        if depth > DEEPEST:
+            raise InputError(f"<< nests more than {DEEPEST} deep", file=self.file, line=node.start_mark.line + 1)
         for base in node.value if isinstance(node, yaml.SequenceNode) else [node]:
             if not isinstance(base, yaml.MappingNode):
                 raise InputError("<< takes a mapping or a list of them", file=self.file, line=base.start_mark.line + 1)

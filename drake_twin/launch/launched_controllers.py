@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 
+from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.launch.command_line import CommandLine, command_line
 from drake_twin.ros_launch.launched import NODE, PROCESS, LaunchedProcess, absolute_name, joined_namespace
@@ -142,7 +143,7 @@ def published_commands(process: LaunchedProcess) -> list[Command] | None:
 def _message(line: CommandLine, text: str) -> tuple[float, ...] | dict[str, Any]:
     """The numbers of a ``Float64MultiArray``, or any message's fields."""
     try:
-        data = yaml.safe_load(text)
+        data = load_yaml(text)
     except yaml.YAMLError:
         raise line.error(f"{text!r} is no YAML") from None
     if data is None:

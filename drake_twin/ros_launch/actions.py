@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.ros_launch.entity import Action, as_entities, visit_list
 from drake_twin.ros_launch.events import ChangeState, handle_in
@@ -446,11 +447,10 @@ class ForEach(Action):
 
     def execute(self, context: LaunchContext) -> None:
         """Visits what each round returns."""
-        import yaml
 
         for part in perform_substitutions(context, self.input_values).split(";"):
             if part.strip():
-                values = yaml.safe_load(part)
+                values = load_yaml(part)
                 if not isinstance(values, dict):
                     raise InputError(f"{part.strip()!r} is not a set of values such as {{name: 'a', x: 1}}")
                 _loop_round(context, values, self.function and self.function(**values), self.actions)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.ros_launch.launched import ParameterText, Scalar
 from drake_twin.ros_launch.launched import ParameterValue as Value
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from drake_twin.ros_launch.context import LaunchContext
 
 _SCALARS = (bool, int, float, str, bytes)
-_YAML_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class ParameterValue:
@@ -234,7 +234,7 @@ def _yaml_value(context: LaunchContext, text: str, what: str) -> Value:
     if text.lstrip().startswith("<"):  # a robot description
         return _description(context, text, what)
     try:
-        value = yaml.load(text, Loader=_YAML_LOADER)
+        value = load_yaml(text)
     except yaml.YAMLError:
         context.log.append(
             f"{what} is text that is no YAML, which ROS refuses without ParameterValue(…, value_type=str)"
@@ -249,7 +249,7 @@ def _yaml_value(context: LaunchContext, text: str, what: str) -> Value:
 
 def _description(context: LaunchContext, text: str, what: str) -> str:
     try:
-        plain = isinstance(yaml.load(text, Loader=_YAML_LOADER), str)
+        plain = isinstance(load_yaml(text), str)
     except yaml.YAMLError:
         plain = False
     if not plain:
@@ -261,7 +261,7 @@ def _description(context: LaunchContext, text: str, what: str) -> str:
 
 def _yaml_scalar(text: str) -> Any:
     try:
-        value = yaml.safe_load(text)
+        value = load_yaml(text)
     except yaml.YAMLError:
         return text
     return value if isinstance(value, _SCALARS) else text
@@ -270,7 +270,7 @@ def _yaml_scalar(text: str) -> Any:
 def _as_type(value: Any, kind: Any) -> Value:
     """Text (or a number) as a type that a ParameterValue asks for."""
     if typing.get_origin(kind) is not None and isinstance(value, str):
-        items = yaml.safe_load(value)
+        items = load_yaml(value)
         if not isinstance(items, list):
             raise InputError(f"{value!r} is not a list, which the parameter's type asks for")
         return _items_as(items, kind)
@@ -285,7 +285,7 @@ def _items_as(items: Iterable[Any], kind: Any) -> tuple[Scalar, ...]:
 def _scalar_as(value: Any, kind: Any) -> Scalar:
     if kind is str:
         return str(value)
-    plain = yaml.safe_load(value) if isinstance(value, str) else value
+    plain = load_yaml(value) if isinstance(value, str) else value
     if kind is bool and isinstance(plain, bool):
         return plain
     if kind is int and isinstance(plain, int) and not isinstance(plain, bool):

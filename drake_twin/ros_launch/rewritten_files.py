@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.ros_launch.launched import ParameterText
 from drake_twin.ros_launch.parameters import read_file, write_rewritten
@@ -86,14 +87,14 @@ class RewrittenYaml(_RewrittenFile):
     def _converted(self, text: str) -> Any:
         if not self.convert_types:
             return {"true": True, "false": False}.get(text.lower(), text)
-        value = yaml.safe_load(text) if text else text
+        value = load_yaml(text) if text else text
         return value if isinstance(value, bool | int | float) else text
 
 
 def _read_yaml(source: ParameterText) -> Any:
     """The file's data; of a key that stands twice the last counts, as for Nav2."""
     try:
-        data = yaml.load(source.text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        data = load_yaml(source.text)
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         raise InputError(
@@ -181,7 +182,7 @@ class HasNodeParams(Substitution):
         """``True`` or ``False``."""
         path = context.locate(perform_substitutions(context, self.source_file))
         known = context.rewritten.get(str(path))
-        data = yaml.safe_load(read_file(path) if known is None else known.text)
+        data = load_yaml(read_file(path) if known is None else known.text)
         return str(isinstance(data, dict) and self.node_name in data)
 
 
@@ -209,7 +210,7 @@ class ParseMultiRobotPose:
         for part in self._text.split(";"):
             name, equals, pose = part.partition("=")
             if equals:
-                given = yaml.safe_load(pose)
+                given = load_yaml(pose)
                 if not isinstance(given, dict):
                     raise InputError(f"{part.strip()!r} is not a robot's name and pose such as r1={{x: 1.0, y: 2.0}}")
                 known = {"x": 0.0, "y": 0.0, "z": 0.0, "roll": 0.0, "pitch": 0.0, "yaw": 0.0}

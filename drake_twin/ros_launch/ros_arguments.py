@@ -6,6 +6,7 @@ from pathlib import Path
 
 import yaml
 
+from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.ros_launch.launched import ParameterValue
 
 
@@ -60,7 +61,7 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
 
 def _value(text: str) -> ParameterValue:
     try:
-        value = yaml.safe_load(text)
+        value = load_yaml(text)
     except yaml.YAMLError:
         return text
     if isinstance(value, bool | int | float | str):
