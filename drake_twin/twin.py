@@ -43,6 +43,7 @@ from drake_twin.systems.controller import Interface
 _TERMINATED = SimulatorStatus.ReturnReason.kReachedTerminationCondition
 _INSTANT = 1e-9  # s; a continuous plant stands still for so long where a discrete one is between two steps
 _LONGEST_ADVANCE = 1.0  # s that are simulated at one go, and once more when one of the steps fails
+_FASTEST = 1e6  # times real time
 
 # What goes wrong with saved values that are of another kind than they should be.
 _UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError)
@@ -394,7 +395,7 @@ class Twin:
         """
         if not _is_number(duration) or duration < 0:
             raise InputError(f"{duration!r} s is no duration")
-        until = self.time + max(float(duration), self.time_step)
+        until = min(self.time + max(float(duration), self.time_step), LONGEST_TIME)
         wrench = make_wrench(self._built, self._plant_context, entity, force, torque, until, reference)
         self._wrenches.append(wrench)
         self._put_wrenches()
@@ -461,14 +462,14 @@ class Twin:
         """How many simulated seconds `run` grants a second of wall time.
 
         Raises:
-            InputError: when it is set to something that is not above zero.
+            InputError: If it is set to a value that is not above zero, or above 1e6.
         """
         return self._real_time_rate
 
     @real_time_rate.setter
     def real_time_rate(self, rate: float) -> None:
-        if not _is_number(rate, 0.0) or rate == 0.0:
-            raise InputError(f"{rate!r} is not a real-time rate: it must be above zero")
+        if not _is_number(rate, 0.0) or not 0.0 < rate <= _FASTEST:
+            raise InputError(f"{rate!r} is not a real-time rate: it must be above zero and at most {_FASTEST:g}")
         self._real_time_rate = float(rate)
 
     def topics(self) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import rovers
 
 from drake_twin import TwinBuilder, messages
 from drake_twin.controller_manager import STRICT
@@ -342,3 +343,22 @@ def test_a_timeout_without_end_is_none(make):
         twin.publish(f"/r/c/{topic}", command)
         twin.advance_to(1.5)
         assert twin.robot_state("r").velocities[0] == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, 1e7, 1e308, float("inf"), float("nan")])
+def test_a_real_time_rate_that_no_clock_keeps_is_refused(rate):
+    twin = rovers(1).build()
+    with pytest.raises(InputError, match=r"is not a real-time rate: it must be above zero and at most 1e\+06"):
+        twin.real_time_rate = rate
+    twin.real_time_rate = 1e6
+    twin.run(0.02, each_frame=lambda: True)
+    assert twin.time == pytest.approx(0.02)
+
+
+def test_a_push_can_last_as_long_as_time_itself():
+    twin = rovers(1).build()
+    twin.apply_wrench("robot_1", force=(0, 0, 1.0), duration=1e308)
+    twin.advance_to(0.05)
+    twin.set_time_step(0.01)
+    twin.advance_to(0.1)
+    assert twin.time == pytest.approx(0.1)
