@@ -97,8 +97,8 @@ class RunningTrajectory:
         return self.start + self.times[-1]
 
     def sample(self, time: float) -> TrajectorySample:
-        """The state at a simulation time (s)."""
-        elapsed = time - self.start
+        """The state at a simulation time (s); before the trajectory was taken up, the state then."""
+        elapsed = max(time - self.start, self.taken_up)  # a trajectory that is slowed down lags behind an update
         index = bisect_right(self.times, elapsed + SAME_TIME)  # the first point that has not been reached
         size = len(self.lasts[0].positions)
         if index == len(self.times):

@@ -600,6 +600,20 @@ def test_speed_scaling_slows_a_trajectory_down():
         rig.send(SimpleNamespace(factor=-1.0), "speed_scaling_input")
 
 
+@pytest.mark.parametrize("factor", [0.0, 0.5, 0.9])
+def test_a_slowed_down_trajectory_can_be_cancelled_between_two_updates(factor):
+    rig = started(topic=ACTION, speed_scaling=SpeedScaling(initial_scaling_factor=factor))
+    rig.advance(rig.start + 0.5)
+    rig.simulator.AdvanceTo(rig.time + 1e-4)
+    rig.dut.cancel(rig.context)
+    held = None
+    for k in range(1, 5):
+        rig.advance(rig.start + 0.5 + k * PERIOD)
+        held = rig.commands if held is None else held
+        assert rig.commands == pytest.approx(held)
+    assert np.isfinite(rig.commands).all()
+
+
 def test_a_controller_that_is_activated_again_holds_what_it_commanded_last():
     rig = started()
     rig.advance(2.0)
