@@ -42,7 +42,7 @@ _REACHED = 1e-2
 
 # Farther than this from zero a joint is not held at its position, but goes on braking (rad or m): Drake's servo works
 # with the position itself, and its solver fails for a light wheel that has turned by 1000 rad.
-_FAR = 10.0
+_FAR = 100.0
 
 _ROUNDING = 1e-9
 

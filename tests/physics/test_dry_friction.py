@@ -7,7 +7,6 @@ The rotor has the moment of inertia M, its motor the largest effort E, its beari
 import sysconfig
 from pathlib import Path
 
-import mujoco
 import numpy as np
 import pytest
 from lxml import etree
@@ -162,6 +161,7 @@ def in_mujoco(mode, value, gains, times):
     p, d = gains
     gain = {"position": p, "velocity": d, "effort": 1.0}[mode]
     text = PENDULUM.format(friction=F, gain=gain, stiffness=-p, damping=-d, lower=-E, upper=E)
+    mujoco = pytest.importorskip("mujoco", reason="the extra 'benchmarks' is not installed")
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)
     found = []
