@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from math import floor, isfinite
 from numbers import Real
+from threading import get_ident
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
@@ -97,7 +98,7 @@ class Twin:
         self._unheard: set[str] = set()
         self._sunk: dict[str, tuple[str, ...]] = {}
         self.paused = False
-        self._advancing = False
+        self._advancing: int | None = None  # the thread that does
         self._real_time_rate = 1.0
         self._next_time_step: float | None = None
         self._start()
@@ -454,7 +455,7 @@ class Twin:
         scenario = replace(self.scenario, time_step=float(time_step))  # which refuses what is no step
         meeting_step(self._step, self.time_step, scenario.time_step)
         self._next_time_step = scenario.time_step
-        if not self._advancing:
+        if self._advancing is None:
             self._switch_time_step()
 
     @property
@@ -876,16 +877,19 @@ class Twin:
             time: where it follows from a time (s), that time: a step of another length may meet it better.
         """
         self._refuse_inside_callback("advance")
-        self._advancing = True
+        self._advancing = get_ident()
         try:
             self._advance_in_slices(target, target * self.time_step if time is None else time)
             self._switch_time_step()  # whoever stops here meets the step that holds from here on, as a replay does
         finally:
-            self._advancing = False
+            self._advancing = None
 
     def _refuse_inside_callback(self, what: str) -> None:
-        if self._advancing:
-            raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
+        if self._advancing is None:
+            return
+        if self._advancing != get_ident():
+            raise InputError(f"one thread cannot {what} a twin that another one advances: let it pause or end first")
+        raise InputError(f"a callback cannot {what} the twin that calls it: it may publish, pause and subscribe")
 
     def _advance_in_slices(self, target: int, time: float) -> None:
         while self._step < target and not self.paused:
@@ -908,6 +912,9 @@ class Twin:
                 noticed = self._advance_simulator(next_step)
             except (RuntimeError, SystemExit) as error:
                 raise self._go_back_from(error, start, next_step, wrenches) from error
+            except KeyboardInterrupt:  # somewhere within a step
+                self._go_back_to_start(start, wrenches)
+                raise
             self._step = round(self._context.get_time() / self.scenario.time_step)
             if noticed:
                 for control in self._controls.values():
@@ -938,14 +945,20 @@ class Twin:
                 error = again
         earlier = None if before is good else before
         found = failure(self._built, self._plant_context, self.time, error, good, earlier)
-        if good is start:  # what was due at this time is still due
-            self._wrenches = wrenches
-            self._running.set_wrenches(wrenches)
-            self._commands.take_back()
-            for control in self._controls.values():
-                control.take_back()
-        self._running.go_back(good)
+        if good is start:
+            self._go_back_to_start(start, wrenches)
+        else:
+            self._running.go_back(good)
         return found
+
+    def _go_back_to_start(self, start: Moment, wrenches: list[Wrench]) -> None:
+        """Goes back to where an advance began: what was due then is still due."""
+        self._wrenches = wrenches
+        self._running.set_wrenches(wrenches)
+        self._commands.take_back()
+        for control in self._controls.values():
+            control.take_back()
+        self._running.go_back(start)
 
     def _failure(self, error: BaseException) -> RunError:
         return failure(self._built, self._plant_context, self.time, error)
