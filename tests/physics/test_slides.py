@@ -60,7 +60,7 @@ def check_slide(figure, folder, engine, ground, friction, speed):
     brake = figure(f"slides on a {ground}: deceleration ÷ µ g", (v1 - v2) / (t2 - t1) / (friction * G))
     # A slide of six steps is measured over three of them.
     assert brake == pytest.approx(1.0, abs=0.03 if stop > 10 * h else 0.05)
-    figure(f"slides on a {ground}: (distance - v h/2) ÷ v²/(2 µ g)", (distance - speed * h / 2) / expected)
+    figure(f"slides on a {ground}: (distance + v h/2) ÷ v²/(2 µ g)", (distance + speed * h / 2) / expected)
     assert distance == pytest.approx(expected, abs=0.03 * expected + speed * h / 2)
     assert np.linalg.norm(velocity(twin, "crate")) < 1e-3
 
