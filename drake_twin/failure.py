@@ -156,11 +156,11 @@ def _label(joint: Joint, owner: str) -> str:
 
 
 def _owners(built: TwinDiagram) -> dict[ModelInstanceIndex, str]:
-    """Model instance → the robot, or the model of the world, that it is."""
-    owners = {parts.instance: f"robot {name!r}" for name, parts in built.robots.items()}
-    for name, instances in built.world_models.items():
-        owners |= dict.fromkeys(instances, f"model {name!r} of the world")
-    return owners
+    """Model instance → the robot, or the model of the world, in words."""
+    return {
+        instance: f"robot {name!r}" if name in built.robots else f"model {name!r} of the world"
+        for instance, name in built.owners().items()
+    }
 
 
 def _named_in(text: str, built: TwinDiagram) -> set[str]:

@@ -48,11 +48,7 @@ def _owner_and_body(built: TwinDiagram, query: QueryObject, geometry: GeometryId
     """The robot or model that a shape belongs to, and its body; of what does not move, the model and its link."""
     inspector = query.inspector()
     body = built.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-    for name, parts in built.robots.items():
-        if parts.instance == body.model_instance():
-            return name, body.name()
-    for name, instances in built.world_models.items():
-        if body.model_instance() in instances:
-            return name, body.name()
+    if name := built.owners().get(body.model_instance()):
+        return name, body.name()
     model, _, rest = inspector.GetName(geometry).rpartition("::")[2].partition("/")
     return model, rest.partition("/")[0]

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
+from pydrake.geometry import PolygonSurfaceMesh
 
 _MOST_CORNERS = 64
 _SLIVER = 1e-4
@@ -41,6 +42,11 @@ def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         kept.append(farthest)
 
 
+def corners_of(hull: PolygonSurfaceMesh) -> np.ndarray:
+    """The corners (n×3, m) of a hull of Drake's."""
+    return np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+
+
 def without_slivers(corners: np.ndarray, least: float | None = None) -> np.ndarray:
     """A hull's corners without those that make triangles of hardly any area: Drake's contact fails at such.
 
@@ -68,7 +74,7 @@ def _triangles(corners: np.ndarray) -> np.ndarray:
     from pydrake.geometry import Convex
 
     hull = Convex(np.ascontiguousarray(corners.T), "hull").GetConvexHull()
-    points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+    points = corners_of(hull)
     middle = points.mean(axis=0)
     found = []
     for index in range(hull.num_elements()):

@@ -16,6 +16,7 @@ from pydrake.geometry import (
 )
 from pydrake.multibody.plant import CoulombFriction
 
+from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_shapes import ContactShape
 
 # A face yields as if the thing that it belongs to stood on a spring of this natural frequency, squared (1/s²): whatever
@@ -106,6 +107,4 @@ def _extent(shape: Shape) -> np.ndarray:
         return np.array(shape.size())
     if isinstance(shape, Cylinder):
         return np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
-    hull = shape.GetConvexHull()
-    points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
-    return np.asarray(np.maximum(np.ptp(points, axis=0), _THINNEST))
+    return np.asarray(np.maximum(np.ptp(corners_of(shape.GetConvexHull()), axis=0), _THINNEST))

@@ -17,6 +17,7 @@ from pydrake.geometry import (
 )
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.description.hull import corners_of
 from drake_twin.diagram.plant import add_plant
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.scenario import POINT, Scenario, World
@@ -74,6 +75,5 @@ def _reach(query: QueryObject, geometry: GeometryId, direction: np.ndarray) -> f
         return float(np.linalg.norm(direction * (shape.a(), shape.b(), shape.c())))
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()
-        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
-        return float(np.max(vertices @ direction))
+        return float(np.max(corners_of(hull) @ direction))
     return 0.0

@@ -108,6 +108,13 @@ class TwinDiagram:
     warnings: tuple[str, ...]
     not_started: tuple[str, ...]
 
+    def owners(self) -> dict[ModelInstanceIndex, str]:
+        """Model instance → the robot, or the model of the world, that it is part of."""
+        owners = {parts.instance: name for name, parts in self.robots.items()}
+        for name, instances in self.world_models.items():
+            owners |= dict.fromkeys(instances, name)
+        return owners
+
     def fix_commands(self, context: Context) -> None:
         """Puts "no message yet" on every command port of a new root context."""
         for topic in (*self.commanded.values(), *self.actions.values()):

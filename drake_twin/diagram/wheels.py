@@ -14,6 +14,8 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, JointIndex, ModelInstanceIndex, RevoluteJoint, RigidBody, WeldJoint
 
+from drake_twin.description.hull import corners_of
+
 _PARALLEL = cos(radians(1.0))  # the joint's axis and the cylinder's
 _OFF_CENTER = 0.02  # of the radius
 _UPRIGHT = cos(radians(45.0))  # what turns about a steeper axis than this is a turntable
@@ -101,7 +103,7 @@ def _outline(shape: Cylinder | Convex, X_JG: RigidTransform, axis: np.ndarray) -
         wide = shape.length() > _WIDEST * 2 * shape.radius()
         return (shape.radius(), shape.length(), along) if fits and not wide else None
     hull = shape.GetConvexHull()
-    points = np.array([X_JG @ hull.vertex(index) for index in range(hull.num_vertices())])
+    points = (X_JG @ corners_of(hull).T).T
     along = points @ axis
     across = points - np.outer(along, axis)
     R = RotationMatrix.MakeFromOneVector(axis, 2).matrix()

@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import Box, Convex, InMemoryMesh, Mesh, Shape
 
-from drake_twin.description.hull import without_slivers
+from drake_twin.description.hull import corners_of, without_slivers
 from drake_twin.diagram.contact_shapes import ContactShape
 
 _SQUARES = 4  # along a side of a box
@@ -29,6 +29,8 @@ def yielding(shape: ContactShape) -> Shape:
     if isinstance(shape.shape, Convex):
         source, scale = shape.shape.source(), tuple(shape.shape.scale3().tolist())
         text = _hull_of_file(str(source.path()), scale) if source.is_path() else _fine_hull(shape.shape)
+        if text is None:
+            return shape.shape
     elif shape.is_loose and isinstance(shape.shape, Box):
         text = _fine_box(*shape.shape.size().tolist())
     else:
@@ -37,24 +39,30 @@ def yielding(shape: ContactShape) -> Shape:
 
 
 @lru_cache(maxsize=1024)
-def _hull_of_file(path: str, scale: tuple[float, ...]) -> str:
+def _hull_of_file(path: str, scale: tuple[float, ...]) -> str | None:
     return _fine_hull(Convex(path, np.array(scale)))
 
 
-def _fine_hull(shape: Convex) -> str:
-    """A hull as VTK text, without the slivers that would end the simulation when they touch something."""
+def _fine_hull(shape: Convex) -> str | None:
+    """A hull as VTK text, without the slivers that would end the simulation when they touch something.
+
+    Returns:
+        None for a hull that is fine enough as it is.
+    """
     hull = shape.GetConvexHull()
-    points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
-    corners = without_slivers(points, _LEAST_AREA)
-    if len(corners) < len(points):
+    corners = without_slivers(corners_of(hull), _LEAST_AREA)
+    is_whole = len(corners) == hull.num_vertices()
+    if not is_whole:
         hull = Convex(np.ascontiguousarray(corners.T), "hull").GetConvexHull()
-        points = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+    points = corners_of(hull)
     triangles: list[Triangle] = []
     for index in range(hull.num_elements()):
         side = hull.element(index)
         first, *others = (side.vertex(k) for k in range(side.num_vertices()))
         triangles += [(first, one, other) for one, other in pairwise(others)]
     fine, triangles = _refined(points, triangles, _LONGEST * float(np.ptp(points, axis=0).max()))
+    if is_whole and len(fine) == len(points):
+        return None
     return _vtk(fine, triangles, points.mean(axis=0))
 
 
