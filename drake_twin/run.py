@@ -43,8 +43,8 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
             scenario = build_twin(target).scenario if target.launched_commands else target.scenario
             say(scenario_to_yaml(scenario), end="")
             return 0
-        page, meshcat = _open_page(options)
-        twin = build_twin(target, meshcat)
+        page, scene = _open_page(options)
+        twin = build_twin(target)
     if options.graphviz is not None:
         from drake_twin.diagram.picture import write_picture
 
@@ -61,7 +61,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     if options.record is not None:
         twin.record()
     failure: RunError | None = None
-    with _recorded(twin, meshcat, options.save_html), _Observers(options, stopped) as observers:
+    with _recorded(twin, scene, options.save_html), _Observers(options, stopped) as observers:
         while True:
             start = time.perf_counter()
             try:
@@ -71,7 +71,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
             wall_time += time.perf_counter() - start
             if failure is not None or watch is None or stopped or not watch.is_broken_off:
                 break
-            twin, target, watch = _again(twin, target, meshcat, options, watch)
+            twin, target, watch = _again(twin, target, options, watch)
         if options.save_state is not None:
             twin.snapshot().save(options.save_state)
         if options.record is not None:
@@ -83,14 +83,16 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
 
 
 @contextlib.contextmanager
-def _recorded(twin: Any, meshcat: Any, file: Path | None) -> Iterator[None]:
+def _recorded(twin: Any, scene: Any, file: Path | None) -> Iterator[None]:
     """Writes what happens meanwhile as a page that plays back offline, also when it ends in an error."""
     if file is None:
         yield
         return
     from drake_twin.cockpit.html_recording import HtmlRecording
 
-    recording = HtmlRecording(meshcat, twin)
+    if not scene.everything():
+        scene.set_up(twin)
+    recording = HtmlRecording(scene, twin)
     try:
         yield
     finally:
@@ -98,29 +100,27 @@ def _recorded(twin: Any, meshcat: Any, file: Path | None) -> Iterator[None]:
 
 
 def _open_page(options: argparse.Namespace) -> tuple["_Page | None", Any]:
-    """The page, if one is wanted, and the Meshcat to draw on, if that is."""
+    """The page, if one is wanted, and the scene to draw, if that is."""
     if options.graphviz is not None:
         return None, None
     if not options.headless:
         page = _Page(options)
-        return page, page.meshcat
+        return page, page.scene
     if options.save_html is None:
         return None, None
-    from drake_twin.cockpit.page import open_meshcat
+    from drake_twin.cockpit.scene import Scene
 
-    return None, open_meshcat()
+    return None, Scene()
 
 
-def _again(
-    twin: Any, target: Target, meshcat: Any, options: argparse.Namespace, watch: Watch
-) -> tuple[Any, Target, Watch]:
+def _again(twin: Any, target: Target, options: argparse.Namespace, watch: Watch) -> tuple[Any, Target, Watch]:
     """The twin of the changed files, or the last good one with what is wrong with them."""
     say(f"changed: {watch.broken_off_by}", sys.stderr)
     files = watch.files
     try:
         with files_read() as files:
             new_target = find_target(options)
-            new_twin = build_twin(new_target, meshcat)
+            new_twin = build_twin(new_target)
         _announce(new_twin, new_target, options)
     except (TwinError, OSError) as error:
         say(f"error: {error}\nThe last good twin goes on.", sys.stderr)
@@ -216,7 +216,7 @@ class _Page:
         self._open_browser = not options.no_browser
         self._shown: Any = None
         self._obey: Callable[[], None] = _nothing
-        self.meshcat = self._page.meshcat
+        self.scene = self._page.scene
 
     def show(self, twin: Any, target: Target) -> Callable[[], None]:
         """Shows a twin; returns what does as the page's controls say."""

@@ -12,7 +12,7 @@ import pytest
 from conftest import CORPUS
 
 from drake_twin import Twin
-from drake_twin.cockpit.page import open_meshcat
+from drake_twin.cockpit.scene import TWIN, Scene
 from drake_twin.errors import InputError
 from drake_twin.launch.robot_file import robot_file_scenario
 
@@ -26,11 +26,6 @@ needs_data = pytest.mark.skipif(
 )
 
 
-@pytest.fixture(scope="module")
-def meshcat():
-    return open_meshcat()
-
-
 def twin_of(file):
     return Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
 
@@ -42,12 +37,13 @@ def test_the_collection_is_whole():
 
 @needs_data
 @pytest.mark.parametrize("file", URDFS, ids=lambda file: file.stem)
-def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertias_are_the_files_own(file, meshcat):
-    meshcat.Delete()
-    twin = Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]), meshcat)
+def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertias_are_the_files_own(file):
+    twin = Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
+    scene = Scene()
+    scene.draw(twin)
     (plan,) = twin.plans
     twin.draw()
-    assert meshcat.HasPath(f"/drake/visualizer/{plan.name}") == ("<visual" in plan.model.drake_text)
+    assert scene.has_path(f"{TWIN}/{plan.name}") == ("<visual" in plan.model.drake_text)
     twin.advance_to(1.0)
     state = twin.robot_state(plan.name)
     assert np.isfinite([*state.positions, *state.velocities, *state.base_pose]).all()

@@ -121,11 +121,11 @@ def features(size: Size) -> list[Table]:
                 twins[name].subscribe(topic, lambda message: None, rate)
     twins["a recording"] = _twin(size, count)
     twins["a recording"].record()
-    from drake_twin.cockpit.page import open_meshcat
+    from drake_twin.cockpit.scene import Scene
 
-    drawn = _twin(size, count, open_meshcat())
-    drawn.subscribe("/clock", lambda message: drawn.draw(), 30)
-    twins["a page drawn at 30 Hz, nobody looks"] = drawn
+    scene, drawn = Scene(), _twin(size, count)
+    drawn.subscribe("/clock", lambda message: scene.draw(drawn), 30)
+    twins["a scene drawn at 30 Hz"] = drawn
     span = _whole(0.5 * size.scale, 0.1)
     turn = dict.fromkeys(twins, 0)
 
@@ -138,11 +138,11 @@ def features(size: Size) -> list[Table]:
     return [Table("features", f"What features cost: {count} rovers, 1 ms steps", ("feature", "÷ none"), rows)]
 
 
-def _twin(size: Size, count: int, meshcat: Any = None) -> Any:
+def _twin(size: Size, count: int) -> Any:
     from drake_twin.twin import Twin
 
     scenario = ROVERS.scheduled(ROVERS.scenario(count, size.folder, time_step=0.001), 0.0)
-    twin = Twin(scenario, meshcat)
+    twin = Twin(scenario)
     twin.advance_to(0.1)
     return twin
 

@@ -4,13 +4,48 @@ Any web site that is open in the same browser can send requests to 127.0.0.1. It
 says in ``Origin`` where a request comes from and in ``Host`` which name it was sent to.
 """
 
+import contextlib
 import hmac
 import ipaddress
+import os
+import re
 import secrets
 import socket
+import stat
 from dataclasses import dataclass, field
+from pathlib import Path
 
 _EVERY_INTERFACE = ("0.0.0.0", "::")
+
+
+def new_token() -> str:
+    """A secret that nobody guesses."""
+    return secrets.token_urlsafe(18)
+
+
+def kept_token(folder: Path, port: int) -> str:
+    """The token of this user's last program on a port, so that a page finds a twin that was started again.
+
+    It is in a file that nobody else can read; where that cannot be, it is a new one each time.
+
+    Args:
+        folder: where it is kept.
+        port: the page's port.
+    """
+    file = folder / f"token-{port}"
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        descriptor = os.open(file, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+        with open(descriptor, encoding="ascii") as stream:
+            status = os.fstat(descriptor)
+            is_private = status.st_uid == os.getuid() and stat.S_IMODE(status.st_mode) == 0o600
+            if is_private and (known := re.fullmatch(r"[\w-]{24}", stream.read(100))):
+                return known[0]
+    token = new_token()
+    with contextlib.suppress(OSError):
+        file.unlink(missing_ok=True)
+        with open(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as stream:
+            stream.write(token)
+    return token
 
 
 @dataclass(frozen=True)
@@ -20,12 +55,12 @@ class Access:
     Attributes:
         host: the address that the server listens at.
         port: its port.
-        token: the secret of this run, the first part of every path.
+        token: the secret, the first part of every path.
     """
 
     host: str
     port: int
-    token: str = field(default_factory=lambda: secrets.token_urlsafe(18))
+    token: str = field(default_factory=new_token)
 
     @property
     def url(self) -> str:
@@ -53,6 +88,12 @@ class Access:
             return "the address lacks this run's token: use the one that the program printed"
         return None
 
+    @property
+    def is_local(self) -> bool:
+        """Whether only this machine can reach the server."""
+        own = _address(self.host)
+        return self.host == "localhost" or (own is not None and own.is_loopback)
+
     def _is_own(self, host: str | None) -> bool:
         """Whether a ``Host`` header names this server; a name that DNS gives out never does."""
         if host is None:
@@ -64,10 +105,9 @@ class Access:
         if name == self.host.lower():
             return True
         address = _address(name)
-        own = _address(self.host)
         if self.host in _EVERY_INTERFACE:  # no attacker's name resolves to a bare number
             return address is not None or name in ("localhost", socket.gethostname().lower())
-        return name == "localhost" and (self.host == "localhost" or (own is not None and own.is_loopback))
+        return name == "localhost" and self.is_local
 
 
 def _address(name: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:

@@ -6,8 +6,6 @@ import time as wall_clock
 from collections.abc import Callable
 from typing import Any
 
-from pydrake.geometry import Meshcat
-
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
@@ -16,6 +14,7 @@ from drake_twin.cockpit.message_log import MessageLog
 from drake_twin.cockpit.overlays import Overlay, overlay_types
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
+from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import state, structure
 from drake_twin.cockpit.teleop import Teleop
@@ -33,14 +32,14 @@ class Cockpit:
 
     Args:
         server: the page's server.
-        meshcat: the scene in it.
+        scene: what it draws.
         twin: the twin.
         only_displayed: whether its time stands still and its joints go where the page puts them.
     """
 
-    def __init__(self, server: PageServer, meshcat: Meshcat, twin: Twin, *, only_displayed: bool = False):
+    def __init__(self, server: PageServer, scene: Scene, twin: Twin, *, only_displayed: bool = False):
         self._server = server
-        self._meshcat = meshcat
+        self._scene = scene
         self._twin = twin
         self._only_displayed = only_displayed
         self._log = MessageLog()
@@ -52,7 +51,7 @@ class Cockpit:
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
-        self._camera = FollowCamera(meshcat)
+        self._camera = FollowCamera(scene)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._end_run_to: Callable[[], None] | None = None
@@ -76,9 +75,11 @@ class Cockpit:
             self._try(self._do, client, request)
             self._look_at_newcomers()
         self._try(self._teleop.publish)
-        for overlay in self._overlays.values():
-            overlay.draw()
-        self._camera.draw(self._twin)
+        if self._server.is_watched:
+            self._scene.draw(self._twin)
+            for overlay in self._overlays.values():
+                overlay.draw()
+            self._camera.draw(self._twin)
         self._frame += 1
         factor = self._factor.note(wall_clock.perf_counter(), self._twin.time, paused=self._twin.paused)
         self._tell(factor)
@@ -189,13 +190,13 @@ class Cockpit:
         if name not in known:
             raise InputError(f"there is no {name!r} to be shown", value=name, valid=known)
         if on and name not in self._overlays:
-            self._overlays[name] = known[name](self._meshcat, self._twin)
+            self._overlays[name] = known[name](self._scene, self._twin)
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
-            self._recording = HtmlRecording(self._meshcat, self._twin)
+            self._recording = HtmlRecording(self._scene, self._twin)
         elif not on and self._recording is not None:
             self._server.offer(_RECORDING, self._recording.finish().encode())
             self._recording = None

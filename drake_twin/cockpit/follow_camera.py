@@ -7,12 +7,12 @@ stands still in the picture, and can be looked at from all sides meanwhile.
 from collections.abc import Sequence
 
 import numpy as np
-from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
 
+from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
 from drake_twin.twin import Twin
 
-_MOVED = ("/drake", "/drake_twin", "/ground", "/Grid")
+_MOVED = (TWIN, OVERLAYS, "/Grid")
 _FROM = np.array([1.1, -1.0, 0.9])  # m: where the camera begins, seen from the robot
 
 
@@ -20,14 +20,14 @@ class FollowCamera:
     """Moves the scene so that a robot stays in the middle of the picture.
 
     Args:
-        meshcat: the page.
+        scene: what the page draws.
 
     Attributes:
         robot: the robot; empty for none.
     """
 
-    def __init__(self, meshcat: Meshcat):
-        self._meshcat = meshcat
+    def __init__(self, scene: Scene):
+        self._scene = scene
         self.robot = ""
         self._offset: tuple[float, ...] = (0.0, 0.0, 0.0)
 
@@ -44,10 +44,10 @@ class FollowCamera:
         before, self.robot = np.array(self._offset), robot
         if robot:
             self.draw(twin)
-            self._meshcat.SetCameraPose(_FROM, np.zeros(3))
+            self._scene.set_camera_pose(_FROM, np.zeros(3))
         else:
             self._move((0.0, 0.0, 0.0))
-            self._meshcat.SetCameraPose(before + _FROM, before)
+            self._scene.set_camera_pose(before + _FROM, before)
 
     def draw(self, twin: Twin) -> None:
         """Moves the scene to where the robot is now."""
@@ -63,4 +63,4 @@ class FollowCamera:
             return
         self._offset = tuple(offset)
         for path in _MOVED:
-            self._meshcat.SetTransform(path, RigidTransform(-np.array(offset)))
+            self._scene.set_transform(path, RigidTransform(-np.array(offset)))

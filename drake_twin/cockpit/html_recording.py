@@ -1,10 +1,18 @@
 """A run as one self-contained page, which plays back in a browser without a network."""
 
+import base64
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from importlib import resources
+from typing import Any
 
-from pydrake.geometry import Meshcat, MeshcatAnimation
+import numpy as np
+import umsgpack
+from pydrake.math import RotationMatrix
 
+from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
+from drake_twin.cockpit.server import meshcat_script
+from drake_twin.cockpit.shared_scene import SharedScene
 from drake_twin.twin import Twin
 
 _DRAWN = 32.0  # pictures a second of simulation time
@@ -12,30 +20,35 @@ _FRAMES_PER_SECOND = 64.0  # of the recording: what the run loop draws in betwee
 
 
 class HtmlRecording:
-    """Records what is drawn on a Meshcat page from now on, on a grid of simulation times.
+    """Records the poses of all bodies from now on, on a grid of simulation times.
 
     Args:
-        meshcat: the page; nobody needs to look at it.
-        twin: the twin that is drawn there.
+        scene: what a page draws; nobody needs to look at it.
+        twin: the twin.
     """
 
-    def __init__(self, meshcat: Meshcat, twin: Twin):
-        self._meshcat = meshcat
+    def __init__(self, scene: Scene, twin: Twin):
+        self._scene = scene
         self._twin = twin
-        self._last_time = twin.time
+        self._end_subscription: Callable[[], None] = twin.subscribe("/clock", lambda _: self._note(), rate=_DRAWN)
         self._start()
-        self._end_subscription: Callable[[], None] = twin.subscribe("/clock", lambda _: self._draw(), rate=_DRAWN)
-        self._draw()
+        self._note()
 
     def _start(self) -> None:
-        self._meshcat.DeleteRecording()
-        self._meshcat.StartRecording(frames_per_second=_FRAMES_PER_SECOND)
+        self._start_time = self._last_time = self._twin.time
+        self._shown: SharedScene | None = None
+        self._poses: dict[str, dict[int, np.ndarray]] = {}
 
-    def _draw(self) -> None:
-        if self._twin.time < self._last_time:  # it was reset, and what was recorded does not lead here
+    def _note(self) -> None:
+        twin = self._twin
+        if twin.time < self._last_time:  # it was reset, and what was recorded does not lead here
             self._start()
-        self._last_time = self._twin.time
-        self._twin.draw()
+        self._last_time = twin.time
+        if self._shown is None or not self._shown.shows(twin):
+            self._shown = SharedScene(twin)
+        frame = round((twin.time - self._start_time) * _FRAMES_PER_SECOND)
+        for body, pose in zip(self._shown.bodies, self._shown.poses(twin), strict=True):
+            self._poses.setdefault(body, {})[frame] = pose
 
     def finish(self) -> str:
         """Ends the recording.
@@ -45,10 +58,44 @@ class HtmlRecording:
         """
         self._end_subscription()
         with contextlib.suppress(RuntimeError):  # a twin that has failed may be nowhere
-            self._twin.draw()
-        self._meshcat.StopRecording()
-        self._meshcat.PublishRecording()
-        html: str = self._meshcat.StaticHtml()
-        self._meshcat.SetAnimation(MeshcatAnimation())  # those who look on go on seeing the present
-        self._meshcat.DeleteRecording()
-        return html
+            self._note()
+        self._scene.draw(self._twin)
+        commands = self._scene.everything()
+        commands.add([(b"delete", OVERLAYS.encode(), b"")], keep_deletions=False)
+        return _page([*commands.contents(), umsgpack.packb(self._animation())])
+
+    def _animation(self) -> dict[str, Any]:
+        return {
+            "type": "set_animation",
+            "path": "",
+            "animations": [
+                {
+                    "path": f"{TWIN}/{body}",
+                    "clip": {"fps": _FRAMES_PER_SECOND, "name": "default", "tracks": list(_tracks(poses))},
+                }
+                for body, poses in self._poses.items()
+            ],
+            "options": {"play": True, "loopMode": 2201, "repetitions": 1, "clampWhenFinished": True},
+        }
+
+
+def _tracks(poses: dict[int, np.ndarray]) -> Iterator[dict[str, Any]]:
+    """Position and rotation of a body at each frame, as three.js' keys."""
+    places = {frame: pose[:3, 3].tolist() for frame, pose in poses.items()}
+    turns = {frame: np.roll(RotationMatrix(pose[:3, :3]).ToQuaternion().wxyz(), -1) for frame, pose in poses.items()}
+    for name, kind, values in (
+        ("position", "vector3", places),
+        ("quaternion", "quaternion", {frame: turn.tolist() for frame, turn in turns.items()}),
+    ):
+        keys = [{"time": frame, "value": value} for frame, value in values.items()]
+        yield {"name": f".{name}", "type": kind, "keys": keys}
+
+
+def _page(commands: list[bytes]) -> str:
+    """The scene's page with its script, its style and the commands in it."""
+    page = resources.files("drake_twin.cockpit").joinpath("static", "recorded.html").read_text()
+    style = resources.files("drake_twin.cockpit").joinpath("static", "scene.css").read_text()
+    lines = "\n".join(base64.b64encode(command).decode() for command in commands)
+    # A script ends at the first "</script", also in a text of its own.
+    script = meshcat_script().decode().replace("</script", "<\\/script")
+    return page.replace("/* style */", style).replace("/* meshcat.js */", script).replace("(commands)", lines)

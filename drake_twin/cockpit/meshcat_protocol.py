@@ -24,6 +24,16 @@ def delete(path: str) -> Command:
     return _command("delete", path, {})
 
 
+def set_property(path: str, name: str, value: Any) -> Command:
+    """Sets a property of three.js at a path."""
+    return _command("set_property", path, {"property": name, "value": value})
+
+
+def set_transform(path: str, matrix: np.ndarray) -> Command:
+    """Puts a path somewhere in the one above it (4x4)."""
+    return next(TransformWriter([path]).commands(matrix[np.newaxis], [0]))
+
+
 class TransformWriter:
     """Writes the poses of the same paths again and again.
 

@@ -2,13 +2,14 @@
 
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from pydrake.geometry import Meshcat
-
+from drake_twin.cockpit.access import Access, kept_token
 from drake_twin.cockpit.cockpit import Cockpit
-from drake_twin.cockpit.page import open_meshcat, set_scene
+from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.server import PageServer, bind
+from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.launch.robot_file import robot_file_scenario
 from drake_twin.program import announce_page
 from drake_twin.twin import Twin
@@ -24,7 +25,7 @@ class ServedPage:
         host: the address to listen at.
 
     Attributes:
-        meshcat: the scene, which twins are to draw on.
+        scene: what it draws.
         server: the page's server.
 
     Raises:
@@ -33,8 +34,8 @@ class ServedPage:
 
     def __init__(self, port: int | None = None, host: str = "127.0.0.1"):
         listening = bind(port, host)
-        self.meshcat: Meshcat = open_meshcat(host=host)
-        self.server = PageServer(listening, host, self.meshcat.port())
+        self.scene = Scene()
+        self.server = PageServer(listening, host, self.scene, _access(host, listening.getsockname()[1]))
         self._cockpit: Cockpit | None = None
 
     @property
@@ -46,20 +47,19 @@ class ServedPage:
         """Shows a twin instead of the one before.
 
         Args:
-            twin: the twin, built on `meshcat`.
+            twin: the twin.
             only_displayed: whether its time stands still and its joints go where the page puts them.
 
         Returns:
             What does as the page says; its ``obey`` is to be called between steps.
         """
         if self._cockpit is None:
-            set_scene(self.meshcat, twin)
+            self.scene.set_up(twin)
         else:
             self._cockpit.close()
         if only_displayed:
             twin.pause()
-        self._cockpit = Cockpit(self.server, self.meshcat, twin, only_displayed=only_displayed)
-        twin.draw()
+        self._cockpit = Cockpit(self.server, self.scene, twin, only_displayed=only_displayed)
         return self._cockpit
 
     def close(self) -> None:
@@ -67,6 +67,12 @@ class ServedPage:
         if self._cockpit is not None:
             self._cockpit.close()
         self.server.close()
+
+
+def _access(host: str, port: int) -> Access:
+    """The token that the page had before, unless other machines can reach it."""
+    access = Access(host, port)
+    return replace(access, token=kept_token(cache_folder("page"), port)) if access.is_local else access
 
 
 def view_joints(
@@ -88,11 +94,10 @@ def view_joints(
     """
     page = ServedPage()
     scenario = robot_file_scenario(file, xacro_args=xacro_args, package_paths=package_paths)
-    twin = Twin(scenario, page.meshcat)
+    twin = Twin(scenario)
     cockpit = page.show(twin, only_displayed=True)
     announce_page(page.url, open_browser=open_browser)
     while not stopped:
         cockpit.obey()
-        twin.draw()
         time.sleep(_FRAME)
     page.close()

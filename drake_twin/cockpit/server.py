@@ -11,18 +11,22 @@ import socket
 import threading
 from collections.abc import Mapping
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
-from aiohttp import ClientError, ClientSession, WSMsgType, web
+from aiohttp import WSMsgType, web
 
 from drake_twin.cockpit.access import Access
+from drake_twin.cockpit.meshcat_protocol import Command
 from drake_twin.cockpit.protocol import Gone, Request, parse
+from drake_twin.cockpit.scene import Commands, Scene
 from drake_twin.errors import InputError
 
 _FIRST_PORT, _LAST_PORT = 7000, 7099
 _LONGEST_MESSAGE = 1 << 16  # bytes
 _MOST_WAITING = 1000  # requests
 _HEARTBEAT = 20.0  # s
+_ALIVE = 0.5  # s
 _HEADERS = {
     "Cache-Control": "no-store",
     "Referrer-Policy": "no-referrer",
@@ -34,7 +38,11 @@ _PAGE_POLICY = (
     "default-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none';"
     " form-action 'none'"
 )
-_SCENE_HEAD = '<head><link rel="stylesheet" href="../scene.css"><script src="../scene.js" data-port="{port}"></script>'
+# Meshcat's script styles what it adds, and makes pictures of what it is sent.
+_SCENE_POLICY = (
+    "default-src 'self'; connect-src 'self' ws://{host} data: blob:; img-src 'self' data: blob:;"
+    " style-src 'self' 'unsafe-inline'; worker-src blob:; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
+)
 
 
 def bind(port: int | None, host: str) -> socket.socket:
@@ -72,26 +80,34 @@ class PageServer:
     Args:
         listening: the socket, see `bind`.
         host: the address that it listens at.
-        scene_port: the port of Meshcat's own server, whose page is part of this one.
+        scene: what is drawn on it.
+        access: what requests must carry; by default a token that is new.
 
     Attributes:
         access: what requests must carry.
     """
 
-    def __init__(self, listening: socket.socket, host: str, scene_port: int):
-        self.access = Access(host, listening.getsockname()[1])
-        self._scene_port = scene_port
-        self._scene_host = "127.0.0.1" if host == "0.0.0.0" else "[::1]" if host == "::" else host
+    def __init__(self, listening: socket.socket, host: str, scene: Scene, access: Access | None = None):
+        self.access = access or Access(host, listening.getsockname()[1])
+        self._scene = scene
         self._socket = listening
         self._requests: queue.Queue[tuple[int, Request]] = queue.Queue(_MOST_WAITING)
         self._clients: dict[int, _Client] = {}
+        self._viewers: set[_Viewer] = set()
         self._latest: dict[str, str] = {}
         self._files: dict[str, bytes] = {}
         self._count = 0
         self._loop = asyncio.new_event_loop()
+        self._heard = self._loop.time()
         self._ended = asyncio.Event()
         self._thread = threading.Thread(target=self._run, name="page server", daemon=True)
         self._thread.start()
+        scene.listen(self._show)
+
+    @property
+    def is_watched(self) -> bool:
+        """Whether a browser draws the scene."""
+        return bool(self._viewers)
 
     @property
     def url(self) -> str:
@@ -141,7 +157,9 @@ class PageServer:
                 web.get("/{token}", self._to_index),
                 web.get("/{token}/", self._index),
                 web.get("/{token}/socket", self._web_socket),
-                web.get("/{token}/scene/{path:.*}", self._scene),
+                web.get("/{token}/scene/", self._scene_page),
+                web.get("/{token}/scene/meshcat.js", self._meshcat_script),
+                web.get("/{token}/scene/socket", self._scene_socket),
                 web.get("/{token}/files/{name}", self._file),
                 web.get("/{token}/{name}", self._static),
             ]
@@ -149,10 +167,12 @@ class PageServer:
         runner = web.AppRunner(application, access_log=None, handle_signals=False, shutdown_timeout=0.5)
         await runner.setup()
         await web.SockSite(runner, self._socket).start()
-        async with ClientSession() as self._scene_session:
-            await self._ended.wait()
-            for client in list(self._clients.values()):
-                await client.socket.close()
+        alive = asyncio.ensure_future(self._say_alive())
+        await self._ended.wait()
+        alive.cancel()
+        sockets = [client.socket for client in self._clients.values()] + [viewer.socket for viewer in self._viewers]
+        for web_socket in sockets:
+            await web_socket.close()
         await runner.cleanup()
 
     @web.middleware
@@ -187,20 +207,35 @@ class PageServer:
             body=content, content_type="text/html", headers={**_HEADERS, "Content-Disposition": disposition}
         )
 
-    async def _scene(self, request: web.Request) -> web.Response:
-        """Meshcat's page and what it loads, so that it has this page's origin; its web socket stays its own."""
-        path = request.match_info["path"]
+    async def _scene_page(self, request: web.Request) -> web.Response:
+        return _static_response("scene.html", request.host, _SCENE_POLICY)
+
+    async def _meshcat_script(self, _request: web.Request) -> web.Response:
+        return web.Response(body=meshcat_script(), content_type="text/javascript", charset="utf-8", headers=_HEADERS)
+
+    async def _scene_socket(self, request: web.Request) -> web.WebSocketResponse:
+        """The scene's commands go out; what comes in is not looked at."""
+        web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
+        await web_socket.prepare(request)
+        viewer = _Viewer(web_socket, self._scene.everything())
+        self._viewers.add(viewer)
+        sender = asyncio.ensure_future(viewer.send())
         try:
-            address = f"http://{self._scene_host}:{self._scene_port}/{path}"
-            async with self._scene_session.get(address) as answer:
-                content, kind, status = await answer.read(), answer.content_type, answer.status
-        except ClientError:
-            raise web.HTTPBadGateway from None
-        if path == "":
-            content = content.replace(b"<head>", _SCENE_HEAD.format(port=self._scene_port).encode(), 1)
-        headers = {**_HEADERS, "Content-Security-Policy": "frame-ancestors 'self'"}
-        del headers["X-Content-Type-Options"]  # Meshcat gives its own scripts no type
-        return web.Response(body=content, status=status, content_type=kind, headers=headers)
+            async for _ in web_socket:
+                pass
+        finally:
+            self._viewers.discard(viewer)
+            sender.cancel()
+        return web_socket
+
+    def _show(self, commands: list[Command]) -> None:
+        """Sends what changed in the scene to every browser that draws it, and never waits."""
+        if self._viewers and self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._give, commands)
+
+    def _give(self, commands: list[Command]) -> None:
+        for viewer in self._viewers:
+            viewer.give(commands)
 
     async def _web_socket(self, request: web.Request) -> web.WebSocketResponse:
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
@@ -228,7 +263,15 @@ class PageServer:
                 self._requests.get_nowait()
                 self._requests.put_nowait((client, request))
 
+    async def _say_alive(self) -> None:
+        """Tells browsers again and again how long the twin's thread has been busy with something (s)."""
+        while True:
+            await asyncio.sleep(_ALIVE)
+            for client in self._clients.values():
+                client.give({"alive": f"{self._loop.time() - self._heard:.1f}"})
+
     def _distribute(self, texts: dict[str, str]) -> None:
+        self._heard = self._loop.time()
         self._latest |= texts
         for client in self._clients.values():
             client.give(texts)
@@ -260,13 +303,45 @@ class _Client:
                     return
 
 
+class _Viewer:
+    """A browser that draws the scene, and the commands that it has yet to be sent: the newest of each kind and path."""
+
+    def __init__(self, web_socket: web.WebSocketResponse, everything: Commands):
+        self.socket = web_socket
+        self._pending = everything
+        self._news = asyncio.Event()
+        self._news.set()
+
+    def give(self, commands: list[Command]) -> None:
+        self._pending.add(commands, keep_deletions=True)
+        self._news.set()
+
+    async def send(self) -> None:
+        """Sends what is pending, again and again; waits for a slow browser, and nobody waits for this."""
+        while not self.socket.closed:
+            await self._news.wait()
+            self._news.clear()
+            pending, self._pending = self._pending, Commands()
+            try:
+                await self.socket.send_bytes(pending.packed())
+            except ConnectionError:
+                return
+
+
 _STATIC_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
 
 
-def _static_response(name: str, host: str) -> web.Response:
+def meshcat_script() -> bytes:
+    """Meshcat's JavaScript, as it comes with Drake."""
+    from pydrake.common import FindResourceOrThrow
+
+    return Path(FindResourceOrThrow("drake/geometry/meshcat.js")).read_bytes()
+
+
+def _static_response(name: str, host: str, policy: str = _PAGE_POLICY) -> web.Response:
     kind = _STATIC_TYPES.get(name.rpartition(".")[2])
     file = resources.files("drake_twin.cockpit").joinpath("static", name)
     if kind is None or "/" in name or not file.is_file():
         raise web.HTTPNotFound
-    headers = {**_HEADERS, "Content-Security-Policy": _PAGE_POLICY.format(host=host)}
+    headers = {**_HEADERS, "Content-Security-Policy": policy.format(host=host)}
     return web.Response(body=file.read_bytes(), content_type=kind, charset="utf-8", headers=headers)

@@ -16,7 +16,7 @@ WORLD = "world"  # the folder of what never moves
 
 _DEFAULT_COLOR = Rgba(0.9, 0.9, 0.9, 1.0)
 _GROUND_COLOR = Rgba(0.74, 0.77, 0.74, 1.0)
-_GROUND_SIDE = 20.0  # m
+_GROUND_SIDE = 20.0  # m, at least
 _GROUND_THICKNESS = 0.01  # m
 _BELOW_THE_GRID = 0.004  # m: viewers draw a grid at z = 0
 
@@ -74,7 +74,7 @@ class SharedScene:
             )
         if twin.scenario.world.has_own_ground:
             path = _unused(f"{WORLD}/ground", geometries)
-            geometries[path] = _ground(path)
+            geometries[path] = _ground(path, *place_of_robots(twin))
         self._frames = tuple(bodies)
         self.bodies = tuple(bodies.values())
         self.geometries = tuple(geometries.values())
@@ -107,9 +107,19 @@ def _unused(path: str, taken: Container[str]) -> str:
     return path if path not in taken else next(other for other in numbered if other not in taken)
 
 
-def _ground(path: str) -> DrawnGeometry:
+def place_of_robots(twin: Twin) -> tuple[np.ndarray, float]:
+    """The middle of all robots (x, y, z in the world, m), and how far they reach from there (m)."""
+    positions = np.array([twin.robot_state(robot).base_pose[:3] for robot in twin.robots]).reshape(-1, 3)
+    if not len(positions):
+        return np.zeros(3), 1.0
+    center = positions.mean(axis=0)
+    return center, float(np.max(np.linalg.norm(positions - center, axis=1))) + 1.0
+
+
+def _ground(path: str, center: np.ndarray, reach: float) -> DrawnGeometry:
     """The ground of a world that has no picture of it."""
+    side = max(_GROUND_SIDE, 4.0 * reach)
     height = -_GROUND_THICKNESS / 2 - _BELOW_THE_GRID
     color = (_GROUND_COLOR.r(), _GROUND_COLOR.g(), _GROUND_COLOR.b(), _GROUND_COLOR.a())
-    shape = Box(_GROUND_SIDE, _GROUND_SIDE, _GROUND_THICKNESS)
-    return DrawnGeometry(path, shape, color, RigidTransform([0, 0, height]).GetAsMatrix4())
+    pose = RigidTransform([*np.round(center[:2]), height])
+    return DrawnGeometry(path, Box(side, side, _GROUND_THICKNESS), color, pose.GetAsMatrix4())

@@ -3,12 +3,13 @@
 import json
 
 from drake_twin.cockpit.cockpit import Cockpit
-from drake_twin.cockpit.page import open_meshcat
+from drake_twin.cockpit.scene import Scene
 
 
 class FakeServer:
     def __init__(self):
         self.clients = (1,)
+        self.is_watched = True
         self.told = {}
         self.files = {}
         self._asked = []
@@ -30,10 +31,10 @@ class FakeServer:
 class FakePage:
     """A cockpit and the page in front of it."""
 
-    def __init__(self, twin, meshcat=None, **options):
+    def __init__(self, twin, scene=None, **options):
         self.twin = twin
         self.server = FakeServer()
-        self.cockpit = Cockpit(self.server, meshcat or open_meshcat(), twin, **options)
+        self.cockpit = Cockpit(self.server, scene or Scene(), twin, **options)
 
     def ask(self, *requests, client=1):
         """Asks, and lets the twin's thread obey."""

@@ -1,6 +1,6 @@
 import pytest
 
-from drake_twin.cockpit.access import Access
+from drake_twin.cockpit.access import Access, kept_token
 
 OWN = Access("127.0.0.1", 7000, "secret")
 EVERYWHERE = Access("0.0.0.0", 7000, "secret")
@@ -47,3 +47,40 @@ def test_each_run_has_a_token_of_its_own_that_is_part_of_the_address():
     assert len(one.token) >= 24
     assert one.url == f"http://127.0.0.1:7000/{one.token}/"
     assert Access("::1", 7000, "t").url == "http://[::1]:7000/t/"
+
+
+def test_a_program_that_starts_again_has_the_token_of_the_one_before(tmp_path):
+    token = kept_token(tmp_path, 7000)
+    assert kept_token(tmp_path, 7000) == token
+    assert kept_token(tmp_path, 7001) != token
+    assert (tmp_path / "token-7000").stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("damage", ["open to others", "short", "link", "folder", "binary"])
+def test_a_kept_token_that_others_may_know_is_not_used(tmp_path, damage):
+    token, file = kept_token(tmp_path, 7000), tmp_path / "token-7000"
+    match damage:
+        case "open to others":
+            file.chmod(0o644)
+        case "short":
+            file.write_text("a")
+        case "binary":
+            file.write_bytes(b"\xff" * 24)
+        case "link":
+            file.rename(tmp_path / "elsewhere")
+            file.symlink_to(tmp_path / "elsewhere")
+        case "folder":
+            file.unlink()
+            file.mkdir()
+    assert kept_token(tmp_path, 7000) not in (token, "a")
+
+
+def test_without_a_place_to_keep_it_a_token_is_new(tmp_path):
+    assert kept_token(tmp_path / "nowhere", 7000) != kept_token(tmp_path / "nowhere", 7000)
+
+
+@pytest.mark.parametrize(
+    ("host", "is_local"), [("127.0.0.1", True), ("::1", True), ("localhost", True), ("0.0.0.0", False)]
+)
+def test_only_this_machine_reaches_a_local_page(host, is_local):
+    assert Access(host, 7000).is_local == is_local

@@ -9,18 +9,18 @@ from robots_to_steer import CMD_VEL, TRAJECTORY, WHEELS_1, arm_with_trajectories
 
 from drake_twin import TwinBuilder
 from drake_twin.cockpit import protocol
-from drake_twin.cockpit.page import open_meshcat
+from drake_twin.cockpit.scene import Scene
 
 
 @pytest.fixture(scope="module")
-def meshcat():
-    return open_meshcat()
+def scene():
+    return Scene()
 
 
 @pytest.fixture
-def page(meshcat):
+def page(scene):
     """Two rovers that stand still."""
-    page = FakePage(rovers(2).build(), meshcat)
+    page = FakePage(rovers(2).build(), scene)
     yield page
     page.cockpit.close()
 
@@ -107,8 +107,8 @@ def test_sliders_show_commands_that_came_from_elsewhere(page):
     assert page.state["commands"][WHEELS_1] == [1, 2, 3, 4]
 
 
-def test_whoever_moves_a_slider_takes_over_from_the_scenario(meshcat):
-    page = FakePage(rovers(1).command(WHEELS_1, [1] * 4, period=0.1).build(), meshcat)
+def test_whoever_moves_a_slider_takes_over_from_the_scenario(scene):
+    page = FakePage(rovers(1).command(WHEELS_1, [1] * 4, period=0.1).build(), scene)
     page.twin.advance_to(0.05)
     page.ask(protocol.MoveJoint(WHEELS_1, 2, 3.0))
     page.twin.advance_to(0.5)
@@ -159,8 +159,8 @@ def test_an_emergency_stop_refuses_commands_until_it_is_cleared(page):
     assert page.twin.command(WHEELS_1).data[0] == 3.0
 
 
-def test_an_arm_that_follows_trajectories_goes_where_its_slider_is(meshcat, tmp_path):
-    page = FakePage(arm_with_trajectories(tmp_path).build(), meshcat)
+def test_an_arm_that_follows_trajectories_goes_where_its_slider_is(scene, tmp_path):
+    page = FakePage(arm_with_trajectories(tmp_path).build(), scene)
     assert page.state
     (group,) = page.robots["arm"]["groups"]
     assert [slider["unit"] for slider in group["sliders"]] == ["rad"] * 3
@@ -176,8 +176,8 @@ def test_an_arm_that_follows_trajectories_goes_where_its_slider_is(meshcat, tmp_
 
 
 @pytest.fixture
-def driven(meshcat, tmp_path):
-    page = FakePage(driven_rovers(tmp_path).build(), meshcat)
+def driven(scene, tmp_path):
+    page = FakePage(driven_rovers(tmp_path).build(), scene)
     yield page
     page.cockpit.close()
 
@@ -255,10 +255,10 @@ def test_the_state_tells_positions_velocities_efforts_and_where_each_robot_is(pa
     assert told["pose"] == pytest.approx(state.base_pose, abs=1e-6)
 
 
-def test_warnings_of_the_build_and_of_the_run_are_on_the_message_line(meshcat, tmp_path):
+def test_warnings_of_the_build_and_of_the_run_are_on_the_message_line(scene, tmp_path):
     file = tmp_path / "ghost.urdf"
     file.write_text('<robot name="ghost"><link name="a"><inertial><mass value="1"/></inertial></link></robot>')
-    page = FakePage(TwinBuilder().robot("ghost", file).build(), meshcat)
+    page = FakePage(TwinBuilder().robot("ghost", file).build(), scene)
     logging.getLogger("drake_twin.anything").warning("the %s", "run")
     logging.getLogger("drake_twin.anything").warning("the %s", "run")
     assert page.state
@@ -270,13 +270,13 @@ def test_warnings_of_the_build_and_of_the_run_are_on_the_message_line(meshcat, t
     assert page.cockpit._log.as_plain()[-1]["text"] == "the run"
 
 
-def test_what_the_page_asks_and_looks_at_does_not_change_the_run(meshcat):
+def test_what_the_page_asks_and_looks_at_does_not_change_the_run(scene):
     """The same commands at the same steps, with an open page and overlays, and without: the same bits."""
     plain = rovers(2).build()
     plain.advance_to(0.2)
     plain.publish(WHEELS_1, [0, 0, 3, 0])
     plain.advance_to(0.5)
-    page = FakePage(rovers(2).build(), meshcat)
+    page = FakePage(rovers(2).build(), scene)
     page.ask(*[protocol.Show(what, True) for what in ("frames", "contacts", "collision", "inertia")])
     page.ask(protocol.RunTo(0.2))
     page.frames(until=lambda: page.twin.paused)
@@ -289,10 +289,10 @@ def test_what_the_page_asks_and_looks_at_does_not_change_the_run(meshcat):
 # --- robots that are only displayed
 
 
-def test_joints_of_a_robot_that_is_only_displayed_go_where_their_sliders_are(meshcat):
+def test_joints_of_a_robot_that_is_only_displayed_go_where_their_sliders_are(scene):
     twin = TwinBuilder().robot("arm", ARM).build()
     twin.pause()
-    page = FakePage(twin, meshcat, only_displayed=True)
+    page = FakePage(twin, scene, only_displayed=True)
     page.ask(protocol.PoseJoint("arm", "joint_4", 0.3), protocol.Play(), protocol.Step(3))
     assert twin.robot_state("arm").positions[-2:] == pytest.approx((0.3, -0.3))  # and the one that follows it
     assert twin.time == 0
@@ -305,8 +305,8 @@ def test_joints_of_a_robot_that_is_only_displayed_go_where_their_sliders_are(mes
 @pytest.mark.parametrize(
     "request_", [protocol.PoseJoint("x", "joint_1", 0.0), protocol.PoseJoint("arm", "joint_5", 0.0)]
 )
-def test_a_joint_that_cannot_be_posed(meshcat, request_):
-    page = FakePage(TwinBuilder().robot("arm", ARM).build(), meshcat, only_displayed=True)
+def test_a_joint_that_cannot_be_posed(scene, request_):
+    page = FakePage(TwinBuilder().robot("arm", ARM).build(), scene, only_displayed=True)
     page.ask(request_)
     assert page.state
     assert page.messages[-1][0] == "error"

@@ -3,6 +3,7 @@ import pytest
 from conftest import rovers
 
 from drake_twin.cockpit.follow_camera import FollowCamera
+from drake_twin.cockpit.scene import OVERLAYS, TWIN
 from drake_twin.errors import InputError
 
 
@@ -13,10 +14,10 @@ class Scene:
         self.places = {}
         self.cameras = []
 
-    def SetTransform(self, path, pose):
+    def set_transform(self, path, pose):
         self.places[path] = pose.translation()
 
-    def SetCameraPose(self, camera, target):
+    def set_camera_pose(self, camera, target):
         self.cameras.append((camera, target))
 
 
@@ -29,14 +30,14 @@ def followed():
 def test_the_scene_moves_so_that_the_robot_stays_in_the_middle(followed):
     scene, camera, twin = followed
     camera.follow("robot_2", twin)
-    assert scene.places["/drake"] == pytest.approx(-np.array(twin.robot_state("robot_2").base_pose[:3]))
+    assert scene.places[TWIN] == pytest.approx(-np.array(twin.robot_state("robot_2").base_pose[:3]))
     twin.publish("/robot_2/forward_velocity_controller/commands", [9] * 4)
     twin.advance_to(1.0)
     camera.draw(twin)
     position = np.array(twin.robot_state("robot_2").base_pose[:3])
     assert position[0] > 0.3
     assert all(place == pytest.approx(-position) for place in scene.places.values())
-    assert scene.places.keys() == {"/drake", "/drake_twin", "/ground", "/Grid"}
+    assert scene.places.keys() == {TWIN, OVERLAYS, "/Grid"}
 
 
 def test_letting_go_puts_the_scene_back_and_keeps_looking_at_the_robot(followed):

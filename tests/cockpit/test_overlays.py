@@ -7,9 +7,10 @@ from pydrake.geometry import Box, Ellipsoid
 from pydrake.math import RigidTransform
 
 from drake_twin import TwinBuilder
-from drake_twin.cockpit.overlays import PATH, overlay_types
+from drake_twin.cockpit.overlays import overlay_types
+from drake_twin.cockpit.overlays.contact_forces import _forces
 from drake_twin.cockpit.overlays.frames import _in_world, _transforms
-from drake_twin.cockpit.page import open_meshcat
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 
 
 class Drawn:
@@ -21,14 +22,14 @@ class Drawn:
         self.transforms = {}
         self.deleted = []
 
-    def SetObject(self, path, shape, *color):
+    def set_object(self, path, shape, *color):
         self.objects[path] = shape
         self.colors[path] = color
 
-    def SetTransform(self, path, pose):
+    def set_transform(self, path, pose):
         self.transforms[path] = pose
 
-    def Delete(self, path):
+    def delete(self, path):
         self.deleted.append(path)
 
 
@@ -41,12 +42,12 @@ def twin():
 
 @pytest.mark.parametrize("name", ["frames", "contacts", "collision", "inertia"])
 def test_an_overlay_is_there_while_it_is_shown_and_leaves_nothing(twin, name):
-    meshcat = open_meshcat()
-    overlay = overlay_types()[name](meshcat, twin)
+    scene = Scene()
+    overlay = overlay_types()[name](scene, twin)
     overlay.draw()
-    assert meshcat.HasPath(PATH)
+    assert scene.has_path(OVERLAYS)
     overlay.remove()
-    assert not any(meshcat.HasPath(f"{PATH}/{below}") for below in ("frames", "contact", "collision", "inertia"))
+    assert not any(scene.has_path(f"{OVERLAYS}/{below}") for below in ("frames", "contact", "collision", "inertia"))
 
 
 def test_collision_shapes_are_those_of_contact_and_go_along_with_their_links(twin):
@@ -54,11 +55,11 @@ def test_collision_shapes_are_those_of_contact_and_go_along_with_their_links(twi
     shapes = overlay_types()["collision"](drawn, twin)
     shapes.draw()
     base = twin.plant.GetBodyByName("robot_2_base_link", twin.plant.GetModelInstanceByName("robot_2"))
-    path = f"{PATH}/collision/{int(base.index())}"
+    path = f"{OVERLAYS}/collision/{int(base.index())}"
     shapes_of_base = [shape for name, shape in drawn.objects.items() if name.startswith(f"{path}/")]
     assert [type(shape) for shape in shapes_of_base] == [Box]
     wheel = twin.plant.GetBodyByName("robot_2_rear_left_wheel").index()
-    (of_wheel,) = [name for name in drawn.objects if name.startswith(f"{PATH}/collision/{int(wheel)}/")]
+    (of_wheel,) = [name for name in drawn.objects if name.startswith(f"{OVERLAYS}/collision/{int(wheel)}/")]
     (of_base,) = [name for name in drawn.objects if name.startswith(f"{path}/")]
     assert type(drawn.objects[of_wheel]) is Ellipsoid
     assert len({str(drawn.colors[name]) for name in (of_wheel, of_base)}) == 2
@@ -84,10 +85,10 @@ def test_an_inertia_ellipsoid_has_the_bodys_moments(tmp_path):
 
 
 def test_contact_arrows_are_drawn_for_wheels_on_the_ground(twin):
-    meshcat = open_meshcat()
-    contacts = overlay_types()["contacts"](meshcat, twin)
+    scene = Scene()
+    contacts = overlay_types()["contacts"](scene, twin)
     contacts.draw()
-    assert meshcat.HasPath(f"{PATH}/contact/point") or meshcat.HasPath(f"{PATH}/contact/hydroelastic")
+    assert len([path for path in scene.everything().paths() if path.endswith("/shaft")]) == 8  # wheels
 
 
 def test_frames_are_where_tf_puts_them(twin):
@@ -116,3 +117,18 @@ def test_an_arms_frames_follow_its_joints():
     frames.draw()
     moved = [path for path, pose in drawn.transforms.items() if np.abs(pose.translation() - before[path]).max() > 0.01]
     assert moved
+
+
+def test_contact_arrows_carry_the_robots_and_crates_that_stand(tmp_path):
+    crate = tmp_path / "crate.urdf"
+    crate.write_text(
+        '<robot name="crate"><link name="a"><inertial><mass value="3"/><inertia ixx="0.01" iyy="0.01" izz="0.01"'
+        ' ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>'
+        "</link></robot>"
+    )
+    twin = rovers(1).robot("crate", crate, xyz=(3, 0, 0.1)).build()
+    twin.advance_to(1.0)
+    force = sum(force for _, force in _forces(twin))
+    plant = twin.plant
+    weight = 9.81 * plant.CalcTotalMass(plant.GetMyContextFromRoot(twin.context))
+    assert force == pytest.approx([0, 0, weight], abs=0.01 * weight)

@@ -14,7 +14,7 @@ from PIL import Image
 from robots_to_steer import CMD_VEL, TRAJECTORY, WHEELS_1, arm_with_trajectories, driven_rovers
 
 from drake_twin import Twin, TwinBuilder
-from drake_twin.cockpit.overlays import PATH
+from drake_twin.cockpit.scene import OVERLAYS
 from drake_twin.cockpit.served_page import ServedPage
 from drake_twin.launch.demo import demo_scenario
 
@@ -44,8 +44,8 @@ class Shown:
     def __init__(self, browser, scenario, **options):
         self._browser = browser
         self.served = ServedPage()
-        self.meshcat = self.served.meshcat
-        self.twin = Twin(scenario, self.meshcat)
+        self.scene = self.served.scene
+        self.twin = Twin(scenario)
         self.cockpit = self.served.show(self.twin, **options)
         self.tabs = []
         self.faults = []
@@ -58,7 +58,7 @@ class Shown:
         self.tabs.append(tab)
         tab.goto(self.served.url)
         self.frames(lambda: len(self.served.server.clients) == len(self.tabs))
-        self.frames(lambda: self.meshcat.GetNumActiveConnections() == len(self.tabs))
+        self.frames(lambda: len(self.served.server._viewers) == len(self.tabs))
         self.frames(lambda: tab.locator("body.ready").count() == 1)
         return tab
 
@@ -471,11 +471,11 @@ def test_an_overlay_is_drawn_and_taken_away(page, label, path):
     it.for_frames(3)
     before = picture(tab)
     tab.get_by_label(label).click(force=True)
-    it.frames(lambda: it.meshcat.HasPath(f"{PATH}/{path}"))
+    it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/{path}"))
     it.for_frames(5)
     assert changed(before, picture(tab)) > 200
     tab.get_by_label(label).click(force=True)
-    it.frames(lambda: not it.meshcat.HasPath(f"{PATH}/{path}"))
+    it.frames(lambda: not it.scene.has_path(f"{OVERLAYS}/{path}"))
     it.for_frames(5)
     assert changed(before, picture(tab)) < 20
 
@@ -599,7 +599,25 @@ def test_a_page_whose_twin_has_ended_says_so(page):
     it.served.server.close()
     tab.locator("#connection").wait_for(state="visible")
     assert "open the address that it printed" in tab.locator("#connection").inner_text()
+    assert tab.locator("#stop-all").evaluate("node => node.inert")
+    assert tab.locator("#panel").evaluate("node => node.inert")
+    tab.keyboard.press("Space")
+    assert "did not reach it" in tab.locator("#connection").inner_text()
     it.faults.clear()  # the browser's own lines about attempts to connect again
+
+
+def test_a_stop_is_red_until_the_twin_has_confirmed_it(page):
+    it, tab = page
+    tab.get_by_role("button", name="Stop all").click()
+    assert "waiting" in tab.locator("#stop-all").get_attribute("class")  # the twin's thread is not at work
+    it.frames(lambda: all(it.twin.is_stopped(robot) for robot in it.twin.robots))
+    it.frames(lambda: "waiting" not in (tab.locator("#stop-all").get_attribute("class") or ""))
+
+
+def test_a_twin_that_is_busy_is_said_to_be(page):
+    it, tab = page
+    tab.locator("#connection", has_text="busy for").wait_for(state="visible")  # nobody calls obey
+    it.frames(lambda: not tab.locator("#connection").is_visible())
 
 
 # --- robots that are only displayed

@@ -13,9 +13,9 @@ from lxml import etree
 from scenes import ENGINES, G, box, every_engine, world
 
 from drake_twin import TwinBuilder
-from drake_twin.cockpit.overlays import PATH, overlay_types
+from drake_twin.cockpit.overlays import overlay_types
 from drake_twin.cockpit.overlays.collision_shapes import _shapes
-from drake_twin.cockpit.page import open_meshcat
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.scenario import World
 
 M, E, F = 0.1, 2.0, 0.5  # of a rotor (kg·m², N·m), or of a slider (kg, N)
@@ -227,16 +227,12 @@ def test_a_brake_is_not_drawn(tmp_path):
     builder = TwinBuilder(world=World(ground=False), **ENGINES["cenic"])
     twin = builder.robot("bare", tmp_path / "bare.urdf").robot("ball", tmp_path / "ball.urdf", xyz=(9, 0, 0)).build()
     twin.advance_to(0.01)
-    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    ids = {inspector.GetName(item): item.get_value() for item in inspector.GetAllGeometryIds()}
-    root = twin.plant.GetJointByName("joint", twin.plant.GetModelInstanceByName("bare")).parent_body().name()
-    meshcat = open_meshcat()
+    scene = Scene()
     for name in ("contacts", "collision"):
-        overlay_types()[name](meshcat, twin).draw()
-    shoe = ids["ball::joint/friction/shoe"]
-    arrows = (f"bare.body+bare.{root}", f"ball.body.Id({shoe})+ball.{root}")
-    assert meshcat.HasPath(f"{PATH}/contact")
-    assert not any(meshcat.HasPath(f"{PATH}/contact/point/{arrow}") for arrow in arrows)
+        overlay_types()[name](scene, twin).draw()
+    results = twin.evaluate(twin.plant.get_contact_results_output_port())
+    assert results.num_point_pair_contacts() + results.num_hydroelastic_contacts() == 2
+    assert not scene.has_path(f"{OVERLAYS}/contact")
     assert [shape.shape.radius() for shape in _shapes(twin)] == [0.1]
 
 

@@ -39,7 +39,7 @@ def assert_stops_joint_by_joint(scene, how):
             farthest = max(farthest, scene.positions[joint])
         assert farthest - start <= 1.2 * bound
         # It rests there; joints that it has pushed out of the way push back while they brake, too.
-        assert scene.positions[joint] == pytest.approx(farthest, abs=5e-3)
+        assert scene.positions[joint] == pytest.approx(farthest, abs=1e-2)
         assert np.abs(scene.velocities).max() < 1e-2
         twin.controller_manager("arm").switch_controller(activate=["driver"])
         twin.clear_emergency_stop("arm")
@@ -239,7 +239,7 @@ def assert_keeps_its_velocity_limit(scene, controller, joint, distance):
         way.append((scene.positions[joint] - goal[joint]) * np.sign(distance))
         farthest = max(farthest, way[-1])
     assert fastest <= 1.01 * scene.limits[joint].velocity
-    assert fastest >= 0.9 * scene.limits[joint].velocity
+    assert fastest >= 0.85 * scene.limits[joint].velocity
     assert farthest <= 1e-3
     assert way[-1] == pytest.approx(0.0, abs=1e-3)
 

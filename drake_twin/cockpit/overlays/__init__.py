@@ -2,17 +2,14 @@
 
 from typing import Protocol
 
-from pydrake.geometry import Meshcat
-
+from drake_twin.cockpit.scene import Scene
 from drake_twin.twin import Twin
-
-PATH = "/drake_twin"  # in Meshcat's tree; everything that overlays draw is below it
 
 
 class Overlay(Protocol):
-    """Something drawn in the scene; made with the page's Meshcat and a twin, and again when the twin is rebuilt."""
+    """Something drawn in the scene; made with the page's scene and a twin, and again when the twin is rebuilt."""
 
-    def __init__(self, meshcat: Meshcat, twin: Twin): ...
+    def __init__(self, scene: Scene, twin: Twin): ...
 
     def draw(self) -> None:
         """Draws the present moment."""

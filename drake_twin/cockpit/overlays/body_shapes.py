@@ -3,10 +3,11 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pydrake.geometry import Meshcat, Rgba, Shape
+from pydrake.geometry import Rgba, Shape
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 
+from drake_twin.cockpit.scene import Scene
 from drake_twin.twin import Twin
 
 
@@ -30,29 +31,29 @@ class BodyShapes:
     """Draws shapes on bodies.
 
     Args:
-        meshcat: the page.
+        scene: what the page draws.
         twin: whose plant has the bodies.
-        path: where in Meshcat's tree.
+        path: where in the scene.
         shapes: the shapes.
     """
 
-    def __init__(self, meshcat: Meshcat, twin: Twin, path: str, shapes: Iterable[BodyShape]):
-        self._meshcat = meshcat
+    def __init__(self, scene: Scene, twin: Twin, path: str, shapes: Iterable[BodyShape]):
+        self._scene = scene
         self._twin = twin
         self._path = path
         self._bodies: dict[int, str] = {}
         for number, item in enumerate(shapes):
             body = self._bodies.setdefault(int(item.body), f"{path}/{int(item.body)}")
-            meshcat.SetObject(f"{body}/{number}", item.shape, item.color)
-            meshcat.SetTransform(f"{body}/{number}", item.X_BS)
+            scene.set_object(f"{body}/{number}", item.shape, item.color)
+            scene.set_transform(f"{body}/{number}", item.X_BS)
 
     def draw(self) -> None:
         """Puts the shapes where their bodies are."""
         plant = self._twin.plant
         poses = plant.get_body_poses_output_port().Eval(plant.GetMyContextFromRoot(self._twin.context))
         for body, path in self._bodies.items():
-            self._meshcat.SetTransform(path, poses[body])
+            self._scene.set_transform(path, poses[body])
 
     def remove(self) -> None:
         """Takes them off the page."""
-        self._meshcat.Delete(self._path)
+        self._scene.delete(self._path)

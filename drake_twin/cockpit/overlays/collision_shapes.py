@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from pydrake.geometry import HalfSpace, Meshcat, Rgba
+from pydrake.geometry import HalfSpace, Rgba
 
-from drake_twin.cockpit.overlays import PATH
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.contact import FACES, IN_A_POINT, WHEEL
 from drake_twin.twin import Twin
 
@@ -19,8 +19,8 @@ _COLORS = {
 class CollisionShapes(BodyShapes):
     """The collision shapes of all bodies; Meshcat cannot draw half spaces."""
 
-    def __init__(self, meshcat: Meshcat, twin: Twin):
-        super().__init__(meshcat, twin, f"{PATH}/collision", _shapes(twin))
+    def __init__(self, scene: Scene, twin: Twin):
+        super().__init__(scene, twin, f"{OVERLAYS}/collision", _shapes(twin))
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:

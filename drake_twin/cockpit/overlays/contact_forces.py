@@ -2,62 +2,74 @@
 
 from collections.abc import Iterator
 
-from pydrake.common.value import AbstractValue
-from pydrake.geometry import GeometryId, Meshcat, Role, SceneGraphInspector
-from pydrake.multibody.meshcat import ContactVisualizer, ContactVisualizerParams
-from pydrake.multibody.plant import MultibodyPlant
+import numpy as np
+from pydrake.geometry import Cylinder, MeshcatCone, Rgba
+from pydrake.math import RigidTransform, RotationMatrix
 
-from drake_twin.cockpit.overlays import PATH
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.twin import Twin
 
+_PATH = f"{OVERLAYS}/contact"
 _NEWTONS_PER_METER = 100.0  # a rover's wheel that carries 20 N has an arrow of 0.2 m
+_LEAST = 0.05  # N
+_RADIUS = 0.006  # m
+_HEAD = 0.02  # m
+_COLOR = Rgba(0.80, 0.20, 0.20)
 
 
 class ContactForces:
-    """Drake's contact visualizer, outside of the diagram: it is given the results when it is to draw.
+    """The force on what moves, or on the second of two that do; what holds a joint by friction is left out."""
 
-    It cannot leave out a contact, so the arrows of the brakes in joints are taken off again.
-    """
-
-    def __init__(self, meshcat: Meshcat, twin: Twin):
-        self._meshcat = meshcat
+    def __init__(self, scene: Scene, twin: Twin):
+        self._scene = scene
         self._twin = twin
-        parameters = ContactVisualizerParams(
-            prefix=f"{PATH}/contact", newtons_per_meter=_NEWTONS_PER_METER, force_threshold=0.05, radius=0.006
-        )
-        self._visualizer = ContactVisualizer(meshcat, parameters)
-        self._context = self._visualizer.CreateDefaultContext()
-        self._brakes = list(_brake_arrows(twin))
+        self._count = 0
 
     def draw(self) -> None:
         """Draws the present forces."""
-        results = self._twin.evaluate(self._twin.plant.get_contact_results_output_port())
-        self._visualizer.contact_results_input_port().FixValue(self._context, AbstractValue.Make(results))
-        self._context.SetTime(self._twin.time)
-        self._visualizer.ForcedPublish(self._context)
-        for path in self._brakes:
-            self._meshcat.Delete(path)
+        count = 0
+        for count, (point, force) in enumerate(_forces(self._twin), start=1):
+            if count > self._count:
+                self._scene.set_object(f"{_PATH}/{count}/shaft", Cylinder(_RADIUS, 1.0), _COLOR)
+                self._scene.set_object(f"{_PATH}/{count}/head", MeshcatCone(_HEAD, 2 * _RADIUS, 2 * _RADIUS), _COLOR)
+            length = float(np.linalg.norm(force)) / _NEWTONS_PER_METER
+            turned = RotationMatrix.MakeFromOneVector(force, 2)
+            self._scene.set_transform(f"{_PATH}/{count}", RigidTransform(turned, point))
+            self._scene.set_transform(f"{_PATH}/{count}/shaft", _stretched(length))
+            # A cone of Drake's stands on its tip.
+            tip = RigidTransform(RotationMatrix.MakeXRotation(np.pi), [0, 0, length + _HEAD])
+            self._scene.set_transform(f"{_PATH}/{count}/head", tip)
+        for number in range(count + 1, self._count + 1):
+            self._scene.delete(f"{_PATH}/{number}")
+        self._count = count
 
     def remove(self) -> None:
         """Takes the arrows off the page."""
-        self._visualizer.Delete()
-        self._meshcat.Delete(f"{PATH}/contact")
+        self._scene.delete(_PATH)
+        self._count = 0
 
 
-def _brake_arrows(twin: Twin) -> Iterator[str]:
-    """Where the visualizer draws the forces of brakes; a shoe is registered right before its plate."""
+def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Where a contact is (m, in the world) and its force (N)."""
+    results = twin.evaluate(twin.plant.get_contact_results_output_port())
     inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
-    geometries = sorted(inspector.GetAllGeometryIds(Role.kProximity), key=GeometryId.get_value)
-    brakes = [geometry for geometry in geometries if is_brake(inspector, geometry)]
-    for shoe, plate in zip(brakes[::2], brakes[1::2], strict=True):
-        yield f"{PATH}/contact/point/{_name(twin.plant, inspector, shoe)}+{_name(twin.plant, inspector, plate)}"
+    world = twin.plant.world_body().index()
+    for index in range(results.num_point_pair_contacts()):
+        point = results.point_pair_contact_info(index)
+        force = -point.contact_force() if point.bodyB_index() == world else point.contact_force()
+        if not is_brake(inspector, point.point_pair().id_A) and np.linalg.norm(force) > _LEAST:
+            yield point.contact_point(), force
+    for index in range(results.num_hydroelastic_contacts()):
+        face = results.hydroelastic_contact_info(index)
+        surface, force_on_M = face.contact_surface(), face.F_Ac_W().translational()
+        is_on_world = inspector.GetFrameId(surface.id_M()) == inspector.world_frame_id()
+        if np.linalg.norm(force_on_M) > _LEAST:
+            yield surface.centroid(), -force_on_M if is_on_world else force_on_M
 
 
-def _name(plant: MultibodyPlant, inspector: SceneGraphInspector, geometry: GeometryId) -> str:
-    """What the visualizer calls a geometry (multibody/plant/internal_geometry_names.cc)."""
-    body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-    is_unique = plant.NumBodiesWithName(body.name()) == 1
-    is_sole = len(plant.GetCollisionGeometriesForBody(body)) == 1
-    model = "" if is_unique else f"{plant.GetModelInstanceName(body.model_instance())}."
-    return f"{model}{body.name()}" + ("" if is_sole else f".Id({geometry.get_value()})")
+def _stretched(length: float) -> np.ndarray:
+    """A cylinder of a metre about the origin, as one of a length (m) that begins there."""
+    matrix = np.diag([1.0, 1.0, max(length, 1e-6), 1.0])
+    matrix[2, 3] = length / 2
+    return matrix

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.geometry import Cylinder, Meshcat, Rgba
+from pydrake.geometry import Cylinder, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
-from drake_twin.cockpit.overlays import PATH
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.twin import Twin
 
 _LENGTH, _RADIUS = 0.15, 0.004  # m
@@ -17,8 +17,8 @@ _COLORS = (Rgba(0.86, 0.2, 0.2), Rgba(0.2, 0.66, 0.26), Rgba(0.2, 0.4, 0.88))
 class Frames:
     """Axes for each frame, placed as a listener of tf would place them in ``world``."""
 
-    def __init__(self, meshcat: Meshcat, twin: Twin):
-        self._meshcat = meshcat
+    def __init__(self, scene: Scene, twin: Twin):
+        self._scene = scene
         self._twin = twin
         self._drawn: dict[str, str] = {}
 
@@ -31,21 +31,21 @@ class Frames:
         for name in links:
             pose = _in_world(name, links, known)
             if pose is not None:
-                self._meshcat.SetTransform(self._axes(name), pose)
+                self._scene.set_transform(self._axes(name), pose)
 
     def remove(self) -> None:
         """Takes them off the page."""
-        self._meshcat.Delete(f"{PATH}/frames")
+        self._scene.delete(f"{OVERLAYS}/frames")
         self._drawn.clear()
 
     def _axes(self, frame: str) -> str:
         if frame not in self._drawn:
-            path = f"{PATH}/frames/{len(self._drawn)}"
+            path = f"{OVERLAYS}/frames/{len(self._drawn)}"
             for axis, color in enumerate(_COLORS):
                 direction = np.eye(3)[axis]
-                self._meshcat.SetObject(f"{path}/{axis}", Cylinder(_RADIUS, _LENGTH), color)
+                self._scene.set_object(f"{path}/{axis}", Cylinder(_RADIUS, _LENGTH), color)
                 turned = RotationMatrix.MakeFromOneVector(direction, 2)
-                self._meshcat.SetTransform(f"{path}/{axis}", RigidTransform(turned, 0.5 * _LENGTH * direction))
+                self._scene.set_transform(f"{path}/{axis}", RigidTransform(turned, 0.5 * _LENGTH * direction))
             self._drawn[frame] = path
         return self._drawn[frame]
 

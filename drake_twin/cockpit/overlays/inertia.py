@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from math import inf
 
-from pydrake.geometry import Ellipsoid, Meshcat, Rgba
+from pydrake.geometry import Ellipsoid, Rgba
 from pydrake.multibody.tree import BodyIndex
 
-from drake_twin.cockpit.overlays import PATH
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
+from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.twin import Twin
 
 _COLOR = Rgba(0.53, 0.33, 0.74, 0.5)
@@ -17,8 +17,8 @@ _THINNEST = 2e-3  # m
 class Inertia(BodyShapes):
     """A solid ellipsoid of even density for each body that has mass, with the body's own moments of inertia."""
 
-    def __init__(self, meshcat: Meshcat, twin: Twin):
-        super().__init__(meshcat, twin, f"{PATH}/inertia", _shapes(twin))
+    def __init__(self, scene: Scene, twin: Twin):
+        super().__init__(scene, twin, f"{OVERLAYS}/inertia", _shapes(twin))
 
 
 def _shapes(twin: Twin) -> Iterator[BodyShape]:

@@ -1,21 +1,30 @@
 // Puts the page together: what comes from the twin is shown, what a person does is asked for.
 
 import { Connection } from "./connection.js";
-import { $, setIcon } from "./dom.js";
+import { $, setIcon, setText } from "./dom.js";
 import { Messages } from "./messages.js";
 import { Robots } from "./robots.js";
+import { Stops } from "./stops.js";
 import { Teleop } from "./teleop.js";
 import { TimeControls } from "./time_controls.js";
 import { View } from "./view.js";
 
 let connection = null;
-const ask = (what, fields) => connection.ask(what, fields);
+const stops = new Stops(showBanner);
+function ask(what, fields) {
+  if (what === "EmergencyStop") stops.ask(fields.robot);
+  if (what === "ClearEmergencyStop") stops.asked.delete(fields.robot);
+  return connection.ask(what, fields);
+}
 const time = new TimeControls(ask);
 const view = new View(ask);
 const teleop = new Teleop(ask);
 const robots = new Robots(ask, teleop);
 const messages = new Messages();
 let names = [];
+let status = "closed";
+let lost = "";
+let busy = 0; // s
 
 connection = new Connection({
   on: {
@@ -25,16 +34,50 @@ connection = new Connection({
     },
     state(state) {
       for (const part of [time, view, robots]) part.state(state);
+      stops.state(state.robots);
       document.body.classList.add("ready");
     },
     messages: (lines) => messages.show(lines),
+    alive(seconds) {
+      busy = seconds > BUSY ? seconds : 0;
+      showBanner();
+    },
   },
-  status(connected) {
-    $("connection").hidden = connected;
-    $("connection").textContent =
-      "The twin does not answer. Trying again; if it was started anew, open the address that it printed.";
+  status(now) {
+    status = now;
+    lost = "";
+    for (const id of ["transport", "panel", "stop-all"]) $(id).inert = now !== "open";
+    document.body.classList.toggle("gone", now !== "open");
+    showBanner();
+  },
+  lost(what) {
+    lost = ` ${LOST[what] ?? "What you have just done"} did not reach it.`;
+    showBanner();
   },
 });
+
+const LOST = { EmergencyStop: "The emergency stop", Drive: "What you drive" };
+const BUSY = 2; // s
+const GONE = {
+  closed: "The twin has ended or cannot be reached: what you see is its last state. Trying again; if it was started elsewhere, open the address that it printed.",
+  silent: "The twin has not answered for more than a second: what you see may be old.",
+};
+
+// What is wrong, in one place: the twin is gone, or has not confirmed a stop.
+function showBanner() {
+  const late = stops.unconfirmed;
+  const said = [];
+  if (status !== "open") said.push(GONE[status] + lost);
+  else if (busy) said.push(`The twin has been busy for ${busy.toFixed(0)} s: what you ask for waits.`);
+  if (late.length) said.push(`Not stopped yet: ${late.join(", ")}.`);
+  const text = said.join(" ");
+  $("connection").hidden = !text;
+  setText($("connection"), text);
+  $("stop-all").classList.toggle("waiting", stops.isWaiting());
+  for (const button of document.querySelectorAll("[data-stops]")) {
+    button.classList.toggle("waiting", stops.isWaiting(button.dataset.stops));
+  }
+}
 
 setIcon($("panel-toggle"), "panel");
 function togglePanel() {

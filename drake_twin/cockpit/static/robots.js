@@ -13,7 +13,7 @@ class RobotFolder {
     this.name = robot.name;
     this.teleop = teleop;
     this.pill = element("span", { class: "pill", hidden: true, text: "stopped" });
-    this.stop = element("button", { class: "danger small", text: "Stop", "aria-label": `Emergency stop of ${robot.name}` });
+    this.stop = element("button", { class: "danger small", text: "Stop", "data-stops": robot.name, "aria-label": `Emergency stop of ${robot.name}` });
     this.stop.addEventListener("click", (event) => {
       event.preventDefault();
       ask(this.stopped ? "ClearEmergencyStop" : "EmergencyStop", { robot: robot.name });

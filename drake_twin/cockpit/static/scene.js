@@ -1,9 +1,30 @@
-// Runs inside the scene's frame before Meshcat does: Meshcat's page comes through this server, its web socket does not.
-"use strict";
-const port = document.currentScript.dataset.port;
-const PageSocket = window.WebSocket;
-window.WebSocket = class extends PageSocket {
-  constructor() {
-    super(`ws://${location.hostname}:${port}/`);
-  }
+// Draws the scene with Meshcat's viewer; the commands come from the page's own server, an array of them a message.
+
+const RETRY = 1000; // ms
+
+const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
+viewer.animate = () => {
+  viewer.animator.update();
+  if (viewer.needs_render) viewer.render();
 };
+function animate() {
+  viewer.animate();
+  requestAnimationFrame(animate);
+}
+requestAnimationFrame(animate);
+
+function connect() {
+  const address = new URL("socket", location.href);
+  address.protocol = address.protocol.replace("http", "ws");
+  const socket = new WebSocket(address);
+  socket.binaryType = "arraybuffer";
+  let isFirst = true;
+  socket.onmessage = (message) => {
+    if (isFirst) for (const path of ["/twin", "/overlays"]) viewer.handle_command({ type: "delete", path });
+    isFirst = false;
+    for (const command of viewer.decode(message)) viewer.handle_command(command);
+    document.body.dataset.frames = Number(document.body.dataset.frames ?? 0) + 1;
+  };
+  socket.onclose = () => setTimeout(connect, RETRY);
+}
+connect();
