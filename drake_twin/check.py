@@ -11,11 +11,12 @@ from typing import Any
 
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
-from drake_twin.program import ArgumentParser, run_program, say, stop_signals
+from drake_twin.findings import Finding, Kind, counted
+from drake_twin.program import ArgumentParser, add_strict, run_program, say, stop_signals
 
 _DESCRIPTION = """\
 Reads a robot file (xacro, URDF, SDF or MJCF), builds it, steps it for a moment, and reports what it is, what was mended
-in it and what the twin makes no use of. Exit code 0: it runs; 1: it does not, or with --strict it needed mending;
+in it and what the twin makes no use of. Exit code 0: it runs; 1: it does not, or --strict says so;
 2: the arguments cannot be used. Made for a package's own CI."""
 
 _STEPS = 100
@@ -35,18 +36,19 @@ class Report:
         ok: whether the robot loads and steps.
         error: why it does not.
         robot: name, counts, mass, actuators, interfaces, meshes; empty when it does not load.
-        repairs: each ``rule``, ``what`` and ``line``.
-        ignored: each ``what`` and its ``lines``.
-        warnings: anything else that was said while it was built.
+        findings: what became of what the file says, where it is not simply used.
     """
 
     file: str
     ok: bool
     error: str | None
     robot: dict[str, Any]
-    repairs: list[dict[str, Any]]
-    ignored: list[dict[str, Any]]
-    warnings: list[str]
+    findings: tuple[Finding, ...]
+
+    @property
+    def as_plain(self) -> dict[str, Any]:
+        """As plain data, for JSON."""
+        return {**vars(self), "findings": [finding.as_plain() for finding in self.findings]}
 
 
 def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = ()) -> Report:
@@ -65,18 +67,13 @@ def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = 
         twin = Twin(robot_file_scenario(resolved, xacro_args=xacro_args, package_paths=package_paths))
         twin.step(_STEPS)
     except TwinError as error:
-        return Report(file, ok=False, error=str(error), robot={}, repairs=[], ignored=[], warnings=[])
-    (plan,) = twin.plans
-    model = plan.model
-    mended = {f"{plan.name}: {repair}" for repair in model.repairs}
+        return Report(file, ok=False, error=str(error), robot={}, findings=())
     return Report(
         file=str(resolved),
         ok=True,
         error=None,
         robot=_describe(twin),
-        repairs=[{"rule": item.rule, "what": item.what, "line": item.line} for item in model.repairs],
-        ignored=[{"what": item.what, "lines": list(item.lines)} for item in model.ignored],
-        warnings=[text for text in (*twin.warnings, *twin.not_started) if text not in mended],
+        findings=twin.findings,
     )
 
 
@@ -129,15 +126,10 @@ def _lines(report: Report) -> Iterator[str]:
         yield f"  error: {report.error}"
     if report.robot:
         yield from _robot_lines(report.robot)
-    for item in report.repairs:
-        place = "" if item["line"] is None else f"line {item['line']}: "
-        yield f"  mended: {place}{item['what']} [{item['rule']}]"
-    for item in report.ignored:
-        places = f" (line {', '.join(map(str, item['lines']))})" if item["lines"] else ""
-        yield f"  ignored: {item['what']}{places}"
-    for text in report.warnings:
-        yield f"  warning: {text}"
-    verdict = "does not run" if not report.ok else "runs, mended" if report.repairs else "runs as it is"
+    for finding in sorted(report.findings, key=lambda finding: list(Kind).index(finding.kind)):
+        yield f"  {finding.kind}: {finding.sentence}"
+    is_mended = any(finding.kind is Kind.MENDED for finding in report.findings)
+    verdict = "does not run" if not report.ok else "runs, mended" if is_mended else "runs as it is"
     yield f"  verdict: {verdict}"
 
 
@@ -182,7 +174,7 @@ def _program(arguments: Sequence[str]) -> int:
     parser.add_argument("xacro_args", nargs="*", metavar="name:=value", help="xacro arguments")
     parser.add_argument("--package-path", action="append", default=[], metavar="DIR", help="a folder of ROS packages")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
-    parser.add_argument("--strict", action="store_true", help="exit code 1 also when something had to be mended")
+    add_strict(parser, "exit code 1 also")
     parser.add_argument("--view", action="store_true", help="show the robot in the page, with a slider for each joint")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -194,12 +186,12 @@ def _program(arguments: Sequence[str]) -> int:
     paths = [absolute_path(folder) for folder in options.package_path]
     with stop_signals() as stopped:
         report = check(options.file, xacro_args, paths)
-        say(json.dumps(vars(report), indent=2) if options.json else "\n".join(_lines(report)))
+        say(json.dumps(report.as_plain, indent=2) if options.json else "\n".join(_lines(report)))
         if options.view and report.ok:
             from drake_twin.cockpit.served_page import view_joints
 
             view_joints(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
-    return 0 if report.ok and not (options.strict and report.repairs) else 1
+    return 0 if report.ok and not counted(report.findings, options.strict) else 1
 
 
 if __name__ == "__main__":

@@ -22,6 +22,15 @@ class ArgumentParser(argparse.ArgumentParser):
         raise InputError(f"{message} (--help lists the options)")
 
 
+def add_strict(parser: Any, consequence: str) -> None:
+    """Adds ``--strict`` and ``--strict=mended``, which mean the same in every program."""
+    what = "when something that a file asks for is ignored or not started"
+    parser.add_argument("--strict", dest="strict", action="store_const", const="lost", help=f"{consequence} {what}")
+    parser.add_argument(
+        "--strict=mended", dest="strict", action="store_const", const="mended", help="likewise when something is mended"
+    )
+
+
 def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str] | None) -> int:
     """Runs a program and turns its errors into messages and exit codes.
 

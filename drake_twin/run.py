@@ -6,11 +6,12 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError, RunError, TwinError
+from drake_twin.findings import counted, grouped, strict_text
 from drake_twin.program import announce_page, collecting_later, leave, run_program, say, stop_signals
 from drake_twin.run_options import check, parser
 from drake_twin.scenario_file import scenario_to_yaml
@@ -150,11 +151,10 @@ def _announce(twin: Any, target: Target, options: argparse.Namespace) -> None:
     """Says what came of the files."""
     for line in target.log:
         say(f"launch: {line}", sys.stderr)
-    for kind, sentences in (("warning", twin.warnings), ("not started", twin.not_started)):
-        for sentence in _grouped(sentences, twin.robots):
-            say(f"{kind}: {sentence}", sys.stderr)
-    if options.strict and twin.not_started:
-        raise InputError(f"--strict: {len(twin.not_started)} of what the files ask for is not started, see above")
+    for kind, sentence in grouped(twin.findings):
+        say(f"{kind}: {sentence}", sys.stderr)
+    if lost := counted(twin.findings, options.strict):
+        raise InputError(f"--strict: {strict_text(lost)}, see above")
     if target.paused:
         what = "it runs all the same" if options.headless else "press Play"
         say(f"launch: the simulator starts paused there (gz without -r): {what}", sys.stderr)
@@ -312,19 +312,6 @@ def _write(what: str, file: Path, text: str) -> None:
         file.write_text(text, encoding="utf-8")
     except OSError as error:
         raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
-
-
-def _grouped(sentences: Iterable[str], robots: Sequence[str]) -> list[str]:
-    """The same sentence about several robots, once."""
-    about: dict[str, list[str]] = {}
-    for sentence in sentences:
-        robot, separator, rest = sentence.partition(": ")
-        if separator and robot in robots:
-            names = about.setdefault(rest, [])
-            names += [] if robot in names else [robot]
-        else:
-            about.setdefault(sentence, [])
-    return [f"{', '.join(names)}: {text}" if names else text for text, names in about.items()]
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser
+from drake_twin.program import ArgumentParser, add_strict
 from drake_twin.scenario import LONGEST_TIME
 
 _DESCRIPTION = """\
@@ -92,7 +92,7 @@ def parser() -> ArgumentParser:
     )
     launch = parser.add_argument_group("launch files")
     launch.add_argument("--show-args", action="store_true", help="print the arguments that the launch file has and end")
-    launch.add_argument("--strict", action="store_true", help="refuse to run when something of it is not started")
+    add_strict(launch, "refuse to run")
     launch.add_argument("--watch", action="store_true", help="start anew when a file that the twin is made of changes")
     state = parser.add_argument_group("state")
     state.add_argument("--save-state", type=Path, metavar="FILE", help="save the state at the end")

@@ -174,6 +174,7 @@ class Scenario:
         static_transforms: further frames.
         commands: what is published when.
         not_started: what a launch file asked for and the twin does not do, each with the reason.
+        windows: of that, programs that only show something to people, which the page does.
 
     Raises:
         InputError: a value that no twin can be built from, such as two robots of one name.
@@ -189,6 +190,7 @@ class Scenario:
     static_transforms: tuple[StaticTransform, ...] = ()
     commands: tuple[Command, ...] = ()
     not_started: tuple[str, ...] = ()
+    windows: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):

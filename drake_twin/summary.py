@@ -15,6 +15,8 @@ def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> di
       ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
+    - ``findings``: what became of what the files say, where it is not simply used: ``kind`` (mended, warning, ignored,
+      not started or window), ``what``, ``robot``, ``file``, ``lines``, ``rule``
     - ``failure``: why the run ended before its time, after the last good state, which all of this is about; else None
     - ``state_sha256``: equal for two runs that ended in the same state to the last bit
 
@@ -43,6 +45,7 @@ def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> di
         "topics": twin.topics(),
         "warnings": list(twin.warnings),
         "not_started": list(twin.not_started),
+        "findings": [finding.as_plain() for finding in twin.findings],
         "failure": None if failure is None else str(failure),
         "state_sha256": twin.state_sha256(),
     }

@@ -26,6 +26,7 @@ from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
 from drake_twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
 from drake_twin.errors import CommandError, InputError, RunError, TwinError
 from drake_twin.failure import failure, is_possible
+from drake_twin.findings import Finding, Kind, texts
 from drake_twin.messages import Numbers, float64_multi_array, shortened
 from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.real_time import run_in_real_time
@@ -215,12 +216,18 @@ class Twin:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What was given up or changed to make the robots run, and what they stood in when they came."""
-        return (*self._built.warnings, *(text for robot in self.robots for text in self._sunk.get(robot, ())))
+        return texts(self.findings, Kind.WARNING, Kind.MENDED)
 
     @property
     def not_started(self) -> tuple[str, ...]:
         """What the files ask for and the twin does not start, each with the reason."""
-        return self._built.not_started
+        return texts(self.findings, Kind.NOT_STARTED)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What became of what the files say, where it is not simply used: mended, ignored, not started, warned of."""
+        sunk = (text for robot in self.robots for text in self._sunk.get(robot, ()))
+        return (*self._built.findings, *(Finding(Kind.WARNING, text) for text in sunk))
 
     @_outside_callbacks("spawn")
     @recorded

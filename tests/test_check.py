@@ -46,13 +46,14 @@ def test_the_report_counts_weighs_and_lists_as_json(capsys):
 def test_every_repair_and_everything_ignored_is_listed_with_its_line(capsys, tmp_path):
     (tmp_path / "sick.urdf").write_text(SICK)
     report = report_of(capsys, tmp_path / "sick.urdf")
-    assert [(item["rule"], item["line"]) for item in report["repairs"]] == [
-        ("robot_without_name", 1),
-        ("joint_without_limits", 4),
-        ("inertia", 3),
-        ("massless_link", 2),
+    assert [(item["rule"], item["lines"]) for item in report["findings"] if item["kind"] == "mended"] == [
+        ("robot_without_name", [1]),
+        ("joint_without_limits", [4]),
+        ("inertia", [3]),
+        ("massless_link", [2]),
     ]
-    assert report["ignored"] == [{"what": "<safety_controller> in <joint>", "lines": [4]}]
+    ignored = [(item["what"], item["lines"]) for item in report["findings"] if item["kind"] == "ignored"]
+    assert ignored == [("<safety_controller> in <joint>", [4])]
     assert main([str(tmp_path / "sick.urdf")]) == 0
     assert "verdict: runs, mended" in capsys.readouterr().out
 
@@ -60,7 +61,11 @@ def test_every_repair_and_everything_ignored_is_listed_with_its_line(capsys, tmp
 def test_a_package_that_wants_no_mending_can_say_so(capsys, tmp_path):
     (tmp_path / "sick.urdf").write_text(SICK)
     report_of(capsys, tmp_path / "sick.urdf", "--strict", code=1)
+    (tmp_path / "mended.urdf").write_text(SICK.replace('<safety_controller k_velocity="1"/>', ""))
+    report_of(capsys, tmp_path / "mended.urdf", "--strict", code=0)
+    report_of(capsys, tmp_path / "mended.urdf", "--strict=mended", code=1)
     report_of(capsys, ARM, "--strict", code=0)
+    report_of(capsys, ARM, "--strict=mended", code=0)
 
 
 def test_a_robot_that_does_not_run_says_why_and_fails(capsys, tmp_path):

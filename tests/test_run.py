@@ -379,7 +379,7 @@ def test_the_same_warning_about_several_robots_is_printed_once(tmp_path):
     result = run(Path("arm.urdf.xacro"), "--robots", 3, "--headless", "--duration", 0.01, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("'steel' is not defined") == 1
-    assert "warning: robot_1, robot_2, robot_3: " in result.stderr
+    assert "mended: robot_1, robot_2, robot_3: " in result.stderr
 
 
 # --- what a trial user stumbled over
@@ -667,7 +667,7 @@ def test_a_launch_file_leaves_no_trace(tmp_path, capsys):
 def test_a_display_runs_without_physics_and_publishes_joint_states(tmp_path, capsys):
     result = summary_of(tmp_path, DISPLAY_ARM, "--duration", 0.1, "--echo", "/joint_states")
     assert result["robots"]["arduinobot"]["positions"] == pytest.approx([0] * 5)
-    assert result["not_started"] == ["rviz2/rviz2 (the page shows the robots)"]
+    assert [item["what"] for item in result["findings"]] == ["rviz2/rviz2 (the page shows the robots)"]
     assert "name:\n- joint_1\n" in capsys.readouterr().out
 
 
@@ -691,10 +691,11 @@ def test_strict_refuses_what_is_not_started(tmp_path, capsys):
     file = launch_arm(tmp_path, '<node pkg="rviz2" exec="rviz2"/><node pkg="foo" exec="bar"/>')
     assert main([str(file), "--headless", "--duration", "0.1"]) == 0
     assert capsys.readouterr().err == (
-        "not started: rviz2/rviz2 (the page shows the robots)\nnot started: foo/bar (the twin has no such node)\n"
+        "not started: foo/bar (the twin runs no nodes: what it publishes can come from --pub or Twin.publish)\n"
+        "window: rviz2/rviz2 (the page shows the robots)\n"
     )
     assert main([str(file), "--headless", "--duration", "0.1", "--strict"]) == 2
-    assert "error: --strict: 2 of what the files ask for is not started, see above." in capsys.readouterr().err
+    assert "error: --strict: 1 not started, see above." in capsys.readouterr().err
     assert main([str(LAUNCH_ARM), "--headless", "--duration", "0.1", "--strict"]) == 0
 
 
@@ -780,7 +781,7 @@ def test_a_broken_launch_file_keeps_the_last_good_twin_and_is_still_watched(watc
 def test_an_edit_that_strict_refuses_keeps_the_last_good_twin(watching, capsys):
     more = watching.launch.read_text().replace("</launch>", '<node pkg="foo" exec="bar"/></launch>')
     assert list(watching((watching.launch, more), arguments=["--strict"])["robots"]) == ["good"]
-    assert "error: --strict: 1 of what the files ask for is not started" in capsys.readouterr().err
+    assert "error: --strict: 1 not started, see above" in capsys.readouterr().err
 
 
 def test_a_new_twin_echoes_the_topic_again(watching, capsys):
@@ -798,7 +799,7 @@ def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(t
     target = find_target(options)
     twin = build_twin(target)
     twin.paused, twin.real_time_rate = True, 3.0
-    new_twin, _, watch = program._again(twin, target, None, options, Watch({mesh: None}))
+    new_twin, _, watch = program._again(twin, target, options, Watch({mesh: None}))
     assert new_twin is not twin
     assert (new_twin.paused, new_twin.real_time_rate) == (True, 3.0)
     assert {mesh, LAUNCH_ARM} <= set(watch.files)

@@ -20,6 +20,7 @@ from drake_twin.cockpit.snapshot import state, structure
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.controller_manager import STRICT
 from drake_twin.errors import InputError
+from drake_twin.findings import Kind, grouped
 from drake_twin.scenario import Robot
 from drake_twin.twin import Twin
 
@@ -43,9 +44,9 @@ class Cockpit:
         self._twin = twin
         self._only_displayed = only_displayed
         self._log = MessageLog()
-        for level, sentences in (("warning", twin.warnings), ("not started", twin.not_started)):
-            for sentence in sentences:
-                self._log.say(level, sentence)
+        for kind, sentence in grouped(twin.findings):
+            if kind is not Kind.WINDOW:
+                self._log.say("warning" if kind is Kind.MENDED else str(kind), sentence)
         logging.getLogger("drake_twin").addHandler(self._log)
         self._clients: frozenset[int] = frozenset()
         self._frame = 0

@@ -4,8 +4,7 @@ Each rule is one function on the XML tree, applied in order by `prepare_urdf`. T
 ``robot_description``) stays the one in the file.
 """
 
-from collections import defaultdict
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,9 +23,10 @@ from drake_twin.description.meshes import (
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
-from drake_twin.description.unused_contact import is_unused
+from drake_twin.description.unread import is_known, unread_in_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
 # would stand inside the first.
@@ -35,23 +35,6 @@ _WORLD_LINK_IN_DRAKE = "robot_world"
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
 
 DRAKE_RULES = ("mesh_elsewhere", "missing_mesh", "undefined_material", "joint_friction")
-
-
-@dataclass(frozen=True)
-class Ignored:
-    """Something in the file that the twin makes no use of.
-
-    Attributes:
-        what: the element, as it is written.
-        lines: where it stands, where the file's own lines are known.
-    """
-
-    what: str
-    lines: tuple[int, ...] = ()
-
-    def __str__(self) -> str:
-        places = f" (line {', '.join(map(str, self.lines))})" if self.lines else ""
-        return self.what + places
 
 
 @dataclass(frozen=True)
@@ -67,7 +50,7 @@ class PreparedUrdf:
 
     text: str
     repairs: tuple[Repair, ...]
-    ignored: tuple[Ignored, ...]
+    ignored: tuple[Finding, ...]
     meshes: tuple[Path, ...]
 
 
@@ -106,7 +89,7 @@ def prepare_urdf(
     original, reader = reader, reader.copy()
     repairs: list[Repair] = []
     reader.root.set("name", model_name)
-    ignored = _ignored(original)
+    ignored = unread_in_urdf(original)
     _drop_what_drake_does_not_know(reader)
     repairs += _inline_materials(reader, original, without)
     meshes: list[Path] = []
@@ -116,7 +99,7 @@ def prepare_urdf(
     _drop_what_drake_warns_of(reader)
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
     unmodelled = [joint.name for joint in rubbing if "joint_friction" in without or joint.mimic is not None]
-    ignored += [Ignored(f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
+    ignored += [Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
     _rename_world_link(reader)
     return PreparedUrdf(
         etree.tostring(reader.root, encoding="unicode"),
@@ -126,44 +109,15 @@ def prepare_urdf(
     )
 
 
-# What has a meaning in the twin, by the element it stands in; anything else is ignored, and said to be.
-_KNOWN = {
-    "robot": {"link", "joint", "material", "ros2_control", "gazebo"},
-    "link": {"inertial", "visual", "collision"},
-    "joint": {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"},
-    # Fixed joints are never lumped together here, which is what preserveFixedJoint asks for.
-    "gazebo": {"mu1", "mu2", "selfCollide", "self_collide", "material", "plugin", "preserveFixedJoint"},
-}
-
-
-def _ignored(reader: XmlReader) -> list[Ignored]:
-    found: dict[str, list[int]] = defaultdict(list)
-    for parent, child in _unknown_elements(reader.root):
-        what = f"<{etree.QName(child).localname}>"
-        if parent.tag != "robot":
-            what += f" in <{parent.tag}>"
-        found[what] += [line] if (line := reader.line(child)) is not None else []
-    for plugin in reader.root.iterfind("gazebo/plugin"):
-        if "ros2_control" not in plugin.get("filename", "") + plugin.get("name", ""):
-            name = plugin.get("name") or plugin.get("filename") or "?"
-            found[f"Gazebo plugin {name}"] += [line] if (line := reader.line(plugin)) is not None else []
-    return [Ignored(what, tuple(lines)) for what, lines in found.items()]
-
-
-def _unknown_elements(root: etree._Element) -> Iterator[tuple[etree._Element, etree._Element]]:
-    for parent in [root, *root.iterfind("link"), *root.iterfind("joint"), *root.iterfind("gazebo")]:
-        for child in parent:
-            if isinstance(child.tag, str) and child.tag not in _KNOWN[str(parent.tag)] and not is_unused(child):
-                yield parent, child
-
-
 def _drop_what_drake_does_not_know(reader: XmlReader) -> None:
     """Actuators come from ``<ros2_control>`` (Drake would make others from ``<transmission>``); the rest is noise."""
     for tag in ("ros2_control", "gazebo"):
         for element in reader.root.findall(tag):
             reader.root.remove(element)
-    for parent, child in list(_unknown_elements(reader.root)):
-        parent.remove(child)
+    for parent in [reader.root, *reader.root.iterfind("link"), *reader.root.iterfind("joint")]:
+        for child in list(parent):
+            if isinstance(child.tag, str) and not is_known(parent, child):
+                parent.remove(child)
     for shape in (*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")):
         if not shape.get("name", "").strip():
             shape.attrib.pop("name", "")

@@ -39,6 +39,7 @@ class GazeboDrive:
         true_odometry: whether its odometry is the true pose in the world instead of what the wheels tell.
         not_started: why the plugin cannot work.
         warnings: what of it changes nothing in the twin.
+        unread: its elements of which no use is made.
     """
 
     plugin: GazeboPlugin
@@ -52,6 +53,7 @@ class GazeboDrive:
     true_odometry: bool = False
     not_started: str | None = None
     warnings: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
 
 class CannotWorkError(Exception):

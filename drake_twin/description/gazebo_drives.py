@@ -6,6 +6,7 @@ needs. Sources: ``gazebo_plugins`` of gazebo_ros_pkgs (branch ros2) and ``src/sy
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from drake_twin.description.classic_drives import (
     gazebo_ros_ackermann_drive,
@@ -20,7 +21,12 @@ from drake_twin.description.gz_drives import (
     mecanum_drive_system,
     velocity_control_system,
 )
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
+
+
+def is_drive(plugin: GazeboPlugin) -> bool:
+    """Whether a plugin is of a kind that becomes a controller."""
+    return plugin_kind(plugin) in _MAKERS
 
 
 def gazebo_drives(description: RobotDescription) -> tuple[GazeboDrive, ...]:
@@ -42,7 +48,9 @@ def gazebo_drives(description: RobotDescription) -> tuple[GazeboDrive, ...]:
             name = f"{base}_{number}"
         names.add(name)
         try:
-            drives.append(make(DrivePlugin(plugin, description, name)))
+            reader = DrivePlugin(plugin, description, name)
+            drive = make(reader)
+            drives.append(replace(drive, unread=reader.unread))
         except CannotWorkError as error:
             drives.append(GazeboDrive(plugin, not_started=f"{name} ({plugin.filename}): {error}"))
     return tuple(drives)

@@ -119,6 +119,12 @@ class PluginReader:
     def __init__(self, plugin: GazeboPlugin, file: Path | None):
         self.plugin = plugin
         self._file = file
+        self._taken: set[str] = set()
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """The elements that nobody has asked for."""
+        return tuple(tag for tag in self.plugin.elements if tag not in self._taken and not tag.startswith("ros/"))
 
     def error(self, message: str) -> InputError:
         """An error that points at the plugin."""
@@ -128,10 +134,12 @@ class PluginReader:
 
     def has(self, tag: str) -> bool:
         """Whether the plugin has such an element."""
+        self._taken.add(tag)
         return tag in self.plugin.elements
 
     def texts(self, tag: str) -> tuple[str, ...]:
         """All elements of a name."""
+        self._taken.add(tag)
         return tuple(text for text in self.plugin.elements.get(tag, ()) if text)
 
     def text(self, tag: str, default: str) -> str:

@@ -145,6 +145,7 @@ class Sensor:
             on the parent, Gazebo's default) or ``child``.
         axes: of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
             ``sensor``.
+        line: its line in the file, where that is known.
     """
 
     name: str
@@ -158,6 +159,7 @@ class Sensor:
     orientation_reference: Vector3 | None = None
     measured_on: str = "parent"
     axes: str = "child"
+    line: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,7 @@ class GazeboPlugin:
     parameters: tuple[str, ...] = ()
     namespace: str | None = None
     elements: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    line: int | None = None
+    line: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from drake_twin.description.drake_urdf import DRAKE_RULES, Ignored, drake_link_name, prepare_urdf
+from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
@@ -16,6 +16,7 @@ from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class RobotModel:
     is_fixed: bool
     warnings: tuple[str, ...] = ()
     repairs: tuple[Repair, ...] = ()
-    ignored: tuple[Ignored, ...] = ()
+    ignored: tuple[Finding, ...] = ()
     meshes: tuple[Path, ...] = ()
 
     @property
@@ -124,15 +125,16 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
-    from drake_twin.description.sdf import ignored_in_sdf, prepare_sdf
+    from drake_twin.description.sdf import prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
+    from drake_twin.description.unread import unread_in_sdf
 
     prepared, is_fixed, own_name, warnings = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     return RobotModel(
-        description, prepared, "sdf", is_fixed, warnings=tuple(warnings), ignored=ignored_in_sdf(text, file)
+        description, prepared, "sdf", is_fixed, warnings=tuple(warnings), ignored=unread_in_sdf(XmlReader(text, file))
     )
 
 

@@ -5,27 +5,10 @@ from typing import NamedTuple
 
 from lxml import etree
 
-from drake_twin.description.drake_urdf import Ignored
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xml_reader import XmlReader
-
-# What a robot's SDF may hold and the twin makes no use of.
-_IGNORED = ("plugin", "sensor", "self_collide", "joint/axis/mimic", "joint/axis/dynamics/friction")
-
-
-def ignored_in_sdf(text: str, file: Path) -> tuple[Ignored, ...]:
-    """What of an SDF model the twin makes no use of, with lines."""
-    reader = XmlReader(text, file)
-    found = []
-    for path in _IGNORED:
-        elements = [*reader.root.iterfind(f"model/{path}"), *reader.root.iterfind(f"model/link/{path}")]
-        lines = [line for element in elements if (line := reader.line(element)) is not None]
-        if lines:
-            *within, tag = path.split("/")
-            found.append(Ignored(f"<{tag}>" + (f" in <{within[0]}>" if within else ""), tuple(lines)))
-    return tuple(found)
 
 
 class PreparedSdf(NamedTuple):

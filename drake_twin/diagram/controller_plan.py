@@ -196,6 +196,15 @@ def _plan(
     return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
 
 
+def broadcast_sensor(plan: ControllerPlan) -> str | None:
+    """The sensor that a controller publishes, if it is one that does."""
+    kind = controller_class(plan.type)
+    if plan.parameters is None or plan.state == UNLOADED or kind is None or not issubclass(kind, SensorBroadcaster):
+        return None
+    name: str = kind.sensor_name(plan.parameters)
+    return name
+
+
 def _no_sensor(name: str, kind: str, description: RobotDescription) -> str | None:
     """Why a sensor cannot be broadcast; None when it can."""
     if description.sensor(name, kind) is not None or name in description.hardware_sensors:

@@ -13,20 +13,27 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
+from drake_twin.findings import Finding, Kind
 
 
-def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[str], list[str]]:
-    """The plugins that become controllers; why others do not; what of them changes nothing."""
-    usable, not_started, warnings = [], [], []
+def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[Finding]]:
+    """The plugins that become controllers; why others do not, and what of them changes nothing."""
+    usable: list[GazeboDrive] = []
+    findings: list[Finding] = []
     for drive in drives:
+        lines = () if drive.plugin.line is None else (drive.plugin.line,)
         if drive.controller is None:
-            not_started.append(f"Gazebo plugin {drive.not_started}")
-        elif drive.controller.type == PLANAR_MOVE and (problem := _planar_problem(drive, drives, fixed_base)):
-            not_started.append(f"Gazebo plugin {drive.controller.name} ({drive.plugin.filename}): {problem}")
-        else:
-            usable.append(drive)
-            warnings += [f"Gazebo plugin {drive.controller.name}: {warning}" for warning in drive.warnings]
-    return usable, not_started, warnings
+            findings.append(Finding(Kind.NOT_STARTED, f"Gazebo plugin {drive.not_started}", lines=lines))
+            continue
+        name = f"Gazebo plugin {drive.controller.name}"
+        if drive.controller.type == PLANAR_MOVE and (problem := _planar_problem(drive, drives, fixed_base)):
+            what = f"{name} ({drive.plugin.filename}): {problem}"
+            findings.append(Finding(Kind.NOT_STARTED, what, lines=lines))
+            continue
+        usable.append(drive)
+        findings += [Finding(Kind.WARNING, f"{name}: {warning}", lines=lines) for warning in drive.warnings]
+        findings += [Finding(Kind.IGNORED, f"<{tag}> of {name}", lines=lines) for tag in drive.unread]
+    return usable, findings
 
 
 def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_base: bool) -> str | None:

@@ -1,20 +1,22 @@
 """What a scenario's robot amounts to once its files are read: its model, its controllers, its frames."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, nan
 
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
 from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
-from drake_twin.diagram.controller_plan import ControllerPlan, plan_controllers
+from drake_twin.diagram.controller_plan import ControllerPlan, broadcast_sensor, plan_controllers
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind, texts
 from drake_twin.scenario import Robot, ScenarioError
 
 
@@ -32,8 +34,7 @@ class RobotPlan:
         position_time_constant: error / velocity of its position servos (s); None for the twin's own.
         frame_prefix: put before its link names in tf messages.
         start_positions: movable joint → position at the start (rad or m).
-        not_started: controllers that are not active, each with the reason.
-        warnings: what was given up or changed.
+        findings: what became of what its files say, where it is not simply used.
     """
 
     robot: Robot
@@ -45,8 +46,17 @@ class RobotPlan:
     position_time_constant: float | None
     frame_prefix: str
     start_positions: Mapping[str, float]
-    not_started: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def not_started(self) -> tuple[str, ...]:
+        """Controllers and drives that are not active, each with the reason."""
+        return texts(self.findings, Kind.NOT_STARTED)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was given up or changed."""
+        return texts(self.findings, Kind.WARNING, Kind.MENDED)
 
     @property
     def name(self) -> str:
@@ -109,15 +119,14 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         collision=robot.collision,
     )
     own = model.description
-    drives, not_started, drive_warnings = usable_drives(gazebo_drives(own), model.is_fixed)
+    drives, drive_findings = usable_drives(gazebo_drives(own), model.is_fixed)
     model = replace(model, description=with_actuators(own, drives))
     description = model.description
-    warnings += [*drive_warnings, *model.warnings, *map(str, model.repairs), *_unused_interfaces(description)]
+    warnings += [*model.warnings, *_unused_interfaces(description)]
     manager = _controller_manager(robot, path, own, packages, xacro_args)
-    controllers, not_activated, controller_warnings = plan_controllers(
+    controllers, not_started, controller_warnings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )
-    not_started += not_activated
     starts = {joint: position for drive in drives for joint, position in drive.start.items()}
     positions, position_warnings = _start_positions(robot, path, description, starts)
     warnings += [*controller_warnings, *position_warnings]
@@ -137,9 +146,35 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         position_time_constant=_position_time_constant(description, manager.update_rate),
         frame_prefix=_frame_prefix(robot, description),
         start_positions=positions,
-        not_started=tuple(f"{robot.name}: {reason}" for reason in not_started),
-        warnings=tuple(f"{robot.name}: {warning}" for warning in warnings),
+        findings=tuple(
+            replace(finding, robot=robot.name, file=finding.file or str(file))
+            for finding in (
+                *(_mended(repair) for repair in model.repairs),
+                *drive_findings,
+                *(Finding(Kind.WARNING, warning) for warning in warnings),
+                *(Finding(Kind.NOT_STARTED, reason) for reason in not_started),
+                *model.ignored,
+                *_unpublished_sensors(description, controllers),
+            )
+        ),
     )
+
+
+def _mended(repair: Repair) -> Finding:
+    return Finding(Kind.MENDED, repair.what, lines=() if repair.line is None else (repair.line,), rule=repair.rule)
+
+
+def _unpublished_sensors(description: RobotDescription, controllers: Sequence[ControllerPlan]) -> Iterator[Finding]:
+    """IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
+    published = {name for controller in controllers if (name := broadcast_sensor(controller)) is not None}
+    for sensor in description.sensors:
+        if sensor.name.strip("/") not in published and sensor.name not in published:
+            what = f"sensor {sensor.name!r} of type {sensor.kind} on {sensor.link or sensor.joint!r}" + (
+                f", topic {sensor.topic}" if sensor.topic else ""
+            )
+            lines = () if sensor.line is None else (sensor.line,)
+            reason = f"nothing publishes it; an {sensor.kind}_sensor_broadcaster in the controllers' file would"
+            yield Finding(Kind.IGNORED, f"{what}: {reason}", lines=lines)
 
 
 def _settings(description: RobotDescription, name: str) -> Iterator[str]:

@@ -23,6 +23,7 @@ from drake_twin.diagram.robot_diagram import PUBLISHED, RobotDiagram, build_robo
 from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.diagram.servo_gains import ServoGains
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
@@ -83,8 +84,7 @@ class TwinDiagram:
         commanded: topic → what listens to it.
         actions: action → what does it.
         parts: robot → its controllers and servo.
-        warnings: what was given up or changed while building.
-        not_started: what the files ask for and the twin does not start, each with the reason.
+        findings: what became of what the files say, where it is not simply used.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
         world_models: what moves in the world and is no robot, by name: its model instances.
         shapes: how each collision shape touches.
@@ -105,8 +105,7 @@ class TwinDiagram:
     world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     shapes: tuple[TouchingShape, ...]
-    warnings: tuple[str, ...]
-    not_started: tuple[str, ...]
+    findings: tuple[Finding, ...]
 
     def owners(self) -> dict[ModelInstanceIndex, str]:
         """Model instance → the robot, or the model of the world, that it is part of."""
@@ -211,12 +210,19 @@ def _build(
         world_file=world_file,
         world_models=parts.world_models,
         shapes=parts.shapes,
-        warnings=(
-            *(warning for plan in plans for warning in (*plan.warnings, *robots[plan.name].warnings)),
-            *parts.warnings,
+        findings=(
+            *(Finding(Kind.NOT_STARTED, reason) for reason in scenario.not_started),
+            *(Finding(Kind.WINDOW, window) for window in scenario.windows),
+            *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
+            *(Finding(Kind.WARNING, warning) for warning in parts.warnings),
         ),
-        not_started=(*scenario.not_started, *(reason for plan in plans for reason in plan.not_started)),
     )
+
+
+def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:
+    yield from plan.findings
+    start = f"{plan.name}: "
+    yield from (Finding(Kind.WARNING, text.removeprefix(start), robot=plan.name) for text in parts.warnings)
 
 
 class _Topics:

@@ -28,7 +28,7 @@ from drake_twin.launch.launched_robots import (
     parameter_file,
     parameters,
 )
-from drake_twin.launch.not_started import why_not_started
+from drake_twin.launch.not_started import is_window, why_not_started
 from drake_twin.launch.static_frames import static_frame
 from drake_twin.ros_launch.launched import WORLD, Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
 from drake_twin.scenario import (
@@ -61,7 +61,8 @@ class LaunchedTwin:
     """A launch file as a scenario.
 
     Attributes:
-        scenario: the scenario; its ``not_started`` names what the launch file asks for and the twin does not do.
+        scenario: the scenario; its ``not_started`` and ``windows`` name what the launch file asks for and the
+            twin does not do.
         paused: whether the simulator is started paused, as gz without ``-r``.
         only_displayed: whether no robot is spawned or controlled, so that there is no physics.
         log: what the launch file prints, and what was assumed.
@@ -128,6 +129,7 @@ class _LaunchedScenario:
         self._packages = PackageIndex(self._folders)
         self._log = list(launched.log)
         self._not_started: list[str] = []
+        self._windows: list[str] = []
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[tuple[StaticTransform, LaunchedProcess]] = []
@@ -159,6 +161,7 @@ class _LaunchedScenario:
             static_transforms=tuple(self._usable_frames()),
             commands=tuple(_not_faster(command, step) for command in self._commands),
             not_started=tuple(dict.fromkeys(self._not_started)),
+            windows=tuple(dict.fromkeys(self._windows)),
         )
         paused = bool(self._worlds) and self._worlds[-1].paused
         return LaunchedTwin(scenario, paused, found.only_displayed, tuple(self._log))
@@ -181,7 +184,7 @@ class _LaunchedScenario:
                 or (process.package, process.executable) in _BUILT_IN
                 or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
             ):
-                self._not_started.append(why_not_started(process))
+                (self._windows if is_window(process) else self._not_started).append(why_not_started(process))
         except InputError as error:
             self._not_started.append(f"{process.what}: {error}")
 

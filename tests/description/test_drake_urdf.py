@@ -396,11 +396,11 @@ def test_what_the_twin_makes_no_use_of_is_listed_with_its_lines():
         "\n<gazebo reference='arm'><kp>1</kp><turnGravityOff/><plugin name='laser' filename='l.so'/></gazebo>"
     )
     assert ignored(body) == [
-        "<transmission> (line 5)",
         "<self_collision_checking> in <link> (line 2, 3)",
         "<safety_controller> in <joint> (line 4)",
+        "<transmission> (line 5)",
         "<turnGravityOff> in <gazebo> (line 6)",
-        "Gazebo plugin laser (line 6)",
+        "Gazebo plugin laser (l.so): the twin has no lidar (line 6)",
     ]
 
 

@@ -222,5 +222,8 @@ def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_p
     (tmp_path / "p.sdf").write_text(PENDULUM)
     model = load_robot_model(str(tmp_path / "p.sdf"), PackageIndex((), {}), without_repairs=["inertia"])
     assert model.drake_format == "sdf"
-    assert [str(item) for item in model.ignored] == ["<plugin> (line 2)", "<friction> in <joint> (line 6)"]
+    assert [str(item) for item in model.ignored] == [
+        "Gazebo plugin p (f): the twin has no such plugin (line 2)",
+        "<friction> in <dynamics> (line 6)",
+    ]
     assert model.warnings == ("without_repairs: inertia has no meaning for a file that is no URDF",)

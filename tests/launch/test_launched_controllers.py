@@ -202,7 +202,7 @@ def test_a_line_of_the_shell_is_what_its_commands_are(tmp_path):
     line = f"source /opt/x; sleep 2 && ros2 topic pub --once /velocity/commands {TYPE} '{{data: [1.0]}}'; rosbag play"
     launch = launched_hinge(tmp_path, command("bash", "-c", line))
     assert launch.scenario.commands == (Command("/velocity/commands", (1.0,), 2.0),)
-    assert launch.scenario.not_started == ("rosbag (the twin runs no programs)",)
+    assert launch.scenario.not_started == ("rosbag (the twin records with --record)",)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,96 @@
+"""What became of each part of the files that a twin is made of, where it was not simply used."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class Kind(StrEnum):
+    """What became of it."""
+
+    MENDED = "mended"
+    WARNING = "warning"
+    IGNORED = "ignored"
+    NOT_STARTED = "not started"
+    WINDOW = "window"  # of a program for people, such as RViz: the page is in its place, and nothing is missing
+
+
+LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # what a file asks for and the twin does not do
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What became of one thing that a file says.
+
+    Attributes:
+        kind: mended, ignored, not started or a warning.
+        what: the thing, and why it is so.
+        robot: the robot that it is about; empty when it is about the world or the launch.
+        file: the file that says it, where that is known.
+        lines: where it stands there, where the file's own lines are known.
+        rule: the name of the repair.
+    """
+
+    kind: Kind
+    what: str
+    robot: str = ""
+    file: str = ""
+    lines: tuple[int, ...] = ()
+    rule: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.robot}: {self.sentence}" if self.robot else self.sentence
+
+    @property
+    def sentence(self) -> str:
+        """All but the robot's name."""
+        numbers = ", ".join(map(str, self.lines))
+        if self.kind is Kind.MENDED:
+            return (f"line {numbers}: " if numbers else "") + f"{self.what} [{self.rule}]"
+        return self.what + (f" (line {numbers})" if numbers else "")
+
+    def as_plain(self) -> dict[str, Any]:
+        """As plain data, for JSON."""
+        return {
+            "kind": str(self.kind),
+            "what": self.what,
+            "robot": self.robot,
+            "file": self.file,
+            "lines": list(self.lines),
+            "rule": self.rule,
+        }
+
+
+def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
+    """Those of some kinds, as sentences."""
+    return tuple(str(finding) for finding in findings if finding.kind in kinds)
+
+
+def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
+    """Kind and sentence of each, the same one about several robots once."""
+    about: dict[tuple[Kind, str], list[str]] = {}
+    for finding in findings:
+        robots = about.setdefault((finding.kind, finding.sentence), [])
+        if finding.robot and finding.robot not in robots:
+            robots.append(finding.robot)
+    return [
+        (kind, f"{', '.join(robots)}: {sentence}" if robots else sentence) for (kind, sentence), robots in about.items()
+    ]
+
+
+def strict_text(lost: Iterable[Finding]) -> str:
+    """``2 ignored, 1 not started``."""
+    return ", ".join(f"{count} {kind}" for kind, count in Counter(finding.kind for finding in lost).items())
+
+
+def counted(findings: Sequence[Finding], strict: str | None) -> list[Finding]:
+    """What ``--strict`` does not let pass.
+
+    Args:
+        findings: all findings.
+        strict: None without ``--strict``; ``lost`` for what is ignored or not started, ``mended`` for that, too.
+    """
+    kinds = () if strict is None else (*LOST, Kind.MENDED) if strict == "mended" else LOST
+    return [finding for finding in findings if finding.kind in kinds]
