@@ -1,10 +1,14 @@
 """A goal that was sent to a controller's action."""
 
+import logging
 from collections.abc import Callable, Collection
 from typing import Any
 
 from drake_twin import messages
+from drake_twin.errors import TwinError
 from drake_twin.robot_control import RobotControl
+
+_log = logging.getLogger(__name__)
 
 _DONE = ("succeeded", "aborted", "canceled")
 
@@ -82,7 +86,10 @@ class ActionGoal:
             return False
         if self._on_result is not None:
             tell, self._on_result = self._on_result, None
-            tell(self)
+            try:
+                tell(self)
+            except TwinError as error:  # what the twin refuses a callback ends nothing but that callback
+                _log.error("the callback of the goal for %s: %s", self._name, error)
         return True
 
     def drop(self) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_twin.diagram.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan
+from drake_twin.diagram.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan, chained_to
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.systems.controller import Interface
 
@@ -318,7 +318,7 @@ class ControllerManager:
             loose = [
                 (name, owner)
                 for name in active
-                for owner in {claim.joint.partition("/")[0] for claim in self._plans[name].claims if "/" in claim.joint}
+                for owner in chained_to(self._plans[name], self._plans)
                 if owner not in active
             ]
             if not loose:

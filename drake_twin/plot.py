@@ -7,11 +7,13 @@ and the others in grey.
 from __future__ import annotations
 
 from importlib.util import find_spec
+from io import BytesIO
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.whole_file import write_whole
 
 if TYPE_CHECKING:  # which needs Drake; a wrong name is refused without it
     from drake_twin.run_history import RobotHistory, RunHistory
@@ -81,8 +83,10 @@ def write_plot(history: RunHistory, file: Path) -> None:
         axes = sheet.axes(_LEFT, y - _TITLE - _ROW, width - _LEFT - _RIGHT, _ROW)
         _draw_real_time_factor(axes, history)
         dots = min(_DOTS_PER_INCH, _MOST_DOTS / max(width, height))
+        drawn = BytesIO()
+        sheet.figure.savefig(drawn, dpi=dots, format=file.suffix.lower().removeprefix("."))
         try:
-            sheet.figure.savefig(file, dpi=dots)
+            write_whole(file, drawn.getvalue())
         except OSError as error:
             raise RunError(f"the plot {file} cannot be written ({error.strerror})") from None
 

@@ -1,5 +1,10 @@
 """``python -m drake_twin.run``: robots in one Drake simulation, seen in the browser."""
 
+import signal
+
+if __name__ == "__main__":  # until the program can say goodbye, Ctrl-C ends it without a word
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
 import argparse
 import contextlib
 import json
@@ -13,12 +18,15 @@ from typing import Any
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import counted, grouped, strict_text
 from drake_twin.program import announce_page, collecting_later, leave, run_program, say, stop_signals
+from drake_twin.progress import heard
 from drake_twin.run_options import check, parser
 from drake_twin.scenario_file import scenario_to_yaml
 from drake_twin.target import Target, build_twin, find_launch_file, find_target, package_paths, target_name
 from drake_twin.watched_files import Watch, files_read
+from drake_twin.whole_file import write_whole
 
 _STATUS_PERIOD = 0.2  # s
+_PATIENCE = 0.3  # s from a signal on: what is built by then still writes its summary
 _END_WAIT, _STOPPED_WAIT = 10.0, 0.5  # s: for a shared page to take a run's last state
 
 
@@ -37,7 +45,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     check(options)
     if options.show_args:
         return _show_arguments(options)
-    with files_read() as files, collecting_later():
+    with files_read() as files, collecting_later(), _build_line(stopped):
         target = find_target(options)
         if options.show_scenario:
             # What a launch file publishes where nobody listens is left out when the twin is built.
@@ -81,6 +89,35 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     if failure is not None:
         raise failure
     return 0
+
+
+@contextlib.contextmanager
+def _build_line(stopped: Sequence[int]) -> Iterator[None]:
+    """Shows on one line of the terminal what is being built, and ends it when that is to end and takes long.
+
+    Raises:
+        KeyboardInterrupt: a signal has arrived, and the twin is not there yet.
+    """
+    is_shown = sys.stderr is not None and sys.stderr.isatty()
+    last, asked = time.perf_counter(), None
+
+    def hear(what: str) -> None:
+        nonlocal last, asked
+        now = time.perf_counter()
+        if stopped and asked is None:
+            asked = now
+        if asked is not None and now - asked > _PATIENCE:
+            raise KeyboardInterrupt
+        if is_shown and now - last > _STATUS_PERIOD:
+            last = now
+            say(f"\r\033[K{what} …", sys.stderr, end="")
+
+    try:
+        with heard(hear):
+            yield
+    finally:
+        if is_shown:
+            say("\r\033[K", sys.stderr, end="")
 
 
 @contextlib.contextmanager
@@ -309,7 +346,7 @@ def _report(twin: Any, wall_time: float, file: Path | None, failure: RunError | 
 
 def _write(what: str, file: Path, text: str) -> None:
     try:
-        file.write_text(text, encoding="utf-8")
+        write_whole(file, text)
     except OSError as error:
         raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
 

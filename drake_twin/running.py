@@ -20,6 +20,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
 from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
+from drake_twin.plain_data import from_plain, to_plain
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.state import read_robot_state
 from drake_twin.systems.controller import PeriodicController
@@ -71,6 +72,7 @@ class Running:
             ApplySimulatorConfig(configuration, self.simulator)
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
+        self._default: Context | None = None
         self._time_step = scenario.time_step
         keepers = [
             item
@@ -187,6 +189,34 @@ class Running:
             for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
+    def parameters(self) -> dict[str, list[Any]]:
+        """The plant's numeric parameters that somebody has changed, by their index: masses, dampings, gains."""
+        before, now = self._as_built(), self.plant_context
+        return {
+            str(index): [to_plain(value) for value in values.tolist()]
+            for index in range(now.num_numeric_parameter_groups())
+            if not _is_same(
+                values := now.get_numeric_parameter(index).value(), before.get_numeric_parameter(index).value()
+            )
+        }
+
+    def set_parameters(self, changed: Mapping[str, Sequence[Any]]) -> None:
+        """Puts them back, and all others to what they were built with."""
+        before, now = self._as_built(), self.plant_context
+        if not all(0 <= int(index) < now.num_numeric_parameter_groups() for index in changed):
+            raise ValueError("the plant has no such parameters")
+        for index in range(now.num_numeric_parameter_groups()):
+            given = changed.get(str(index), before.get_numeric_parameter(index).value())
+            values = np.array([from_plain(value) for value in given], dtype=float)
+            if not _is_same(values, now.get_numeric_parameter(index).value()):
+                self.plant_context.get_mutable_numeric_parameter(index).SetFromVector(values)
+
+    def _as_built(self) -> Context:
+        """The plant's context as it was built; made when it is first asked for."""
+        if self._default is None:
+            self._default = self.built.plant.CreateDefaultContext()
+        return self._default
+
     def samples(self, robot: str) -> dict[str, Any]:
         """Controller → what it keeps from one update to the next."""
         return {
@@ -227,3 +257,7 @@ class Running:
         if servo is not None and before is not None:
             assignment = before.assignment(before.GetMyContextFromRoot(old.context))
             servo.assign(servo.GetMyMutableContextFromRoot(self.context), assignment)
+
+
+def _is_same(one: np.ndarray, other: np.ndarray) -> bool:
+    return np.array_equal(one, other, equal_nan=True)

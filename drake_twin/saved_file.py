@@ -1,11 +1,11 @@
 """JSON files that say what they are and in which version."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.whole_file import write_whole
 
 
 def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any]) -> None:
@@ -16,22 +16,10 @@ def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any])
     """
     text = json.dumps({"format": f"drake_twin {kind}", "version": version, **data}, indent=1) + "\n"
     try:
-        _write(Path(file).resolve(), text)
+        write_whole(Path(file), text)
     except (OSError, TypeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise RunError(f"the {kind} cannot be saved to {file!s} ({reason})") from None
-
-
-def _write(file: Path, text: str) -> None:
-    if file.exists() and not (file.is_file() and os.access(file.parent, os.W_OK)):  # a pipe, or in a closed folder
-        file.write_text(text, encoding="utf-8")
-        return
-    part = file.with_name(f".{file.name[:200]}.{os.getpid()}.part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, file)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_saved(file: str | Path, kind: str, version: int) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.saved_file import read_saved, write_saved
 
-_KIND, _VERSION = "saved state", 1
+_KIND, _VERSION = "saved state", 2
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class Snapshot:
         step: the number of steps since time zero.
         robots: robot → its state ``[q; v]``, its joints in words, its controllers and what they keep, its servos.
         models: what moves in the world and is no robot → its states.
+        parameters: the plant's numeric parameters that are not as they were built, by their index.
         commands: topic → the message that holds, as it is on the port.
         expiries: topic → the time at which its message no longer holds (s).
         waiting: what is published and not yet applied, in its order: topic and message.
@@ -40,6 +41,7 @@ class Snapshot:
     step: int
     robots: dict[str, Any]
     models: dict[str, Any]
+    parameters: dict[str, list[Any]]
     commands: dict[str, Any]
     expiries: dict[str, float]
     waiting: list[list[Any]]
@@ -55,6 +57,8 @@ class Snapshot:
             "time_step": _is_number(self.time_step),
             "step": type(self.step) is int and self.step >= 0,
             "models": isinstance(self.models, Mapping),
+            "parameters": isinstance(self.parameters, Mapping)
+            and all(isinstance(values, list) for values in self.parameters.values()),
             "commands": isinstance(self.commands, Mapping),
             "expiries": isinstance(self.expiries, Mapping) and all(map(_is_number, self.expiries.values())),
             "waiting": isinstance(self.waiting, list)

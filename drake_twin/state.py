@@ -1,8 +1,8 @@
 """The state of a diagram's robots at one moment: read by name, checked, hashed."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+import json
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,6 @@ from pydrake.systems.framework import Context
 
 from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.systems.controller import PeriodicController
 
 
 @dataclass(frozen=True)
@@ -61,66 +60,6 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
     )
 
 
-def hash_state(
-    built: TwinDiagram,
-    context: Context,
-    time: str,
-    controllers: Mapping[str, Mapping[str, str]],
-    commands: Mapping[str, Any],
-    wrenches: Sequence[Any] = (),
-) -> str:
-    """SHA-256 of all that makes two runs go on alike: time, states by name, controllers, commands.
-
-    Args:
-        built: the diagram.
-        context: its root context.
-        time: the time, exactly, as text.
-        controllers: robot → loaded controller → whether it is active.
-        commands: topic → the message that holds.
-        wrenches: what pushes links.
-    """
-    digest = hashlib.sha256(f"{time}\n".encode())
-    plant_context = built.plant.GetMyContextFromRoot(context)
-    for plan in sorted(built.plans, key=lambda plan: plan.name):
-        state = built.plant.GetPositionsAndVelocities(plant_context, built.robots[plan.name].instance)
-        digest.update(f"robot {plan.name}\n".encode() + np.asarray(state, dtype="<f8").tobytes())
-        parts = built.parts[plan.name]
-        values: list[Any] = [sorted(controllers[plan.name].items())]
-        if parts.servo is not None:
-            values.append(parts.servo.assignment(parts.servo.GetMyContextFromRoot(context)))
-        for name, controller in sorted(parts.controllers.items()):
-            if isinstance(controller, PeriodicController):
-                values.append((name, controller.sample(controller.GetMyContextFromRoot(context))))
-        for part in _bytes_of(values):
-            digest.update(part)
-    for name, instances in sorted(built.world_models.items()):
-        states = [built.plant.GetPositionsAndVelocities(plant_context, instance) for instance in instances]
-        digest.update(f"model {name}\n".encode() + np.concatenate(states).astype("<f8").tobytes())
-    for part in _bytes_of([sorted(commands.items()), *([list(wrenches)] if wrenches else [])]):
-        digest.update(part)
-    return digest.hexdigest()
-
-
-def _bytes_of(value: Any) -> Iterator[bytes]:
-    """A plain, frozen value as bytes that are equal for equal values and for no others."""
-    if is_dataclass(value) and not isinstance(value, type):
-        yield f"{type(value).__name__}(".encode()
-        for item in fields(value):
-            yield from _bytes_of(getattr(value, item.name))
-        yield b")"
-    elif isinstance(value, np.ndarray):
-        yield f"{value.dtype.str}{value.shape}".encode()
-        yield value.tobytes()
-    elif isinstance(value, Mapping):
-        yield b"{"
-        for key, item in value.items():
-            yield from _bytes_of(key)
-            yield from _bytes_of(item)
-        yield b"}"
-    elif isinstance(value, list | tuple):
-        yield b"["
-        for item in value:
-            yield from _bytes_of(item)
-        yield b"]"
-    else:
-        yield f"{value.hex() if isinstance(value, float) else repr(value)},".encode()
+def hash_plain(data: Any) -> str:
+    """SHA-256 of plain data, the same for equal data and for no other."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()

@@ -37,7 +37,7 @@ from drake_twin.scenario import CENIC, LONGEST_TIME, Robot, Scenario, ScenarioEr
 from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.schedule import ScheduledCommand, meeting_step, step_at
 from drake_twin.snapshot import Snapshot
-from drake_twin.state import RobotState, hash_state, read_robot_state
+from drake_twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.subscriptions import Subscription, Subscriptions
 from drake_twin.sunk import sunk_robots
 from drake_twin.systems.controller import Interface
@@ -275,6 +275,9 @@ class Twin:
             InputError: called inside a callback.
         """
         self._refuse_inside_callback("take a snapshot of")
+        return self._snapshot()
+
+    def _snapshot(self) -> Snapshot:
         running = self._running
         robots = {}
         for name, control in self._controls.items():
@@ -285,6 +288,7 @@ class Twin:
             step=self._step,
             robots=robots,
             models=running.model_states(),
+            parameters=running.parameters(),
             wrenches=to_plain(tuple(self._wrenches)),
             next_time_step=self._next_time_step,
             **self._commands.snapshot(),
@@ -316,6 +320,7 @@ class Twin:
             self._step = snapshot.step
             self._context.SetTime(self._running.time_of(self._step))
             self._running.set_model_states(snapshot.models)
+            self._running.set_parameters(snapshot.parameters)
             for name, saved in snapshot.robots.items():
                 self._running.set_robot_state(name, np.array(saved["state"], dtype=float))
                 self._controls[name].restore(saved)
@@ -835,13 +840,11 @@ class Twin:
         run_in_real_time(self, until, each_frame, as_fast_as_possible=as_fast_as_possible)
 
     def state_sha256(self) -> str:
-        """A hash of the state by robot name: steps, positions, velocities, commands and active controllers.
+        """A hash of all that a `snapshot` holds, but not of the scenario's text.
 
-        Two runs with the same hash are in the same state to the last bit.
+        Two runs of a scenario with the same hash are in the same state to the last bit, and go on alike.
         """
-        time = f"step {self._step} of {self.scenario.time_step.hex()}"
-        states = {name: control.manager.states for name, control in self._controls.items()}
-        return hash_state(self._built, self._context, time, states, self._commands.values, self._wrenches)
+        return hash_plain({name: value for name, value in vars(self._snapshot()).items() if name != "scenario"})
 
     def _steps(self, period: float) -> int:
         """How many steps make up a period (s), one at least."""

@@ -843,3 +843,25 @@ def test_a_recorded_run_is_replayed(tmp_path):
 )
 def test_saved_states_that_cannot_be_are_refused(capsys, options, reason):
     assert reason in refused(capsys, *options)
+
+
+def test_ctrl_c_while_many_robots_are_built_ends_at_once_and_says_nothing(tmp_path):
+    program = """
+import os, signal, sys
+from drake_twin import progress, run
+run._PATIENCE = 0.0
+original, count = progress.tell, 0
+def tell(what):
+    global count
+    count += 1
+    if count == 5:
+        os.kill(os.getpid(), signal.SIGINT)
+    print(what)
+    original(what)
+progress.tell = tell
+sys.exit(run.main(["--robots", "500", "--headless"]))
+"""
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert result.returncode == 130
+    assert result.stderr == ""
+    assert result.stdout.splitlines()[-1] in ("reading robot_6 (6 of 500)", "reading robot_7 (7 of 500)")

@@ -123,7 +123,7 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
     file = tmp_path / "state.json"
     arm.snapshot().save(file)
     data = json.loads(file.read_text())
-    assert (data["format"], data["version"]) == ("drake_twin saved state", 1)
+    assert (data["format"], data["version"]) == ("drake_twin saved state", 2)
     assert data["robots"]["arm"]["controllers"]["arm_controller"] == "active"
     assert set(data["robots"]["arm"]["joints"]) >= {"joint_1", "joint_2"}
     assert Snapshot.load(file) == arm.snapshot()
@@ -136,9 +136,9 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
         ("[]", "this is no saved state of a twin"),
         (
             '{"format": "drake_twin saved state", "version": 7}',
-            "saved state was saved in version 7, and only 1 can be read",
+            "saved state was saved in version 7, and only 2 can be read",
         ),
-        ('{"format": "drake_twin saved state", "version": 1}', "a saved state has the entries"),
+        ('{"format": "drake_twin saved state", "version": 2}', "a saved state has the entries"),
     ],
 )
 def test_a_file_that_is_none_is_refused_in_words(tmp_path, text, reason):
@@ -262,11 +262,10 @@ def test_a_file_that_cannot_be_finished_stays_as_it_was(arm, tmp_path, monkeypat
     before = file.read_text()
     arm.advance_to(0.5)
 
-    def stopped(path, text, encoding):
-        path.open("w").write(text[:100])
+    def stopped(descriptor):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("pathlib.Path.write_text", stopped)
+    monkeypatch.setattr("os.fsync", stopped)
     with pytest.raises(KeyboardInterrupt):
         arm.snapshot().save(file)
     assert file.read_text() == before
@@ -283,3 +282,43 @@ def test_a_command_that_was_saved_as_a_message_holds_as_its_numbers():
     assert twin.state_sha256() == expected
     with pytest.raises(InputError, match="does not fit"):
         twin.restore(replace(saved, commands={WHEELS: to_plain(float64_multi_array([2.0]))}))
+
+
+def test_the_hash_is_of_all_that_decides_how_a_twin_goes_on():
+    def changed(change):
+        twin = rovers(1).build()
+        twin.advance_to(0.1)
+        change(twin)
+        return twin.state_sha256()
+
+    def heavier(twin):
+        twin.plant.GetBodyByName("robot_1_base_link").SetMass(twin.plant.GetMyContextFromRoot(twin.context), 7.0)
+
+    hashes = [
+        changed(change)
+        for change in (
+            lambda twin: None,
+            lambda twin: twin.publish(WHEELS, [5.0] * 4),  # which waits for the next step
+            lambda twin: twin.publish(WHEELS, [6.0] * 4),
+            lambda twin: twin.set_time_step(0.003),  # which waits for a time that both steps meet
+            lambda twin: twin.apply_wrench("robot_1::robot_1_base_link", force=(1, 0, 0), duration=1),
+            heavier,
+        )
+    ]
+    assert len(set(hashes)) == len(hashes)
+    assert hashes[0] == changed(lambda twin: twin.subscribe("/tf", print))
+
+
+def test_what_somebody_has_changed_in_the_plant_is_there_again():
+    twin, other = rovers(1).build(), rovers(1).build()
+    body = twin.plant.GetBodyByName("robot_1_base_link")
+    body.SetMass(twin.plant.GetMyContextFromRoot(twin.context), 7.0)
+    other.restore(twin.snapshot())
+    mass = other.plant.GetBodyByName("robot_1_base_link").get_mass(other.plant.GetMyContextFromRoot(other.context))
+    assert mass == 7.0
+    for each in (twin, other):
+        each.advance_to(0.2)
+    assert twin.state_sha256() == other.state_sha256()
+    other.reset()
+    twin.restore(other.snapshot())
+    assert body.get_mass(twin.plant.GetMyContextFromRoot(twin.context)) != 7.0

@@ -27,6 +27,7 @@ _LONGEST_MESSAGE = 1 << 16  # bytes
 _MOST_WAITING = 1000  # requests
 _HEARTBEAT = 20.0  # s
 _ALIVE = 0.5  # s
+_LONGEST_NAME = 100  # of a file
 _HEADERS = {
     "Cache-Control": "no-store",
     "Referrer-Policy": "no-referrer",
@@ -341,7 +342,7 @@ def meshcat_script() -> bytes:
 def _static_response(name: str, host: str, policy: str = _PAGE_POLICY) -> web.Response:
     kind = _STATIC_TYPES.get(name.rpartition(".")[2])
     file = resources.files("drake_twin.cockpit").joinpath("static", name)
-    if kind is None or "/" in name or not file.is_file():
+    if kind is None or "/" in name or len(name) > _LONGEST_NAME or not file.is_file():
         raise web.HTTPNotFound
     headers = {**_HEADERS, "Content-Security-Policy": policy.format(host=host)}
     return web.Response(body=file.read_bytes(), content_type=kind, charset="utf-8", headers=headers)

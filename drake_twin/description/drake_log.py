@@ -7,6 +7,9 @@ from contextlib import contextmanager
 
 _LOGGER = logging.getLogger("drake")
 
+# What Drake and the libraries in it raise at what they cannot read; some checks of Drake's end the process if they can.
+DRAKE_RAISES = (RuntimeError, ValueError, IndexError, OverflowError, MemoryError, SystemExit)
+
 _NOT_FOR_USERS = (
     "half spaces are not currently supported for deformable contact",  # the twin has no deformable bodies
     "Actuation (via non-zero effort limits) for ",  # only what is commanded has an actuator

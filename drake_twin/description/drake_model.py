@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from math import inf, isfinite
 from pathlib import Path
 
-from drake_twin.description.drake_log import captured_warnings, without_literal
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
 from drake_twin.description.robot_description import (
     POSED_JOINT_TYPES,
     HardwareSystem,
@@ -47,7 +47,7 @@ def describe_model(
     try:
         with captured_warnings():  # the twin's own plant says them once more
             (instance,) = Parser(plant).AddModelsFromString(prepared, drake_format)
-    except (RuntimeError, ValueError, SystemExit) as error:
+    except DRAKE_RAISES as error:
         raise InputError(
             f"Drake cannot read this robot: {without_literal(' '.join(str(error).split()))}", file=file
         ) from None

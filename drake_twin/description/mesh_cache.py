@@ -9,7 +9,9 @@ from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
+from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
+from drake_twin.whole_file import write_whole
 
 # Part of every cached file's name: change it when a conversion gives other files.
 _CONVERSION = "6"
@@ -59,28 +61,45 @@ def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
         InputError: the source cannot be read, or the cache cannot be written.
     """
     target = mesh_cache_folder() / (_digest(source) + suffix)
-    if target.exists():
+    if _is_sound(target):
         with contextlib.suppress(OSError):
             os.utime(target)  # what was used last is kept longest
+            os.utime(_seal(target))
         return target
     content = convert(source)
     try:
-        with tempfile.NamedTemporaryFile("wb", dir=target.parent, suffix=".part", delete=False) as part:
-            try:
-                part.write(content)
-                part.flush()
-                os.replace(part.name, target)
-            except OSError:  # a full disk
-                os.unlink(part.name)
-                raise
+        write_whole(target, content)
+        write_whole(_seal(target), hashlib.sha256(content).hexdigest())
         _trim(target.parent)
     except OSError as error:
         raise InputError(f"the mesh cache cannot be written ({error.strerror})", file=target.parent) from None
     return target
 
 
+def _seal(target: Path) -> Path:
+    """Where the checksum of a cached file is."""
+    return cache_folder("mesh_checksums") / f"{target.name}.sha256"
+
+
+def _is_sound(target: Path) -> bool:
+    """Whether a file is in the cache, as it was written."""
+    with contextlib.suppress(OSError):
+        status = target.stat()
+        return _is_version_sound(target, status.st_mtime_ns, status.st_size) if status.st_size else False
+    return False
+
+
+@lru_cache(maxsize=4096)
+def _is_version_sound(target: Path, _modified: int, _size: int) -> bool:
+    try:
+        return hashlib.sha256(target.read_bytes()).hexdigest() == _seal(target).read_text(encoding="ascii")
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
 def _digest(source: Path) -> str:
     try:
+        check_regular(source)
         status = source.stat()
         return _digest_of_version(source, status.st_mtime_ns, status.st_size)
     except OSError as error:
@@ -130,4 +149,5 @@ def _trim(folder: Path) -> None:
             return
         with contextlib.suppress(OSError):
             os.unlink(path)
+            os.unlink(_seal(Path(path)))
         total -= size

@@ -15,6 +15,7 @@ import numpy as np
 from drake_twin.description.hull import hull_of
 from drake_twin.description.mesh_cache import cached
 from drake_twin.description.robot_description import Vector3
+from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
 
 _READ_BY_DRAKE = (".obj", ".gltf")
@@ -149,6 +150,10 @@ def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
 
 
 def _check_suffix(file: Path) -> None:
+    try:
+        check_regular(file)
+    except OSError as error:
+        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
     suffix = file.suffix.lower()
     if suffix not in MESH_SUFFIXES:
         raise InputError(

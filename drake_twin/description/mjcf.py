@@ -6,7 +6,9 @@ from lxml import etree
 
 from drake_twin.description.meshes import mesh_for_mjcf
 from drake_twin.description.robot_description import CommandInterface, ControlledJoint, HardwareSystem, StateInterface
+from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
 
 # What a robot without a free joint stands on: the link that the twin fixes where the robot is spawned.
 _BASE = "robot_world"
@@ -29,6 +31,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> tuple[str, bo
     world = root.find("worldbody")
     if root.tag != "mujoco" or world is None:
         raise reader.error(root, "an MJCF robot has a <worldbody>")
+    _check_includes(root, file, (file.resolve(),))
     own_name = root.get("model") or file.stem
     root.set("model", model_name or own_name)
     bodies = world.findall("body")
@@ -53,6 +56,18 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> tuple[str, bo
     return etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems
 
 
+def _check_includes(root: etree._Element, file: Path, above: tuple[Path, ...]) -> None:
+    """Refuses files that include themselves, for which Drake's parser has no end."""
+    for include in root.iter("include"):
+        included = (file.parent / (include.get("file") or "")).resolve()
+        if included in above:
+            chain = " → ".join(path.name for path in (*above, included))
+            raise InputError(f"the file includes itself: {chain}", file=file)
+        if included.is_file():
+            reader = XmlReader(read_xml(included, "included file"), included)
+            _check_includes(reader.root, included, (*above, included))
+
+
 def _has_free_joint(body: etree._Element) -> bool:
     return any(joint.get("type") == "free" for joint in body.findall("joint"))
 
@@ -72,7 +87,10 @@ def effort_limits(text: str, file: Path) -> dict[str, float]:
         bounds = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
         gear = reader.parse_number(actuator, (actuator.get("gear") or "1").split()[0], "gear")
         if bounds is not None:
-            largest = max(abs(reader.parse_number(actuator, part, "range")) for part in bounds.split())
+            numbers = [abs(reader.parse_number(actuator, part, "range")) for part in bounds.split()]
+            if len(numbers) != 2:
+                raise reader.error(actuator, f"its range is {bounds!r}, where two numbers are needed")
+            largest = max(numbers)
             limits[actuator.get("joint", "")] = abs(gear) * largest
     return limits
 

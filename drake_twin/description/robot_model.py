@@ -10,6 +10,7 @@ from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.source_file import read_xml
 from drake_twin.description.unused_contact import unused_in_urdf
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.urdf_values import check_values
@@ -155,12 +156,7 @@ def read_robot_file(file: Path) -> str:
     """
     if not file.is_file():
         raise InputError("a robot file is needed, and this is none", file=file)
-    try:
-        text = file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"the robot file cannot be read ({error.strerror})", file=file) from None
-    except UnicodeDecodeError:
-        raise InputError("the robot file is not UTF-8 text", file=file) from None
+    text = read_xml(file, "robot file")
     if _outermost_tag(text) is None:
         kinds = "a xacro or URDF (<robot>), an SDF (<sdf>) or an MJCF (<mujoco>)"
         raise InputError(f"a robot file is {kinds}, and this is none of them", file=file)

@@ -11,6 +11,7 @@ from pathlib import Path
 from lxml import etree
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
@@ -163,9 +164,9 @@ class SdfIncludes:
             raise NotIncludedError("the twin downloads nothing; download it and name it as model://")
         file = _model_file(place) if place.is_dir() else place
         try:
-            return file.read_text(encoding="utf-8", errors="replace"), file
-        except OSError as error:
-            raise NotIncludedError(f"{file} cannot be read ({error.strerror})") from None
+            return read_xml(file, "model"), file
+        except InputError as error:
+            raise NotIncludedError(str(error).rstrip(".")) from None
 
     def find(self, address: str, base: Path | None) -> Path:
         """The file or folder of an address in an SDF file.

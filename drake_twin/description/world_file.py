@@ -17,6 +17,7 @@ from drake_twin.description.robot_description import Pose, Vector3
 from drake_twin.description.sdf_includes import SdfIncludes, free_name, read_sdf, sdf_version
 from drake_twin.description.sdf_model import falls, is_static, mend_model
 from drake_twin.description.sdf_pose import pose_transform
+from drake_twin.description.source_file import read_xml
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
@@ -123,12 +124,7 @@ def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]
                 valid=BUILT_IN_WORLDS,
                 value=name,
             ) from None
-    try:
-        return file.read_text(encoding="utf-8"), file
-    except UnicodeDecodeError:
-        raise InputError("the world file is not UTF-8 text", file=file) from None
-    except OSError as error:
-        raise InputError(f"the world file cannot be read ({error.strerror})", file=file) from None
+    return read_xml(file, "world file"), file
 
 
 _MOST_NAMED = 4  # models in one warning

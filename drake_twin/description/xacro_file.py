@@ -16,6 +16,7 @@ from xml.parsers.expat import ExpatError
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.xacro_expressions import bounded_expressions
 from drake_twin.errors import InputError
 
 _XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
@@ -41,7 +42,8 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     xacro = installed_xacro()
     with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
-            document = xacro.process_file(str(file), mappings=dict(arguments))
+            with bounded_expressions(xacro):
+                document = xacro.process_file(str(file), mappings=dict(arguments))
         except (ExpatError, etree.XMLSyntaxError) as error:
             raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
         except OSError as error:

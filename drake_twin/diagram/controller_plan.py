@@ -1,6 +1,6 @@
 """What a robot's controllers amount to: typed parameters, claimed interfaces, and which are active at the start."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any
@@ -166,7 +166,7 @@ def _plan(
     description: RobotDescription,
     manager_rate: float,
     prefix: str,
-    known: Iterable[str],
+    known: Container[str],
 ) -> tuple[ControllerPlan, tuple[str, ...]]:
     rate = controller.parameters.get("update_rate", manager_rate)
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < inf:
@@ -189,7 +189,8 @@ def _plan(
     except InputError as error:
         raise controller.error(error.message, value=error.value, valid=error.valid) from None
     _check_joints(controller, claims, description, known)
-    problem = next(filter(None, (_unusable(claim, description) for claim in claims if "/" not in claim.joint)), None)
+    own_joints = [claim for claim in claims if not is_chained(claim, known)]
+    problem = next(filter(None, (_unusable(claim, description) for claim in own_joints)), None)
     if issubclass(kind, SensorBroadcaster):
         problem = problem or _no_sensor(kind.sensor_name(parameters), kind.kind, description)
     references = kind.reference_interfaces(parameters, description)
@@ -225,7 +226,7 @@ def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:
 
 
 def _check_joints(
-    controller: ControllerParameters, claims: Sequence[Interface], description: RobotDescription, known: Iterable[str]
+    controller: ControllerParameters, claims: Sequence[Interface], description: RobotDescription, known: Container[str]
 ) -> None:
     seen = set()
     for claim in claims:
@@ -276,7 +277,7 @@ def _check_references(
     """Claims of other controllers' references: those must exist."""
     for name, plan in plans.items():
         for claim in plan.claims:
-            if "/" not in claim.joint:
+            if not is_chained(claim, plans):
                 continue
             owner, _, joint = claim.joint.partition("/")
             if Interface(joint, claim.name) in plans[owner].references:
@@ -288,12 +289,19 @@ def _check_references(
             plans[name] = replace(plan, problem=str(error))
     for name in plans:
         circle = [name]
-        while (below := _below(plans[circle[-1]])) and below not in circle:
+        while (below := next(iter(chained_to(plans[circle[-1]], plans)), None)) and below not in circle:
             circle.append(below)
         if below in circle:
             raise by_name[name].error(f"the controllers {', '.join(circle)} claim each other's references in a circle")
 
 
-def _below(plan: ControllerPlan) -> str | None:
-    """The controller that a controller writes to, in a chain."""
-    return next((claim.joint.partition("/")[0] for claim in plan.claims if "/" in claim.joint), None)
+def is_chained(claim: Interface, controllers: Container[str]) -> bool:
+    """Whether what is claimed is a reference of another controller; a slash alone is a part of a joint's name."""
+    owner, slash, _ = claim.joint.partition("/")
+    return bool(slash) and owner in controllers
+
+
+def chained_to(plan: ControllerPlan, controllers: Container[str]) -> tuple[str, ...]:
+    """The controllers that a controller writes to, in a chain."""
+    owners = (claim.joint.partition("/")[0] for claim in plan.claims if is_chained(claim, controllers))
+    return tuple(dict.fromkeys(owners))

@@ -10,6 +10,7 @@ from pathlib import Path
 from pydrake.systems.framework import Diagram
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.whole_file import write_whole
 
 _IDENTIFIER = re.compile(r'(?<![\w">])(_|s|clusters?)(\d+)')
 _DOT_IN_SVG = re.compile(r"<metadata><!\[CDATA\[(.*?)\]\]></metadata>", re.DOTALL)
@@ -40,7 +41,7 @@ def write_picture(diagram: Diagram, file: Path) -> None:
     elif file.suffix != ".dot":
         raise InputError(f"a diagram is written as .dot or .svg, not {file.suffix!r}", file=file)
     try:
-        file.write_text(text, encoding="utf-8")
+        write_whole(file, text)
     except OSError as error:
         raise InputError(f"the picture cannot be written ({error.strerror})", file=file) from None
 

@@ -14,7 +14,7 @@ from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, Multibody
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.description.drake_log import captured_warnings, without_literal
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Joint, Pose
 from drake_twin.description.world_file import WorldFile
@@ -28,6 +28,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
+from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
 from drake_twin.systems.state_layout import StateLayout
 
@@ -106,7 +107,7 @@ def add_plant(
     warnings: list[str] = []
     world_models = add_world(plant, scenario, world_file, warnings)
     instances = {}
-    for plan in plans:
+    for plan in told("adding", plans, lambda plan: plan.name):
         with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
             instances[plan.name] = _add_robot(plant, plan, warnings)
     layouts = {}
@@ -139,7 +140,7 @@ def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
     """Turns what Drake raises into an error for the user; some of its checks arrive as SystemExit."""
     try:
         yield
-    except (RuntimeError, ValueError, SystemExit) as error:
+    except DRAKE_RAISES as error:
         reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
         raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
 

@@ -24,6 +24,7 @@ from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.diagram.servo_gains import ServoGains
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
@@ -139,7 +140,7 @@ def build_twin_diagram(
         known_plans[robot.name]
         if robot.name in known_plans and known_plans[robot.name].robot == robot
         else plan_robot(robot, packages, ("robots", index))
-        for index, robot in enumerate(scenario.robots)
+        for index, robot in enumerate(told("reading", scenario.robots, lambda robot: robot.name))
     )
     known_gains = {}
     if known is not None and known.world == scenario.world and known.engine == scenario.engine:
@@ -168,7 +169,10 @@ def _build(
         world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
     parts = add_plant(builder, scenario, plans, world_file, known_gains)
     topics = _Topics(builder)
-    robots = {plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step) for plan in plans}
+    robots = {
+        plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step)
+        for plan in told("connecting", plans, lambda plan: plan.name)
+    }
     frames = _add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
@@ -183,6 +187,7 @@ def _build(
         parameters = MeshcatVisualizerParams(role=Role.kIllustration, publish_period=inf)
         visualizer = MeshcatVisualizer.AddToBuilder(builder, parts.scene_graph, meshcat, parameters)
         visualizer.set_name("meshcat_visualizer")
+    tell("building the diagram")
     diagram = builder.Build()
     diagram.set_name("twin")
     return TwinDiagram(

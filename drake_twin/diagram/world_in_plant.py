@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from drake_twin.description.drake_log import captured_warnings, without_literal
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
 from drake_twin.description.world_file import WorldFile, WorldModel
 from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.static_world import (
@@ -100,7 +100,7 @@ def _add_models(
                 else:
                     _try_out(model, plant.time_step())
                     moving[model.name] = _add_moving(plant, model)
-            except (RuntimeError, ValueError, SystemExit, InputError) as error:
+            except (*DRAKE_RAISES, InputError) as error:
                 reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
                 warnings.append(f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})")
         warnings.extend(dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages))

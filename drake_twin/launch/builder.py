@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
@@ -15,6 +16,8 @@ from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario
 if TYPE_CHECKING:
     from drake_twin.ros_launch.entity import LaunchDescription
     from drake_twin.twin import Twin
+
+_log = logging.getLogger(__name__)
 
 
 class TwinBuilder:
@@ -31,7 +34,7 @@ class TwinBuilder:
         )
 
     Args:
-        time_step: the physics step (s).
+        time_step: the physics step (s); by default the one that a launched world asks for, or 0.001.
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
         engine: ``discrete``, or ``cenic`` for Drake's convex integrator with error control.
         accuracy: what ``cenic`` is asked for.
@@ -40,14 +43,15 @@ class TwinBuilder:
 
     def __init__(
         self,
-        time_step: float = 0.001,
+        time_step: float | None = None,
         contact_approximation: str = "lagged",
         world: World | None = None,
         engine: str = DISCRETE,
         accuracy: float = 1e-3,
     ):
         self._engine, self._accuracy = engine, float(accuracy)
-        self._time_step = float(time_step)
+        self._time_step = None if time_step is None else float(time_step)
+        self._launched_step = 0.001
         self._contact_approximation = contact_approximation
         self._world = world or World()
         if self._world.file is not None:
@@ -57,6 +61,7 @@ class TwinBuilder:
         self._static_transforms: list[StaticTransform] = []
         self._commands: list[Command] = []
         self._not_started: list[str] = []
+        self._windows: list[str] = []
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Looks for ROS packages in a folder first."""
@@ -80,6 +85,7 @@ class TwinBuilder:
         self_collision: bool = False,
         collision: str = "hull",
         contact: str = HYDROELASTIC,
+        remappings: Mapping[str, str] | None = None,
         without_repairs: Iterable[str] = (),
     ) -> TwinBuilder:
         """Adds a robot; see `drake_twin.scenario.Robot` for what each argument means."""
@@ -100,6 +106,7 @@ class TwinBuilder:
                 self_collision=self_collision,
                 collision=collision,
                 contact=contact,
+                remappings=dict(remappings or {}),
                 without_repairs=tuple(without_repairs),
             )
         )
@@ -127,6 +134,11 @@ class TwinBuilder:
         self._static_transforms += scenario.static_transforms
         self._commands += scenario.commands
         self._not_started += scenario.not_started
+        self._windows += scenario.windows
+        for line in launched.log:
+            _log.info("%s", line)
+        if scenario.time_step != 0.001:
+            self._launched_step = scenario.time_step
         self._package_paths += [folder for folder in scenario.package_paths if folder not in self._package_paths]
         if scenario.world != World():
             self._world = scenario.world
@@ -148,10 +160,30 @@ class TwinBuilder:
         return self
 
     def command(
-        self, topic: str, data: Iterable[float], *, time: float = 0.0, period: float | None = None
+        self,
+        topic: str,
+        data: Iterable[float] | Mapping[str, Any],
+        *,
+        time: float = 0.0,
+        period: float | None = None,
     ) -> TwinBuilder:
-        """Publishes a command at a simulation time (s), and again every ``period`` seconds if that is given."""
-        self._commands.append(Command(topic, tuple(float(value) for value in data), float(time), period))
+        """Publishes a command at a simulation time (s), and again every ``period`` seconds if that is given.
+
+        Args:
+            topic: the full topic name.
+            data: the numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
+            time: when (s).
+            period: how often it is published again (s).
+
+        Raises:
+            InputError: the data are neither.
+        """
+        if not isinstance(data, Mapping):
+            try:
+                data = tuple(float(value) for value in data)
+            except (TypeError, ValueError):
+                raise InputError(f"{data!r} for {topic} is neither numbers nor the fields of a message") from None
+        self._commands.append(Command(topic, data, float(time), period))
         return self
 
     def scenario(self) -> Scenario:
@@ -162,7 +194,7 @@ class TwinBuilder:
         """
         return Scenario(
             robots=tuple(self._robots),
-            time_step=self._time_step,
+            time_step=self._launched_step if self._time_step is None else self._time_step,
             engine=self._engine,
             accuracy=self._accuracy,
             contact_approximation=self._contact_approximation,
@@ -171,6 +203,7 @@ class TwinBuilder:
             static_transforms=tuple(self._static_transforms),
             commands=tuple(self._commands),
             not_started=tuple(self._not_started),
+            windows=tuple(self._windows),
         )
 
     def build(self) -> Twin:

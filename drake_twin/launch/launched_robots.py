@@ -10,6 +10,7 @@ from lxml import etree
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose
+from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.launch.command_line import CommandLine, command_line
@@ -312,7 +313,7 @@ def _description_of(publisher: LaunchedProcess, packages: PackageIndex) -> str:
     for word in publisher.arguments:
         path = Path(word)
         if path.suffix in (".urdf", ".sdf", ".xml") and path.is_file():
-            return path.read_text(encoding="utf-8")
+            return read_xml(path, "robot file")
     raise InputError("it has no robot_description", file=publisher.place.file, line=publisher.place.line)
 
 

@@ -155,7 +155,8 @@ class DiffDriveController(DriveController):
         parameters: DiffDriveParameters = setup.parameters
         self._drive = parameters.kinematics()
         self._limiters = (parameters.linear.x.limiter(), parameters.angular.z.limiter())
-        self._odometry_wheels = tuple(map(state_joint, (*parameters.left_wheel_names, *parameters.right_wheel_names)))
+        wheels = (*parameters.left_wheel_names, *parameters.right_wheel_names)
+        self._odometry_wheels = tuple(state_joint(wheel, setup.layout.velocities) for wheel in wheels)
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=parameters.cmd_vel_timeout)
         self._declare_odometry("odom")
         if parameters.publish_limited_velocity:

@@ -1,6 +1,6 @@
 """What the controllers of wheeled bases share: a commanded twist in, odometry and its transform out."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
 from math import atan2, cos, isinf, isnan, nan, sin
 from typing import Any
@@ -284,9 +284,9 @@ def publication(memory: DriveMemory, time: float, rate: float) -> DriveMemory:
     return replace(memory, published=replace(memory.odometry, time=time), next_publication=due + period)
 
 
-def state_joint(wheel: str) -> str:
+def state_joint(wheel: str, joints: Container[str]) -> str:
     """The joint whose state belongs to a wheel's name, which may be a reference: ``pid_controller/left_wheel``."""
-    return wheel.rpartition("/")[2]
+    return wheel if wheel in joints else wheel.partition("/")[2]
 
 
 def check_covariances(parameters: Any) -> None:

@@ -226,18 +226,25 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
 
     def _update_filters(self, context: Context, state: State) -> EventStatus:
         sample = self.sample(context)
-        if not sample.active:
+        if not sample.active or sample.fault is not None:
             return EventStatus.DidNothing()
-        wrench = self._wrench(context)
-        kept = (LowPassMemory(),) * len(self._filters) if sample.memory is None else sample.memory.filters
+        try:
+            filtered = self._filtered(self._wrench(context), sample.memory)
+            sample = replace(sample, time=context.get_time(), memory=filtered)
+        except Exception as error:  # whatever a controller raises concerns that controller alone
+            sample = replace(sample, fault=f"{type(error).__name__}: {error}")
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
+        return (
+            EventStatus.Succeeded() if sample.fault is None else EventStatus.ReachedTermination(self, self.setup.name)
+        )
+
+    def _filtered(self, wrench: np.ndarray, kept: FilteredWrench | None) -> FilteredWrench:
         memories = []
-        for item, memory in zip(self._filters, kept, strict=True):
+        before = (LowPassMemory(),) * len(self._filters) if kept is None else kept.filters
+        for item, memory in zip(self._filters, before, strict=True):
             wrench, memory = item.update(wrench, memory)
             memories.append(memory)
-        filtered = FilteredWrench(tuple(wrench.tolist()), tuple(memories))
-        sample = replace(sample, time=context.get_time(), memory=filtered)
-        state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
-        return EventStatus.Succeeded()
+        return FilteredWrench(tuple(wrench.tolist()), tuple(memories))
 
     def _calc_wrench(self, context: Context, output: AbstractValue) -> None:
         is_active = self.sample(context).active

@@ -1,5 +1,6 @@
 """A base with four mecanum wheels."""
 
+from collections.abc import Container
 from dataclasses import dataclass, field, replace
 from math import isnan, nan
 from typing import Any, ClassVar
@@ -225,11 +226,12 @@ class MecanumDriveParameters:
         """Front left, front right, rear right, rear left."""
         return tuple(getattr(self, f"{wheel}_wheel_command_joint_name") for wheel in _WHEELS)
 
-    @property
-    def state_joints(self) -> tuple[str, ...]:
-        """The joints whose velocities are measured, in the same order."""
+    def state_joints(self, joints: Container[str]) -> tuple[str, ...]:
+        """Which of the robot's joints are measured, in the same order."""
         measured = (getattr(self, f"{wheel}_wheel_state_joint_name") for wheel in _WHEELS)
-        return tuple(state_joint(name or command) for name, command in zip(measured, self.command_joints, strict=True))
+        return tuple(
+            state_joint(name or command, joints) for name, command in zip(measured, self.command_joints, strict=True)
+        )
 
 
 class MecanumDriveController(DriveController):
@@ -291,7 +293,7 @@ class MecanumDriveController(DriveController):
         )
         limits = (parameters.linear.x, parameters.linear.y, parameters.angular.z)
         self._limiters = tuple(each.limiter() for each in limits)
-        self._odometry_wheels = parameters.state_joints
+        self._odometry_wheels = parameters.state_joints(setup.layout.velocities)
         self._declare_command(
             parameters.command_topic, stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout
         )

@@ -42,6 +42,10 @@ class SensorBroadcaster(Controller):
         sample: Sample = context.get_abstract_state(int(self._sample_index)).get_value()
         return sample
 
+    def fault(self, context: Context) -> str | None:
+        """What its last update raised; None when it works."""
+        return self.sample(context).fault
+
     def activate(self, context: Context) -> None:
         """Begins anew at the present time."""
         context.SetAbstractState(int(self._sample_index), Sample(active=True, time=context.get_time()))

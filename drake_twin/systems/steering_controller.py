@@ -171,10 +171,8 @@ class SteeringController(DriveController):
         self._limiters = (parameters.linear.x.limiter(), parameters.angular.z.limiter())
         self._odometry_wheels, self._steering_joints = (
             tuple(
-                map(
-                    state_joint,
-                    parameters.joints(f"{kind}_joints_state_names") or parameters.joints(f"{kind}_joints_names"),
-                )
+                state_joint(name, setup.layout.velocities)
+                for name in parameters.joints(f"{kind}_joints_state_names") or parameters.joints(f"{kind}_joints_names")
             )
             for kind in ("traction", "steering")
         )

@@ -184,8 +184,8 @@ class TricycleController(DriveController):
         parameters: TricycleParameters = setup.parameters
         self._drive = SteeredDrivenWheel(parameters.wheelbase, parameters.wheel_radius)
         self._limiters = (parameters.traction.limiter(), parameters.steering.limiter())
-        self._odometry_wheels = (state_joint(parameters.traction_joint_name),)
-        self._steering_joint = (state_joint(parameters.steering_joint_name),)
+        self._odometry_wheels = (state_joint(parameters.traction_joint_name, setup.layout.velocities),)
+        self._steering_joint = (state_joint(parameters.steering_joint_name, setup.layout.positions),)
         timeout = 1e-3 * parameters.cmd_vel_timeout
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=timeout)
         self._declare_odometry("odom", with_pose=not parameters.odom_only_twist)

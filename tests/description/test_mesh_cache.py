@@ -177,3 +177,30 @@ def test_a_changed_picture_beside_a_mesh_makes_a_new_conversion(tmp_path, monkey
         (folder / "paint.png").write_bytes(paint)
         targets.append(cached(folder / "part.obj", ".x", lambda source: b"converted"))
     assert targets[0] == targets[2] != targets[1]
+
+
+@pytest.mark.parametrize("damage", [b"", b"01234", b"garbage", b"0123456780"])
+def test_a_damaged_file_is_made_anew(source, damage):
+    kept = cached(source("a.stl"), ".obj", ten_bytes)
+    kept.write_bytes(damage)
+    assert cached(source("a.stl"), ".obj", ten_bytes).read_bytes() == b"0123456789"
+
+
+def test_a_file_without_its_checksum_is_made_anew(source, cache):
+    kept = cached(source("a.stl"), ".obj", ten_bytes)
+    (cache.parent / "mesh_checksums" / f"{kept.name}.sha256").unlink()
+    mesh_cache._is_version_sound.cache_clear()
+    made = []
+    cached(source("a.stl"), ".obj", lambda file: made.append(file) or b"0123456789")
+    assert made
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_what_cannot_be_finished_leaves_nothing_in_the_cache(source, cache, monkeypatch, error):
+    def stopped(descriptor):
+        raise error
+
+    monkeypatch.setattr("os.fsync", stopped)
+    with pytest.raises((InputError, KeyboardInterrupt)):
+        cached(source("a.stl"), ".obj", ten_bytes)
+    assert list(cache.iterdir()) == []

@@ -1,0 +1,97 @@
+"""Bounds on the Python expressions in xacro files: ``${9**9**9}`` would hold up a twin for ever."""
+
+import ast
+import contextlib
+import ctypes
+import operator
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+_LONGEST = 30.0  # s for one file; the largest public robots take two
+_MOST_BITS = 1 << 16
+_MOST_ITEMS = 1 << 24
+
+
+class TooLongError(Exception):
+    """The expressions of a file took too long."""
+
+    def __str__(self) -> str:
+        return f"its expressions and macros take longer than {_LONGEST:g} s"
+
+
+class _Bounded(ast.NodeTransformer):
+    """Calls functions that know a bound where an operator knows none."""
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        name = _OPERATORS.get(type(node.op))
+        if name is None:
+            return node
+        call = ast.Call(ast.Name(name, ast.Load()), [node.left, node.right], [])
+        return ast.copy_location(call, node)
+
+
+def _power(base: Any, exponent: Any) -> Any:
+    if isinstance(base, int) and isinstance(exponent, int) and base.bit_length() * abs(exponent) > _MOST_BITS:
+        raise OverflowError(f"{base} ** {exponent} has too many digits")
+    return base**exponent
+
+
+def _shifted(value: Any, places: Any) -> Any:
+    if isinstance(places, int) and places > _MOST_BITS:
+        raise OverflowError(f"{value} << {places} has too many digits")
+    return operator.lshift(value, places)
+
+
+def _times(one: Any, other: Any) -> Any:
+    for items, count in ((one, other), (other, one)):
+        is_sequence = isinstance(items, str | bytes | list | tuple) and isinstance(count, int)
+        if is_sequence and len(items) * count > _MOST_ITEMS:
+            raise OverflowError(f"{count} times {len(items)} items are too many")
+    return one * other
+
+
+_OPERATORS = {ast.Pow: "xacro_power", ast.LShift: "xacro_shifted", ast.Mult: "xacro_times"}
+_FUNCTIONS = {"xacro_power": _power, "xacro_shifted": _shifted, "xacro_times": _times}
+
+
+@contextlib.contextmanager
+def bounded_expressions(xacro: Any) -> Iterator[None]:
+    """Lets xacro evaluate expressions with bounds, and for a while only.
+
+    Args:
+        xacro: its module.
+
+    Raises:
+        TooLongError: in the thread that expands, once it takes too long.
+    """
+    plain: Callable[..., Any] = xacro.safe_eval
+
+    def safe_eval(expr: str, globals: Any, locals: Any = None) -> Any:
+        if not any(mark in expr for mark in ("*", "<<")):
+            return plain(expr, globals, locals)
+        tree = ast.fix_missing_locations(_Bounded().visit(ast.parse(expr.strip(), "<expression>", "eval")))
+        code = compile(tree, "<expression>", "eval")
+        if invalid := [name for name in code.co_names if name.startswith("__")]:
+            raise xacro.XacroException("Use of invalid name(s): ", ", ".join(invalid))
+        globals.update(__builtins__=dict(_FUNCTIONS))  # xacro gives none
+        return eval(code, globals, locals)
+
+    thread, is_over = threading.get_ident(), threading.Lock()
+
+    def interrupt() -> None:
+        with is_over:
+            if xacro.safe_eval is safe_eval:
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(TooLongError))
+
+    timer = threading.Timer(_LONGEST, interrupt)
+    timer.daemon = True
+    xacro.safe_eval = safe_eval
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+        with is_over:
+            xacro.safe_eval = plain

@@ -1,0 +1,163 @@
+"""Files that would end the program, hold it up, or fill the memory: one sentence each, or they simply work."""
+
+import json
+import os
+
+import pytest
+
+from drake_twin import TwinBuilder
+from drake_twin.description import xacro_expressions
+from drake_twin.errors import InputError
+from drake_twin.findings import Kind
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+
+
+def built(file):
+    twin = TwinBuilder().robot("r", file).build()
+    twin.step()
+    return twin
+
+
+def meshed(folder, name):
+    geometry = f'<geometry><mesh filename="{folder / name}"/></geometry>'
+    file = folder / "robot.urdf"
+    file.write_text(
+        f'<robot name="r"><link name="a">{INERTIAL}<visual>{geometry}</visual><collision>{geometry}</collision></link>'
+        "</robot>"
+    )
+    return file
+
+
+@pytest.mark.parametrize("encoding", ["UTF-16", "ISO-8859-1", "UTF-8", "windows-1252"])
+@pytest.mark.parametrize("suffix", ["urdf", "sdf"])
+def test_xml_in_any_encoding_is_read(tmp_path, encoding, suffix):
+    root = f'<robot name="é"><link name="a">{INERTIAL}</link></robot>'
+    if suffix == "sdf":
+        root = '<sdf version="1.7"><model name="é"><link name="a"/></model></sdf>'
+    file = tmp_path / f"robot.{suffix}"
+    file.write_bytes(f'<?xml version="1.0" encoding="{encoding}"?>{root}'.encode(encoding))
+    assert built(file).plans[0].description.name == "é"
+
+
+def test_xacro_reads_utf_8_as_in_ros(tmp_path):
+    text = f'<?xml version="1.0" encoding="ISO-8859-1"?><robot name="é" {XACRO}><link name="a"/></robot>'
+    (tmp_path / "r.xacro").write_bytes(text.encode("ISO-8859-1"))
+    with pytest.raises(InputError, match="'utf-8' codec can't decode"):
+        built(tmp_path / "r.xacro")
+
+
+def test_an_encoding_that_is_none_is_said(tmp_path):
+    (tmp_path / "robot.urdf").write_bytes(b'<?xml version="1.0" encoding="UTF-99"?><robot name="r"/>')
+    with pytest.raises(InputError, match="the robot file is not UTF-99 text"):
+        built(tmp_path / "robot.urdf")
+
+
+@pytest.mark.parametrize("name", ["zero.obj", "zero.stl", "zero.dae", "pipe.obj", "pipe.stl"])
+def test_a_mesh_that_is_a_device_or_a_pipe_is_left_out(tmp_path, name):
+    if name.startswith("zero"):
+        (tmp_path / name).symlink_to("/dev/zero")
+    else:
+        os.mkfifo(tmp_path / name)
+    twin = built(meshed(tmp_path, name))
+    said = [finding.what for finding in twin.findings if finding.kind is Kind.MENDED]
+    assert len(said) == 2
+    assert all("a device or a pipe" in text for text in said)
+
+
+def test_a_mesh_that_counts_further_than_it_goes_is_left_out(tmp_path):
+    accessors = [
+        {
+            "bufferView": 0,
+            "componentType": 5126,
+            "count": 4_000_000_000,
+            "type": "VEC3",
+            "min": [0] * 3,
+            "max": [1] * 3,
+        },
+        {"bufferView": 0, "componentType": 5125, "count": 4_000_000_000, "type": "SCALAR"},
+    ]
+    mesh = {"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}
+    data = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [mesh],
+        "accessors": accessors,
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAA"}],
+    }
+    (tmp_path / "m.gltf").write_text(json.dumps(data))
+    twin = built(meshed(tmp_path, "m.gltf"))
+    assert [finding for finding in twin.findings if finding.kind is Kind.MENDED]
+
+
+def test_an_mjcf_file_that_includes_itself_is_refused(tmp_path):
+    body = '<worldbody><body name="b"><freejoint/><geom type="box" size="1 1 1"/></body></worldbody>'
+    (tmp_path / "a.xml").write_text(f'<mujoco model="m"><include file="b.xml"/>{body}</mujoco>')
+    (tmp_path / "b.xml").write_text('<mujoco><include file="a.xml"/></mujoco>')
+    with pytest.raises(InputError, match=r"includes itself: a\.xml → b\.xml → a\.xml"):
+        built(tmp_path / "a.xml")
+
+
+@pytest.mark.parametrize("bounds", ["", "1", "1 2 3"])
+def test_an_mjcf_actuator_with_no_range_is_refused(tmp_path, bounds):
+    body = '<worldbody><body name="b"><joint name="j" type="hinge"/><geom type="box" size="1 1 1"/></body></worldbody>'
+    motor = f'<actuator><motor joint="j" forcerange=" {bounds}"/></actuator>'
+    (tmp_path / "a.xml").write_text(f'<mujoco model="m">{body}{motor}</mujoco>')
+    with pytest.raises(InputError, match="where two numbers are needed"):
+        built(tmp_path / "a.xml")
+
+
+def test_a_version_of_sdf_that_nobody_counts_to_is_refused(tmp_path):
+    version = "9" * 4000
+    (tmp_path / "a.sdf").write_text(f'<sdf version="{version}"><model name="m"><link name="a"/></model></sdf>')
+    with pytest.raises(InputError):
+        built(tmp_path / "a.sdf")
+
+
+@pytest.mark.parametrize(
+    "expression", ["9**9**9", "1 &lt;&lt; 10**12", "'a' * 10**12", "[0] * 10**12", "[x**9**9 for x in [9]][0]"]
+)
+def test_an_expression_without_end_is_refused(tmp_path, expression):
+    (tmp_path / "r.xacro").write_text(f'<robot name="r" {XACRO}><link name="a${{{expression}}}"/></robot>')
+    with pytest.raises(InputError, match=r"too many|too many digits"):
+        built(tmp_path / "r.xacro")
+
+
+def test_expressions_keep_their_meaning(tmp_path):
+    text = f"""<robot name="r" {XACRO}><xacro:property name="n" value="3"/>
+      <link name="a${{n**2}}_${{1&lt;&lt;n}}_${{2*n}}_${{'ab'*n}}_${{[i*n for i in [1, 2]]}}_${{2.0**0.5}}"/></robot>"""
+    (tmp_path / "r.xacro").write_text(text)
+    (link,) = built(tmp_path / "r.xacro").plans[0].description.links
+    assert link == f"a9_8_6_ababab_[3, 6]_{2.0**0.5}"
+
+
+def test_macros_without_end_are_refused_after_a_while(tmp_path, monkeypatch):
+    monkeypatch.setattr(xacro_expressions, "_LONGEST", 0.2)
+    twice = '<xacro:twice n="${n - 1}"/>'
+    text = f"""<robot name="r" {XACRO}><xacro:macro name="twice" params="n"><xacro:if value="${{n > 0}}">
+      {twice}{twice}</xacro:if></xacro:macro><xacro:twice n="30"/></robot>"""
+    (tmp_path / "r.xacro").write_text(text)
+    with pytest.raises(InputError, match=r"take longer than 0\.2 s"):
+        built(tmp_path / "r.xacro")
+
+
+def test_a_joint_may_have_a_slash_in_its_name(tmp_path):
+    (tmp_path / "r.urdf").write_text(
+        f'<robot name="r"><link name="a">{INERTIAL}</link><link name="b">{INERTIAL}</link><joint name="robot1/wheel"'
+        ' type="continuous"><parent link="a"/><child link="b"/></joint><ros2_control name="s" type="system">'
+        '<joint name="robot1/wheel"><command_interface name="velocity"/><state_interface name="velocity"/></joint>'
+        "</ros2_control></robot>"
+    )
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager:\n  ros__parameters:\n    c:\n"
+        "      type: forward_command_controller/ForwardCommandController\n"
+        "c:\n  ros__parameters:\n    joints: [robot1/wheel]\n    interface_name: velocity\n"
+    )
+    twin = TwinBuilder().robot("r", tmp_path / "r.urdf", controllers=[tmp_path / "c.yaml"]).build()
+    twin.publish("/r/c/commands", [2.0])
+    twin.advance_to(1.0)
+    assert twin.robot_state("r").velocities == pytest.approx((2.0,), abs=1e-3)
