@@ -4,8 +4,11 @@ A mapping with the key ``!`` stands for what JSON has no word for: a tuple, an a
 dataclass of this package, a ROS message. Numbers come back to the last bit.
 """
 
-from collections.abc import Mapping
+import types
+import typing
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
+from functools import cache
 from importlib import import_module
 from math import isfinite
 from typing import Any
@@ -85,7 +88,45 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
         raise ValueError(f"{kind} is not the twin's")
     found: Any = getattr(import_module(module), name)
     if hasattr(found, "_fields"):
-        return found(*(from_plain(item) for item in data["items"]))
-    if not hasattr(found, "__dataclass_fields__"):
+        value = found(*(from_plain(item) for item in data["items"]))
+        names: Iterable[str] = found._fields
+    elif hasattr(found, "__dataclass_fields__"):
+        value = found(**{key: from_plain(item) for key, item in data.items()})
+        names = [item.name for item in fields(found)]
+    else:
         raise ValueError(f"{kind} is no plain class")
-    return found(**{key: from_plain(item) for key, item in data.items()})
+    hints = _hints(found)
+    for field in names:
+        if not _fits(getattr(value, field), hints.get(field, Any)):
+            raise ValueError(f"{messages.shortened(getattr(value, field))} is no {field} of a {name}")
+    return value
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    return typing.get_type_hints(kind)
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether a value is of an annotated type; what cannot be told is."""
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if hint is Any or isinstance(hint, typing.TypeVar):
+        return True
+    if hint is None or hint is type(None):
+        return value is None
+    if origin in (typing.Union, types.UnionType):
+        return any(_fits(value, each) for each in arguments)
+    if origin is typing.Literal:
+        return value in arguments
+    if origin is tuple:
+        if not isinstance(value, tuple):
+            return False
+        if len(arguments) == 2 and arguments[1] is Ellipsis:
+            return all(_fits(item, arguments[0]) for item in value)
+        return len(value) == len(arguments) and all(map(_fits, value, arguments))
+    if hint is float:
+        return isinstance(value, float | int) and not isinstance(value, bool)
+    if hint is int:
+        return isinstance(value, int) and not isinstance(value, bool)
+    kind = origin or hint
+    return isinstance(value, kind) if isinstance(kind, type) else True

@@ -222,7 +222,9 @@ class RobotControl:
         servo = self._parts.servo
         if servo is not None:
             context = servo.GetMyMutableContextFromRoot(self._context)
-            servo.assign(context, _like(servo.assignment(context), from_plain(saved["servo"])))
+            assignment = _like(servo.assignment(context), from_plain(saved["servo"]))
+            servo.check(assignment)
+            servo.assign(context, assignment)
         self._put_gains_in_force()
 
     def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:

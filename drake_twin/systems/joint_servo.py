@@ -121,6 +121,18 @@ class JointServo(WitnesslessSystem):
         """Lets the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
         context.SetAbstractState(int(self._assignment), assignment)
 
+    def check(self, assignment: ServoAssignment) -> None:
+        """Refuses set-points of another robot.
+
+        Raises:
+            ValueError: there are more or fewer than actuators, or they come from where there is nothing.
+        """
+        count, values = len(self._lower[0]), sum(port.size() for port in self._ports)
+        columns = vars(assignment).values()
+        sources = (*assignment.positions, *assignment.velocities, *assignment.efforts)
+        if any(len(column) != count for column in columns) or not all(-1 <= index < values for index in sources):
+            raise ValueError(f"there are {count} actuators, and {values} values of controllers for them")
+
     def commanded(self, context: Context) -> tuple[list[float], list[float]]:
         """The positions and the velocities that are commanded at present, for each actuator; NaN where none is."""
         assignment, values = self.assignment(context), self._values(context)

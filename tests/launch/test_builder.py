@@ -62,3 +62,18 @@ def test_one_parameters_file_serves_robots_of_any_name():
 def test_a_place_that_is_not_three_numbers_is_refused(xyz):
     with pytest.raises(InputError, match=r"xyz of robot 'a': .* is not three numbers"):
         TwinBuilder().robot("a", ROVER, xyz=xyz)
+
+
+def test_a_command_is_numbers_or_the_fields_of_any_message():
+    twist = {"linear": {"x": 1.0}}
+    (command,) = TwinBuilder().robot("a", ROVER).command("/a/cmd_vel", twist).scenario().commands
+    assert command.data == twist
+    with pytest.raises(InputError, match=r"'fast' for /a/cmd_vel is neither numbers nor the fields of a message"):
+        TwinBuilder().command("/a/cmd_vel", "fast")
+
+
+def test_topics_are_remapped():
+    commands = "/a/forward_velocity_controller/commands"
+    twin = TwinBuilder().robot("a", ROVER, remappings={commands: "/a/wheels"}).build()
+    assert "/a/wheels" in twin.topics()
+    assert commands not in twin.topics()

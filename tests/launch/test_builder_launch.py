@@ -44,3 +44,19 @@ def test_entities_in_plain_python_start_what_they_say():
     twin = builder.build()
     twin.advance_to(0.1)
     assert twin.robot_state("globe").base_pose[2] < 0.96
+
+
+def test_a_launched_worlds_step_is_the_builders_unless_it_was_given_one(tmp_path):
+    world = tmp_path / "w.sdf"
+    world.write_text(
+        '<sdf version="1.9"><world name="w"><physics type="ode"><max_step_size>0.002</max_step_size></physics></world>'
+        "</sdf>"
+    )
+    (tmp_path / "a.launch.xml").write_text(
+        f'<launch><executable cmd="gz sim -r {world}"/><node pkg="ros_gz_sim" exec="create" args="-name ball -string'
+        f" '{BALL.replace(chr(34), '&quot;').replace('<', '&lt;')}'\"/></launch>"
+    )
+    by_file = launch_file_scenario(tmp_path / "a.launch.xml").scenario
+    assert by_file.time_step == 0.002
+    assert TwinBuilder().launch(tmp_path / "a.launch.xml").scenario() == by_file
+    assert TwinBuilder(time_step=0.005).launch(tmp_path / "a.launch.xml").scenario().time_step == 0.005
