@@ -3,6 +3,7 @@ import signal
 import subprocess
 import sys
 import urllib.request
+from pathlib import Path
 
 import pytest
 from conftest import ROVER
@@ -105,3 +106,42 @@ def test_view_shows_the_robot_in_a_page_until_it_is_told_to_end():
     _, err = process.communicate(timeout=20)
     assert process.returncode in (0, 1), err
     assert "Traceback" not in err
+
+
+DROPS = [
+    '<gazebo reference="a"><sensor name="s" type="gpu_lidar"/></gazebo>',
+    '<gazebo><plugin name="p" filename="libgazebo_ros_p3d.so"/></gazebo>',
+    '<transmission name="t"/>',
+    '<gazebo reference="a"><turnGravityOff>true</turnGravityOff></gazebo>',
+]
+
+
+@pytest.mark.parametrize("drop", DROPS)
+def test_strict_means_the_same_for_check_and_run(capsys, tmp_path, drop):
+    from drake_twin.run import main as run
+
+    file = tmp_path / "robot.urdf"
+    for text, code in (("", 0), (drop, 1)):
+        file.write_text(f'<robot name="r"><link name="a"/>{text}</robot>')
+        assert main([str(file), "--strict"]) == code
+        assert run([str(file), "--headless", "--duration", "0.01", "--strict"]) == 2 * code
+        said = capsys.readouterr().err
+        assert ("error: --strict: 1 ignored, see above" in said) == bool(code)
+        assert run([str(file), "--headless", "--duration", "0.01"]) == 0
+        assert ("ignored: r: " in capsys.readouterr().err) == bool(code)
+
+
+WHOLE = [
+    *("models/rover_description/urdf/rover.urdf.xacro", "models/arduinobot_description/urdf/arduinobot.urdf.xacro"),
+    *("models/rover_gazebo/launch/main.launch.xml", "models/arduinobot_description/launch/gazebo.launch.py"),
+    *("models/arduinobot_description/launch/display.launch.py", "diagrams/rover_and_arm.launch.xml"),
+    *("diagrams/rovers_in_formation.launch.py", "diagrams/two_arms.yaml", "diagrams/two_rovers.yaml"),
+]
+
+
+@pytest.mark.parametrize("file", WHOLE)
+def test_strict_lets_whole_files_pass(file):
+    from drake_twin.run import main as run
+
+    root = Path(__file__).parent.parent
+    assert run([str(root / file), "--headless", "--duration", "0.01", "--strict=mended"]) == 0

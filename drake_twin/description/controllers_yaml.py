@@ -3,12 +3,13 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
 from pathlib import Path
 from typing import Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
+
+HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
 
 DEFAULT_UPDATE_RATE = 100.0  # Hz, controller_manager's default in Jazzy
 
@@ -130,7 +131,7 @@ def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
 
 def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
     rate = parameters.get("update_rate", default)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 < rate < inf:
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 < rate < HIGHEST_RATE:
         raise document.error((*path, "update_rate"), f"{rate!r} is not a rate above zero (Hz)")
     return float(rate)
 

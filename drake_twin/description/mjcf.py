@@ -85,7 +85,7 @@ def effort_limits(text: str, file: Path) -> dict[str, float]:
     limits = {}
     for actuator in (item for group in reader.root.findall("actuator") for item in group):
         bounds = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
-        gear = reader.parse_number(actuator, (actuator.get("gear") or "1").split()[0], "gear")
+        gear = reader.parse_number(actuator, next(iter(actuator.get("gear", "").split()), "1"), "gear")
         if bounds is not None:
             numbers = [abs(reader.parse_number(actuator, part, "range")) for part in bounds.split()]
             if len(numbers) != 2:

@@ -2,10 +2,9 @@
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf
 from typing import Any
 
-from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
+from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerManagerParameters, ControllerParameters
 from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import RobotDescription
@@ -169,7 +168,7 @@ def _plan(
     known: Container[str],
 ) -> tuple[ControllerPlan, tuple[str, ...]]:
     rate = controller.parameters.get("update_rate", manager_rate)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < inf:
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
     plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
     if controller.type == JOINT_STATE_BROADCASTER:
