@@ -12,6 +12,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -81,11 +82,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
             if failure is not None or watch is None or stopped or not watch.is_broken_off:
                 break
             twin, target, watch = _again(twin, target, options, watch)
-        if options.save_state is not None:
-            twin.snapshot().save(options.save_state)
-        if options.record is not None:
-            twin.recording().save(options.record)
-        _report(twin, wall_time, options.summary, failure)
+        failure = _save(twin, wall_time, options, failure)
     if failure is not None:
         raise failure
     return 0
@@ -329,6 +326,28 @@ class _StatusLine:
     def end(self) -> None:
         if self._shown:
             say("\r\033[K", end="")
+
+
+def _save(twin: Any, wall_time: float, options: argparse.Namespace, failure: RunError | None) -> RunError | None:
+    """Writes what is to be kept of a run; one file that cannot be written does not keep another from it.
+
+    Returns:
+        What went wrong first, in the run or here; what went wrong after it is said.
+    """
+    endings: list[Callable[[], None]] = []
+    if options.save_state is not None:
+        endings.append(lambda: twin.snapshot().save(options.save_state))
+    if options.record is not None:
+        endings.append(lambda: twin.recording().save(options.record))
+    endings.append(partial(_report, twin, wall_time, options.summary, failure))
+    for write in endings:
+        try:
+            write()
+        except RunError as error:
+            if failure is not None:
+                say(f"error: {error}", sys.stderr)
+            failure = failure or error
+    return failure
 
 
 def _report(twin: Any, wall_time: float, file: Path | None, failure: RunError | None) -> None:
