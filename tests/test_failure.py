@@ -107,9 +107,9 @@ def test_a_command_whose_first_step_fails_is_still_to_come(chains, engine, sched
     twin = builder.build()
     twin.record()
     twin.advance_to(0.5)
-    before = twin.state_sha256()
     if not scheduled:
         twin.publish("/second/effort/commands", [TOO_MUCH])
+    before = twin.state_sha256()  # what waits is in it
     for _ in range(2):
         with pytest.raises(RunError, match=r"failed after 0\.5 s: .*robot 'second'"):
             twin.advance_to(3.0)
