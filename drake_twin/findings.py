@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import PurePath
 from typing import Any
 
 
@@ -15,6 +16,17 @@ class Kind(StrEnum):
     IGNORED = "ignored"
     NOT_STARTED = "not started"
     WINDOW = "window"  # of a program for people, such as RViz: the page is in its place, and nothing is missing
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where something was written: a file and a line (from 1) where it is known."""
+
+    file: str
+    line: int | None = None
+
+    def __str__(self) -> str:
+        return self.file if self.line is None else f"{self.file}:{self.line}"
 
 
 LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # what a file asks for and the twin does not do
@@ -49,6 +61,8 @@ class Finding:
         numbers = ", ".join(map(str, self.lines))
         if self.kind is Kind.MENDED:
             return (f"line {numbers}: " if numbers else "") + f"{self.what} [{self.rule}]"
+        if numbers and self.file and not self.robot:  # of one of many launch files
+            return f"{self.what} ({PurePath(self.file).name}:{numbers})"
         return self.what + (f" (line {numbers})" if numbers else "")
 
     def as_plain(self) -> dict[str, Any]:

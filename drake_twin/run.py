@@ -259,6 +259,8 @@ class _Page:
         self._obey = self._page.show(twin, only_displayed=target.only_displayed).obey
         if self._shown is None:
             announce_page(self._page.url, open_browser=self._open_browser)
+            if not self._page.server.access.is_local:
+                say("open to other machines: whoever has this address sees and commands the robots", sys.stderr)
         self._shown = twin
         return self._obey
 

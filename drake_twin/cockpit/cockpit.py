@@ -21,7 +21,7 @@ from drake_twin.cockpit.teleop import Teleop
 from drake_twin.controller_manager import STRICT
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind, grouped
-from drake_twin.scenario import Robot
+from drake_twin.scenario import LONGEST_TIME, Robot
 from drake_twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
@@ -158,6 +158,8 @@ class Cockpit:
     def _run_to(self, time: float) -> None:
         """Lets time go on and pauses at the first step that is not before a time (s)."""
         twin = self._twin
+        if time > LONGEST_TIME:
+            raise InputError(f"{time:g} s is no simulation time: {LONGEST_TIME:g} s is the longest")
         if time <= twin.time:
             raise InputError(f"{time:g} s lies in the past: the twin is at {twin.time:g} s. Reset it to start again")
         if self._end_run_to is not None:

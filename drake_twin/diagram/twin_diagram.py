@@ -216,12 +216,20 @@ def _build(
         world_models=parts.world_models,
         shapes=parts.shapes,
         findings=(
-            *(Finding(Kind.NOT_STARTED, reason) for reason in scenario.not_started),
-            *(Finding(Kind.WINDOW, window) for window in scenario.windows),
+            *(_launched(scenario, Kind.NOT_STARTED, reason) for reason in scenario.not_started),
+            *(_launched(scenario, Kind.WINDOW, window) for window in scenario.windows),
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
             *(Finding(Kind.WARNING, warning) for warning in parts.warnings),
         ),
     )
+
+
+def _launched(scenario: Scenario, kind: Kind, what: str) -> Finding:
+    """What a launch file asks for and the twin does not start."""
+    place = scenario.places.get(what)
+    if place is None:
+        return Finding(kind, what)
+    return Finding(kind, what, file=place.file, lines=() if place.line is None else (place.line,))
 
 
 def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ class TwinBuilder:
         self._commands: list[Command] = []
         self._not_started: list[str] = []
         self._windows: list[str] = []
+        self._places: dict[str, Place] = {}
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Looks for ROS packages in a folder first."""
@@ -135,6 +137,7 @@ class TwinBuilder:
         self._commands += scenario.commands
         self._not_started += scenario.not_started
         self._windows += scenario.windows
+        self._places |= scenario.places
         for line in launched.log:
             _log.info("%s", line)
         if scenario.time_step != 0.001:
@@ -204,6 +207,7 @@ class TwinBuilder:
             commands=tuple(self._commands),
             not_started=tuple(self._not_started),
             windows=tuple(self._windows),
+            places=self._places,
         )
 
     def build(self) -> Twin:

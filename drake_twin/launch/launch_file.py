@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.launch.launched_controllers import (
     ControllerRequest,
     as_nodes,
@@ -130,6 +131,7 @@ class _LaunchedScenario:
         self._log = list(launched.log)
         self._not_started: list[str] = []
         self._windows: list[str] = []
+        self._places: dict[str, Place] = {}
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[tuple[StaticTransform, LaunchedProcess]] = []
@@ -162,6 +164,7 @@ class _LaunchedScenario:
             commands=tuple(_not_faster(command, step) for command in self._commands),
             not_started=tuple(dict.fromkeys(self._not_started)),
             windows=tuple(dict.fromkeys(self._windows)),
+            places=self._places | found.places,
         )
         paused = bool(self._worlds) and self._worlds[-1].paused
         return LaunchedTwin(scenario, paused, found.only_displayed, tuple(self._log))
@@ -184,9 +187,14 @@ class _LaunchedScenario:
                 or (process.package, process.executable) in _BUILT_IN
                 or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
             ):
-                (self._windows if is_window(process) else self._not_started).append(why_not_started(process))
+                self._drop(why_not_started(process), process, window=is_window(process))
         except InputError as error:
-            self._not_started.append(f"{process.what}: {error}")
+            self._drop(f"{process.what}: {error}", process)
+
+    def _drop(self, what: str, process: LaunchedProcess, *, window: bool = False) -> None:
+        """Notes what is not started, with the place that asks for it."""
+        (self._windows if window else self._not_started).append(what)
+        self._places.setdefault(what, process.place)
 
     def _usable_frames(self) -> Iterator[StaticTransform]:
         """The static transforms that leave each frame, those of the robots included, one parent."""
@@ -204,7 +212,7 @@ class _LaunchedScenario:
                 parents[frame.child] = frame.parent
                 yield frame
                 continue
-            self._not_started.append(f"{process.what} (frame {frame.child!r}: {reason})")
+            self._drop(f"{process.what} (frame {frame.child!r}: {reason})", process)
 
     def _robots(self, found: LaunchedRobots) -> list[Robot]:
         robots: list[Robot] = []
@@ -257,7 +265,7 @@ class _LaunchedScenario:
             if error is None:
                 given += [self._filled_in(Path(file)) for file in request.parameter_files]
             else:
-                self._not_started.append(f"controller {request.name}: {error}")
+                self._drop(f"controller {request.name}: {error}", request.process)
         if not given:
             return launched.parameter_files
         return tuple(dict.fromkeys((*(launched.parameter_files or launched.plugin_files), *given)))

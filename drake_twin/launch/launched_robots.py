@@ -13,6 +13,7 @@ from drake_twin.description.robot_description import GazeboPlugin, Pose
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.launch.command_line import CommandLine, command_line
 from drake_twin.ros_launch.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.ros_launch.packages import lasting_folder
@@ -86,6 +87,7 @@ class LaunchedRobots:
     Attributes:
         robots: the robots, in the order in which they start.
         not_started: what names a robot and cannot bring it, each with the reason.
+        places: an entry of it → where the launch file asks for it.
         warnings: what was assumed.
     """
 
@@ -94,6 +96,7 @@ class LaunchedRobots:
         self._publishers = [process for process in processes if is_state_publisher(process)]
         self.robots: list[LaunchedRobot] = []
         self.not_started: list[str] = []
+        self.places: dict[str, Place] = {}
         self.warnings: list[str] = []
         for process in processes:
             if is_spawner(process):
@@ -114,7 +117,7 @@ class LaunchedRobots:
         try:
             make(process)
         except InputError as error:
-            self.not_started.append(f"{process.what}: {error}")
+            self._drop(f"{process.what}: {error}", process)
 
     def _spawned(self, process: LaunchedProcess) -> None:
         line = command_line(process, flags=("allow_renaming", "unpause", "wait", "b"), defaults=parameters(process))
@@ -140,7 +143,7 @@ class LaunchedRobots:
         """A ros2_control_node is a twin of its own for its robot, unless a simulator brings the robot."""
         source, publisher = self._described(process)
         if any(robot.publisher is publisher and publisher is not None for robot in self.robots):
-            self.not_started.append(f"{process.what} (the simulated robot has a controller manager of its own)")
+            self._drop(f"{process.what} (the simulated robot has a controller manager of its own)", process)
             return
         files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
         self._add(source.name, source, process, None, publisher, process.namespace)
@@ -264,6 +267,10 @@ class LaunchedRobots:
                 line=process.place.line,
             )
         return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+
+    def _drop(self, what: str, process: LaunchedProcess) -> None:
+        self.not_started.append(what)
+        self.places.setdefault(what, process.place)
 
     def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
         if file.startswith(("http://", "https://")):

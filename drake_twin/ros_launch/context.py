@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
-from drake_twin.ros_launch.launched import FailedInclude, LaunchedProcess, ParameterText, Place
+from drake_twin.findings import Place
+from drake_twin.ros_launch.launched import FailedInclude, LaunchedProcess, ParameterText
 from drake_twin.ros_launch.packages import AbsentError, LaunchPackages
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.ros_launch.launch_errors import launch_error
-from drake_twin.ros_launch.launched import Place
 
 if TYPE_CHECKING:
     from drake_twin.ros_launch.context import LaunchContext

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.findings import Place
 from drake_twin.ros_launch.entity import as_entities, place_of_caller, visit_list
 from drake_twin.ros_launch.events import (
     Event,
@@ -16,7 +17,6 @@ from drake_twin.ros_launch.events import (
     Shutdown,
     StateTransition,
 )
-from drake_twin.ros_launch.launched import Place
 
 if TYPE_CHECKING:
     from drake_twin.ros_launch.context import LaunchContext

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.ros_launch import actions, conditions, gz_actions, include, parameters, process_actions, ros_actions
 from drake_twin.ros_launch.entity import Action, LaunchDescription
-from drake_twin.ros_launch.launched import Place
 from drake_twin.ros_launch.substitution import Substitution, TextSubstitution
 from drake_twin.ros_launch.substitution_text import parse_substitution
 

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.ros_launch.actions import DeclareLaunchArgument
 from drake_twin.ros_launch.entity import Action, LaunchDescription, every_entity, visit_list
-from drake_twin.ros_launch.launched import FailedInclude, Place
+from drake_twin.ros_launch.launched import FailedInclude
 from drake_twin.ros_launch.packages import BUILT_IN, AbsentError, absent_package_in
 from drake_twin.ros_launch.substitution import (
     SomeSubstitutionsType,

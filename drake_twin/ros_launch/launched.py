@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from drake_twin.findings import Place
+
 # A parameter's value after evaluation: ROS knows these types and lists of the first four, each of one type.
 Scalar = bool | int | float | str
 ParameterValue = Scalar | bytes | tuple[Scalar, ...]
@@ -13,17 +15,6 @@ NODE = "node"
 PROCESS = "process"
 WORLD = "world"
 COMPONENT = "component"
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where something was written: a launch file and a line (from 1) where it is known."""
-
-    file: str
-    line: int | None = None
-
-    def __str__(self) -> str:
-        return self.file if self.line is None else f"{self.file}:{self.line}"
 
 
 @dataclass(frozen=True)

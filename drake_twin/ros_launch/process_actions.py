@@ -8,9 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.findings import Place
 from drake_twin.ros_launch.entity import Action, as_entities, visit_list
 from drake_twin.ros_launch.events import ExecutionComplete, ProcessExited, ProcessStarted, handle_in
-from drake_twin.ros_launch.launched import PROCESS, LaunchedProcess, Place
+from drake_twin.ros_launch.launched import PROCESS, LaunchedProcess
 from drake_twin.ros_launch.substitution import SomeSubstitutionsType, normalize_to_list_of_substitutions, perform
 
 if TYPE_CHECKING:

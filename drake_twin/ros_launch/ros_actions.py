@@ -6,9 +6,10 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.ros_launch.actions import TimerAction
 from drake_twin.ros_launch.entity import Action
-from drake_twin.ros_launch.launched import COMPONENT, NODE, LaunchedProcess, Place, absolute_name, joined_namespace
+from drake_twin.ros_launch.launched import COMPONENT, NODE, LaunchedProcess, absolute_name, joined_namespace
 from drake_twin.ros_launch.parameters import Parameter, ParameterFile, ParameterValue, evaluate_parameters, typed_value
 from drake_twin.ros_launch.process_actions import Executable, ExecuteLocal, node_ends
 from drake_twin.ros_launch.ros_arguments import split_ros_arguments

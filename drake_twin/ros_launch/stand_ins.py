@@ -9,7 +9,8 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
-from drake_twin.ros_launch.launched import NODE, WORLD, LaunchArgument, LaunchedProcess, Place, WorldStart
+from drake_twin.findings import Place
+from drake_twin.ros_launch.launched import NODE, WORLD, LaunchArgument, LaunchedProcess, WorldStart
 from drake_twin.ros_launch.packages import BUILT_IN
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.findings import Place
 from drake_twin.ros_launch.entity import LaunchDescription
 from drake_twin.ros_launch.frontend import Element, FrontEnd, read_launch_file
-from drake_twin.ros_launch.launched import Place
 
 if TYPE_CHECKING:
     from drake_twin.ros_launch.context import LaunchContext

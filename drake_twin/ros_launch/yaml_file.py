@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.findings import Place
 from drake_twin.ros_launch.entity import LaunchDescription
 from drake_twin.ros_launch.frontend import Element, FrontEnd, read_launch_file
-from drake_twin.ros_launch.launched import Place
 
 if TYPE_CHECKING:
     from drake_twin.ros_launch.context import LaunchContext

@@ -356,3 +356,8 @@ def test_the_physics_step_is_changed_while_it_runs(living):
     living.ask(protocol.SetTimeStep(0.0))
     assert living.state["time_step"] == 0.01
     assert living.messages[-1][0] == "error"
+
+
+def test_a_time_that_nobody_lives_to_see_is_no_place_to_run_to(page):
+    page.ask(protocol.RunTo(1e308))
+    assert page.messages[-1] == ("error", "1e+308 s is no simulation time: 1e+09 s is the longest.")

@@ -1,8 +1,9 @@
 import pytest
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.launch.command_line import command_line
-from drake_twin.ros_launch.launched import LaunchedProcess, Place
+from drake_twin.ros_launch.launched import LaunchedProcess
 
 
 def line(*words, **options):

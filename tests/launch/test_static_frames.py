@@ -5,8 +5,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.launch.static_frames import static_frame
-from drake_twin.ros_launch.launched import LaunchedProcess, Place
+from drake_twin.ros_launch.launched import LaunchedProcess
 
 
 def frame(*words):

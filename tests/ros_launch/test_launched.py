@@ -1,6 +1,7 @@
 import pytest
 
-from drake_twin.ros_launch.launched import LaunchedProcess, Place, joined_namespace
+from drake_twin.findings import Place
+from drake_twin.ros_launch.launched import LaunchedProcess, joined_namespace
 
 
 def node(namespace="/", name="n", remappings=()):
