@@ -96,6 +96,7 @@ class Twin:
         self.recorder = Recorder(lambda: self.time)
         self._run(Running(scenario, meshcat))
         self._goals: list[ActionGoal] = []
+        self._shortened = 0.0  # when the quaternions were (s)
         self._unheard: set[str] = set()
         self._sunk: dict[str, tuple[str, ...]] = {}
         self.paused = False
@@ -279,6 +280,7 @@ class Twin:
 
     def _snapshot(self) -> Snapshot:
         running = self._running
+        running.shorten_quaternions()  # whenever that was done the last time
         robots = {}
         for name, control in self._controls.items():
             robots[name] = running.snapshot(control.plan) | control.snapshot()
@@ -926,6 +928,9 @@ class Twin:
                 self._go_back_to_start(start, wrenches)
                 raise
             self._step = round(self._context.get_time() / self.scenario.time_step)
+            if self.time - self._shortened > _LONGEST_ADVANCE / 2 or self.time < self._shortened:
+                self._shortened = self.time
+                self._running.shorten_quaternions()
             if noticed:
                 for control in self._controls.values():
                     control.give_up_faulty()
