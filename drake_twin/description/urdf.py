@@ -1,5 +1,6 @@
 """URDF text → ``RobotDescription``, with its ``<ros2_control>`` and ``<gazebo>`` tags."""
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from math import hypot, inf
@@ -255,8 +256,8 @@ def _check_tree(reader: XmlReader, links: list[str], joints: list[Joint]) -> Non
     if not links:
         raise reader.error(root, "the robot has no <link>")
     for tag, names in (("link", links), ("joint", [joint.name for joint in joints])):
-        for name in names:
-            if names.count(name) > 1:
+        for name, count in Counter(names).items():
+            if count > 1:
                 twice = [element for element in root.iterfind(tag) if element.get("name", "").strip() == name]
                 raise reader.error(twice[1], f"there are two {tag}s of this name")
     parent_of: dict[str, str] = {}
