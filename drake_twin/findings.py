@@ -32,6 +32,9 @@ class Place:
 LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # what a file asks for and the twin does not do
 
 
+_MOST_LINES = 8  # in a sentence
+
+
 @dataclass(frozen=True)
 class Finding:
     """What became of one thing that a file says.
@@ -58,7 +61,8 @@ class Finding:
     @property
     def sentence(self) -> str:
         """All but the robot's name."""
-        numbers = ", ".join(map(str, self.lines))
+        more = f" and {len(self.lines) - _MOST_LINES} more" if len(self.lines) > _MOST_LINES else ""
+        numbers = ", ".join(map(str, self.lines[:_MOST_LINES])) + more
         if self.kind is Kind.MENDED:
             return (f"line {numbers}: " if numbers else "") + f"{self.what} [{self.rule}]"
         if numbers and self.file and not self.robot:  # of one of many launch files

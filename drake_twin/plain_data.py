@@ -1,7 +1,7 @@
 """Frozen values as plain data that JSON holds without loss, and back: what controllers keep, messages on ports.
 
 A mapping with the key ``!`` stands for what JSON has no word for: a tuple, an array, a number that is not finite, a
-dataclass of this package, a ROS message. Numbers come back to the last bit.
+plain class of this package by its name and version, a ROS message. Numbers come back to the last bit.
 """
 
 import types
@@ -11,6 +11,7 @@ from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib import import_module
 from math import isfinite
+from pkgutil import iter_modules
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from drake_twin import messages
 from drake_twin.errors import InputError
 
 _PACKAGE = "drake_twin."
+_MODULES = ("messages", "entities", "scenario", "findings", "snapshot", "recording")
 
 
 def to_plain(value: Any) -> Any:
@@ -43,11 +45,13 @@ def to_plain(value: Any) -> Any:
     if hasattr(value, "__msgtype__"):
         return {"!": value.__msgtype__, **{item.name: to_plain(getattr(value, item.name)) for item in fields(value)}}
     if is_dataclass(value) and not isinstance(value, type) and type(value).__module__.startswith(_PACKAGE):
-        kind = f"{type(value).__module__}:{type(value).__qualname__}"
-        return {"!": kind, **{item.name: to_plain(getattr(value, item.name)) for item in fields(value) if item.init}}
+        return {
+            "!": _name(type(value)),
+            **{item.name: to_plain(getattr(value, item.name)) for item in fields(value) if item.init},
+        }
     if isinstance(value, tuple):
         if hasattr(value, "_fields"):
-            return {"!": f"{type(value).__module__}:{type(value).__qualname__}", "items": [to_plain(i) for i in value]}
+            return {"!": _name(type(value)), "items": [to_plain(item) for item in value]}
         return {"!": "tuple", "items": [to_plain(item) for item in value]}
     if isinstance(value, list):
         return [to_plain(item) for item in value]
@@ -81,25 +85,48 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
         return {from_plain(key): from_plain(item) for key, item in data["items"]}
     if kind == "array":
         return np.array(from_plain(data["data"]), dtype=np.dtype(data["type"])).reshape(data["shape"])
-    if ":" not in kind:
+    if "/" in kind and "@" not in kind:
         return messages.type_store().types[kind](**{key: from_plain(item) for key, item in data.items()})
-    module, _, name = kind.partition(":")
-    if not module.startswith(_PACKAGE):
-        raise ValueError(f"{kind} is not the twin's")
-    found: Any = getattr(import_module(module), name)
+    found = saved_classes().get(kind)
+    if found is None:
+        raise ValueError(f"{kind} is no class of which values are saved")
+    name = found.__name__
     if hasattr(found, "_fields"):
         value = found(*(from_plain(item) for item in data["items"]))
         names: Iterable[str] = found._fields
-    elif hasattr(found, "__dataclass_fields__"):
+    else:
         value = found(**{key: from_plain(item) for key, item in data.items()})
         names = [item.name for item in fields(found)]
-    else:
-        raise ValueError(f"{kind} is no plain class")
     hints = _hints(found)
     for field in names:
         if not _fits(getattr(value, field), hints.get(field, Any)):
             raise ValueError(f"{messages.shortened(getattr(value, field))} is no {field} of a {name}")
     return value
+
+
+def _name(kind: type) -> str:
+    """What a class is called in a file, wherever its code lives: ``Sample@1``.
+
+    A class whose fields change in a way that old values do not fit gets a ``saved_version`` that is one higher.
+    """
+    return f"{kind.__name__}@{getattr(kind, 'saved_version', 1)}"
+
+
+@cache
+def saved_classes() -> dict[str, Any]:
+    """Name in a file → class: the plain classes of what controllers and servos keep, of scenarios and recordings."""
+    modules = [import_module(f"drake_twin.{name}") for name in _MODULES]
+    for package in (import_module("drake_twin.control"), import_module("drake_twin.systems")):
+        names = [info.name for info in iter_modules(package.__path__)]
+        modules += [import_module(f"{package.__name__}.{name}") for name in names]
+    return {
+        _name(kind): kind
+        for module in modules
+        for kind in vars(module).values()
+        if isinstance(kind, type)
+        and kind.__module__ == module.__name__
+        and (hasattr(kind, "_fields") or is_dataclass(kind))
+    }
 
 
 @cache

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from drake_twin.twin import Twin
 
-_KIND, _VERSION = "recording", 1
+_KIND, _VERSION = "recording", 2
 _CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
 _SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
 _METHODS = (

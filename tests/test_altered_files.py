@@ -15,7 +15,7 @@ VALUES = [
     *(None, True, -1, 0, 1e308, -1e-320, "x", "", [], {}, [1, 2], {"a": 1}, "0" * 50, 10**400),
     {"!": "tuple", "items": []},
     {"!": "float", "value": "nan"},
-    {"!": "drake_twin.systems.controller:Sample"},
+    {"!": "Sample@1"},
     {"!": "array", "type": "<f8", "shape": [99], "data": [1.0]},
     {"!": "array", "type": "O", "shape": [1], "data": [1]},
 ]

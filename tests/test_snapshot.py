@@ -154,6 +154,7 @@ def test_a_file_that_is_none_is_refused_in_words(tmp_path, text, reason):
         lambda data: data["robots"]["arm"]["controllers"].update(nobody="active"),
         lambda data: data["robots"]["arm"].pop("samples"),
         lambda data: data["robots"]["arm"]["samples"].update(arm_controller={"!": "os:system", "command": "true"}),
+        lambda data: data["robots"]["arm"]["samples"].update(arm_controller={"!": "Sample@7"}),
         lambda data: data["commands"].update({"/nobody": None}),
     ],
 )
@@ -322,3 +323,28 @@ def test_what_somebody_has_changed_in_the_plant_is_there_again():
     other.reset()
     twin.restore(other.snapshot())
     assert body.get_mass(twin.plant.GetMyContextFromRoot(twin.context)) != 7.0
+
+
+def test_what_is_saved_names_no_module_so_that_code_may_move(arm, tmp_path):
+    arm.snapshot().save(tmp_path / "state.json")
+    text = (tmp_path / "state.json").read_text()
+    assert '"drake_twin.' not in text
+    assert '"ServoAssignment@1"' in text
+
+
+def test_names_of_saved_classes_are_unique():
+    from collections import Counter
+    from dataclasses import is_dataclass
+    from importlib import import_module
+    from pkgutil import iter_modules
+
+    names = Counter()
+    for package in map(import_module, ("drake_twin.control", "drake_twin.systems")):
+        for info in iter_modules(package.__path__):
+            module = import_module(f"{package.__name__}.{info.name}")
+            names.update(
+                kind.__name__
+                for kind in vars(module).values()
+                if isinstance(kind, type) and kind.__module__ == module.__name__ and is_dataclass(kind)
+            )
+    assert [name for name, count in names.items() if count > 1] == []

@@ -1,6 +1,9 @@
 """MJCF robots (MuJoCo's XML), made ready for Drake's parser."""
 
+from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 from lxml import etree
 
@@ -9,19 +12,35 @@ from drake_twin.description.robot_description import CommandInterface, Controlle
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 
 # What a robot without a free joint stands on: the link that the twin fixes where the robot is spawned.
 _BASE = "robot_world"
 
 
-def prepare_mjcf(text: str, file: Path, model_name: str | None) -> tuple[str, bool, str, tuple[HardwareSystem, ...]]:
+class PreparedMjcf(NamedTuple):
+    """An MJCF robot as Drake is given it.
+
+    Attributes:
+        text: the text.
+        is_fixed: whether the robot is fixed to the world.
+        own_name: its name in the file.
+        systems: what of it can be commanded.
+        ignored: what of the file the twin makes no use of.
+    """
+
+    text: str
+    is_fixed: bool
+    own_name: str
+    systems: tuple[HardwareSystem, ...]
+    ignored: tuple[Finding, ...]
+
+
+def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
     """MJCF text of one robot as Drake is given it.
 
     MuJoCo's actuators become velocity and state interfaces of their joints, so that the twin's controllers command
     them. Shapes that belong to the world (a floor) are left out: the twin has a world of its own.
-
-    Returns:
-        The text, whether the robot is fixed to the world, its name in the file, and what of it can be commanded.
 
     Raises:
         InputError: not an MJCF file with one robot.
@@ -37,6 +56,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> tuple[str, bo
     bodies = world.findall("body")
     if not bodies:
         raise reader.error(world, "there is no <body> in it")
+    ignored = list(_ignored(reader, world))
     for child in list(world):
         if child.tag != "body":
             world.remove(child)
@@ -53,7 +73,21 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> tuple[str, bo
         for element in root.findall(tag):
             root.remove(element)
     _give_mesh_files(reader, file)
-    return etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems
+    return PreparedMjcf(etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems, tuple(ignored))
+
+
+def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
+    """What belongs to the world, and what the twin has no part for."""
+    found: dict[str, list[int]] = defaultdict(list)
+    dropped = [(child, f"<{child.tag}> of the world") for child in world if child.tag not in ("body", "light")]
+    for tag in ("sensor", "keyframe", "size"):
+        dropped += [(item, f"<{item.tag}> of <{tag}>") for group in reader.root.findall(tag) for item in group]
+    for element, what in dropped:
+        line = reader.line(element)
+        found[what] += [] if line is None else [line]
+    file = "" if reader.file is None else str(reader.file)
+    for what, lines in found.items():
+        yield Finding(Kind.IGNORED, what, file=file, lines=tuple(lines))
 
 
 def _check_includes(root: etree._Element, file: Path, above: tuple[Path, ...]) -> None:

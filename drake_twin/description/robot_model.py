@@ -143,9 +143,9 @@ def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.mjcf import effort_limits, prepare_mjcf
 
-    prepared, is_fixed, own_name, systems = prepare_mjcf(text, file, name)
+    prepared, is_fixed, own_name, systems, ignored = prepare_mjcf(text, file, name)
     description = describe_model(prepared, "xml", text, file, own_name, systems, effort_limits(text, file))
-    return RobotModel(description, prepared, "xml", is_fixed)
+    return RobotModel(description, prepared, "xml", is_fixed, ignored=ignored)
 
 
 def read_robot_file(file: Path) -> str:

@@ -22,6 +22,7 @@ from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 
 # SDF's default.
 _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
@@ -72,6 +73,7 @@ class WorldFile:
         real_time_factor: how fast it shall run at most, if it says.
         models: the models, in file order.
         warnings: what was left out or changed.
+        ignored: what of the world itself is not used.
         file: where it was read from; None for a built-in world.
     """
 
@@ -81,6 +83,7 @@ class WorldFile:
     real_time_factor: float | None
     models: tuple[WorldModel, ...]
     warnings: tuple[str, ...] = ()
+    ignored: tuple[Finding, ...] = ()
     file: Path | None = None
 
 
@@ -155,7 +158,8 @@ class _World:
             max_step_size=self._positive(physics, "max_step_size"),
             real_time_factor=self._positive(physics, "real_time_factor"),
             models=tuple(models),
-            warnings=(*self._not_used(), *self._missing(), *self._includes.warnings, *self._warnings, *self._grouped()),
+            ignored=tuple(self._not_used()),
+            warnings=(*self._missing(), *self._includes.warnings, *self._warnings, *self._grouped()),
             file=self._reader.file,
         )
 
@@ -260,8 +264,8 @@ class _World:
     def _called(self) -> str:
         return "the world" if self._reader.file is None else self._reader.file.name
 
-    def _not_used(self) -> Iterator[str]:
-        lines: dict[str, list[str]] = defaultdict(list)
+    def _not_used(self) -> Iterator[Finding]:
+        lines: dict[str, list[int]] = defaultdict(list)
         for child in self._world:
             if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
                 continue
@@ -273,9 +277,11 @@ class _World:
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename')}"
             line = self._reader.line(child)
-            lines[what] += [] if line is None else [str(line)]
+            lines[what] += [] if line is None else [line]
+        file = "" if self._reader.file is None else str(self._reader.file)
         for what, places in lines.items():
-            yield f"{self._called()}: {what} is not used" + (f" (line {', '.join(places)})" if places else "")
+            kind = Kind.WINDOW if what == "<gui>" else Kind.IGNORED
+            yield Finding(kind, f"{what} of the world", file=file, lines=tuple(places))
 
 
 class _Frames:

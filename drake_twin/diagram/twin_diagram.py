@@ -219,6 +219,7 @@ def _build(
             *(_launched(scenario, Kind.NOT_STARTED, reason) for reason in scenario.not_started),
             *(_launched(scenario, Kind.WINDOW, window) for window in scenario.windows),
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
+            *(() if world_file is None else world_file.ignored),
             *(Finding(Kind.WARNING, warning) for warning in parts.warnings),
         ),
     )

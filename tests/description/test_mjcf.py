@@ -72,3 +72,14 @@ def test_an_actuator_can_do_no_more_than_its_file_says(tmp_path):
     twin.advance_to(0.5)
     assert abs(twin.robot_state("r").efforts[0]) <= 0.5 + 1e-9
     assert twin.robot_state("r").velocities[0] != pytest.approx(0.5, abs=0.01)  # gravity needs more than 0.5 N·m
+
+
+def test_what_belongs_to_the_world_and_sensors_are_findings_with_their_lines(tmp_path):
+    file = tmp_path / "robot.xml"
+    file.write_text(
+        '<mujoco model="m"><worldbody>\n<geom name="floor" type="plane" size="1 1 1"/>\n<body name="b"><freejoint/>'
+        '<geom type="box" size="1 1 1"/></body></worldbody>\n<sensor><gyro site="s"/>\n<gyro site="t"/></sensor>'
+        "</mujoco>"
+    )
+    found = [str(item) for item in prepare_mjcf(file.read_text(), file, None).ignored]
+    assert found == ["<geom> of the world (robot.xml:2)", "<gyro> of <sensor> (robot.xml:4, 5)"]

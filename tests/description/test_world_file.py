@@ -132,12 +132,12 @@ def test_a_model_without_gravity_does_not_fall(tmp_path, flag, falls):
 def test_each_kind_of_what_is_not_used_is_told_once_with_its_lines(tmp_path):
     body = """<gui/>\n<scene/>\n<actor name="p"/>\n<actor name="q"/>
     <plugin filename="libwind.so" name="wind"/>\n<road name="r"/><light name="l"/>"""
-    assert world_of(tmp_path, body).warnings == (
-        "test.world: <gui> is not used (line 4)",
-        "test.world: <scene> is not used (line 5)",
-        "test.world: <actor> is not used (line 6, 7)",
-        "test.world: the plugin wind is not used (line 8)",
-        "test.world: <road> is not used (line 9)",
+    assert tuple(map(str, world_of(tmp_path, body).ignored)) == (
+        "<gui> of the world (test.world:4)",
+        "<scene> of the world (test.world:5)",
+        "<actor> of the world (test.world:6, 7)",
+        "the plugin wind of the world (test.world:8)",
+        "<road> of the world (test.world:9)",
     )
 
 
