@@ -175,7 +175,7 @@ class Commands:
             "expiries": dict(self.expiries),
             "waiting": [[topic, to_plain(value)] for topic, value in self._queue],
             "schedule": [item.published for item in self.schedule],
-            "silenced": sorted(self.silenced),
+            "silenced": sorted(self.silenced & {item.topic for item in self.schedule}),
         }
 
     def restore(self, snapshot: Snapshot, time: float) -> None:

@@ -13,10 +13,9 @@ from pydrake.systems.framework import Context
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError
-from drake_twin.running import Moment
+from drake_twin.running import ABSURD, Moment
 
 _MOST_NAMED = 3  # joints in a message
-_ABSURD = 1e12  # rad, m, rad/s or m/s
 _NOTABLE = 100.0  # rad/s² or m/s²: what accelerates less is not what a step fails for
 _OF_THE_BASE = (LINEAR_X, LINEAR_Y, LINEAR_Z, ANGULAR_Z)
 
@@ -75,7 +74,7 @@ def failure(
 
 def is_possible(state: np.ndarray) -> bool:
     """Whether a state is made of finite numbers, none of them absurdly large."""
-    return bool(np.logical_and.reduce(np.abs(state) < _ABSURD))  # which NaN is not
+    return bool(np.logical_and.reduce(np.abs(state) < ABSURD))  # which NaN is not
 
 
 def _lost(lost: Sequence[_Mover], was_good: bool) -> str:

@@ -30,6 +30,7 @@ from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 # Longer than the longest grid (s): a limit that is met but for rounding leaves a step of 1e-16 s. In such a step the
 # velocity that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
 _LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
+ABSURD = 1e12  # rad, m, rad/s or m/s
 _SAME_TIME = 1e-9  # s
 
 
@@ -90,22 +91,25 @@ class Running:
         if scenario.engine == CENIC:
             self._updates = {(item.setup.update_period, item.setup.update_offset) for item in keepers}
 
-    def shorten_quaternions(self) -> None:
-        """Halves the quaternions of what turns freely, as often as their lengths allow.
+    def settle(self) -> bool:
+        """Halves the quaternions of what turns freely, as often as their lengths allow, after each advance.
 
         Each of Drake's discrete steps makes a quaternion longer, by (h ω)² / 8: one that turns at 20 rad/s with 10 ms
         would be beyond all numbers after eight seconds. Drake's plant means the same by a quaternion of any length, and
-        a power of two changes no digit: a run goes on to the same bit whether, and whenever, this is called.
+        a power of two changes no digit: a run goes on to the same bit whenever this is called.
+
+        Returns:
+            Whether the state is one that a thing can be in.
         """
-        if not len(self._quaternions):
-            return
-        positions = self.built.plant.GetPositions(self.plant_context)
-        lengths = np.linalg.norm(positions[self._quaternions], axis=1)
-        if not (lengths >= 2.0).any() or not np.isfinite(lengths).all():
-            return
-        halvings = np.maximum(np.frexp(lengths)[1] - 1, 0)
-        positions[self._quaternions] = np.ldexp(positions[self._quaternions], -halvings[:, np.newaxis])
-        self.built.plant.SetPositions(self.plant_context, positions)
+        plant = self.built.plant
+        state = plant.GetPositionsAndVelocities(self.plant_context)
+        if len(self._quaternions):
+            squares = np.add.reduce(state[self._quaternions] ** 2, axis=1)
+            if np.logical_or.reduce(squares >= 4.0) and np.logical_and.reduce(np.isfinite(squares)):
+                halvings = np.maximum(np.frexp(np.sqrt(squares))[1] - 1, 0)
+                state[self._quaternions] = np.ldexp(state[self._quaternions], -halvings[:, np.newaxis])
+                plant.SetPositions(self.plant_context, state[: plant.num_positions()])
+        return bool(np.logical_and.reduce(np.abs(state) < ABSURD))
 
     def initialize(self) -> None:
         """Makes the simulator begin at the context's time and state.

@@ -96,7 +96,6 @@ class Twin:
         self.recorder = Recorder(lambda: self.time)
         self._run(Running(scenario, meshcat))
         self._goals: list[ActionGoal] = []
-        self._shortened = 0.0  # when the quaternions were (s)
         self._unheard: set[str] = set()
         self._sunk: dict[str, tuple[str, ...]] = {}
         self.paused = False
@@ -280,7 +279,7 @@ class Twin:
 
     def _snapshot(self) -> Snapshot:
         running = self._running
-        running.shorten_quaternions()  # whenever that was done the last time
+        running.settle()  # somebody may have written another state
         robots = {}
         for name, control in self._controls.items():
             robots[name] = running.snapshot(control.plan) | control.snapshot()
@@ -928,9 +927,6 @@ class Twin:
                 self._go_back_to_start(start, wrenches)
                 raise
             self._step = round(self._context.get_time() / self.scenario.time_step)
-            if self.time - self._shortened > _LONGEST_ADVANCE / 2 or self.time < self._shortened:
-                self._shortened = self.time
-                self._running.shorten_quaternions()
             if noticed:
                 for control in self._controls.values():
                     control.give_up_faulty()
@@ -984,7 +980,7 @@ class Twin:
         noticed = bool(status.reason() == _TERMINATED)
         if noticed:
             self._finish_step()
-        if not is_possible(self._built.plant.GetPositionsAndVelocities(self._plant_context)):
+        if not self._running.settle():
             raise RuntimeError("the state is not made of finite numbers")
         return noticed
 

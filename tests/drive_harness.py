@@ -11,7 +11,6 @@ from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.diagram.controller_types import controller_class
 from drake_twin.systems.controller import ControllerSetup
-from drake_twin.systems.drive_controller import state_joint
 from drake_twin.systems.state_layout import StateLayout
 
 STEP = 0.001  # s, of the joints
@@ -47,7 +46,7 @@ class Driven:
         joints = [Joint(f"joint_of_{link}", "fixed", links[0], link) for link in links[1:]]
         description = RobotDescription("robot", tuple(links), tuple(joints))
         claims = cls.claimed_interfaces(values, description)
-        names = [state_joint(claim.joint) for claim in claims]
+        names = [claim.joint.partition("/")[2] or claim.joint for claim in claims]
         layout = StateLayout(
             size=2 * len(names),
             positions={name: index for index, name in enumerate(names)},

@@ -150,15 +150,15 @@ def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
 
 
 def _check_suffix(file: Path) -> None:
-    try:
-        check_regular(file)
-    except OSError as error:
-        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
     suffix = file.suffix.lower()
     if suffix not in MESH_SUFFIXES:
         raise InputError(
             f"the mesh format {suffix or 'without a suffix'!r} is not understood", file=file, valid=MESH_SUFFIXES
         )
+    try:
+        check_regular(file)
+    except OSError as error:
+        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
 
 
 def _has_normals(file: Path) -> bool:

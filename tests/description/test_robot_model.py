@@ -138,7 +138,7 @@ def test_what_is_made_no_use_of_and_the_meshes_are_listed(load, tmp_path):
     (tmp_path / "part.stl").write_bytes(trimesh.creation.cone(1.0, 1.0).export(file_type="stl"))
     mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     model = load(f'<robot name="own"><link name="base">{mesh}</link>\n<transmission name="t"/></robot>')
-    assert [str(item) for item in model.ignored] == ["<transmission> (line 2)"]
+    assert [str(item) for item in model.ignored] == ["<transmission> (robot.urdf:2)"]
     assert model.meshes == (tmp_path / "part.stl",)
 
 
@@ -223,7 +223,7 @@ def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_p
     model = load_robot_model(str(tmp_path / "p.sdf"), PackageIndex((), {}), without_repairs=["inertia"])
     assert model.drake_format == "sdf"
     assert [str(item) for item in model.ignored] == [
-        "Gazebo plugin p (f): the twin has no such plugin (line 2)",
-        "<friction> in <dynamics> (line 6)",
+        "Gazebo plugin p (f): the twin has no such plugin (p.sdf:2)",
+        "<friction> in <dynamics> (p.sdf:6)",
     ]
     assert model.warnings == ("without_repairs: inertia has no meaning for a file that is no URDF",)
