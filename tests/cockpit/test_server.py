@@ -79,7 +79,16 @@ def test_the_pages_files_are_served_to_who_has_the_token(server, name):
 
 
 @pytest.mark.parametrize(
-    "name", ["nothing.js", "..%2f..%2fserver.py", "%2e%2e/page.py", "__init__.py", "files/run.html"]
+    "name",
+    [
+        "nothing.js",
+        "x" * 300,
+        f"{'x' * 300}.js",
+        "..%2f..%2fserver.py",
+        "%2e%2e/page.py",
+        "__init__.py",
+        "files/run.html",
+    ],
 )
 def test_nothing_else_is_served(server, name):
     assert get(server, at(server, name))[0] == 404

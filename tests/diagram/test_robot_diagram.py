@@ -78,3 +78,17 @@ def test_goals_that_end_at_any_update_leave_no_step_out_and_make_none_twice(step
     assert len(ends) > 10
     velocity = twin.entity_state("ball").linear[2]
     assert velocity == pytest.approx(-9.81 * twin.time, rel=1e-9)
+
+
+def test_a_callback_of_a_result_that_is_refused_ends_nothing_but_itself(tmp_path, caplog):
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager: {ros__parameters: {c: {type: joint_trajectory_controller/JointTrajectoryController}}}\n"
+        "c: {ros__parameters: {joints: [joint_1], command_interfaces: [position], state_interfaces: [position]}}\n"
+    )
+    twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    points = [{"positions": [0.1], "time_from_start": 0.1}]
+    goal = {"trajectory": {"joint_names": ["joint_1"], "points": points}}
+    twin.send_goal("/arm/c/follow_joint_trajectory", goal, lambda goal: twin.reset())
+    twin.advance_to(0.5)
+    assert twin.time == 0.5
+    assert "the callback of the goal for c: a callback cannot reset" in caplog.text

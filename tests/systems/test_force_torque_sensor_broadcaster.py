@@ -99,3 +99,12 @@ def test_filters_follow_each_other_by_their_number_and_begin_anew_at_activation(
     run.fix("wrench", WRENCH)
     run.advance(0.6)
     np.testing.assert_allclose(values(run.output("wrench_filtered")), WRENCH, rtol=1e-12)
+
+
+def test_a_filter_that_fails_stops_the_broadcaster_and_nothing_else(monkeypatch):
+    run = broadcaster(sensor_name="fts", sensor_filter_chain={"filter1": LOW_PASS})
+    run.fix("wrench", WRENCH)
+    run.advance(0.05)
+    monkeypatch.setattr(run.controller, "_filtered", lambda *_: 1 / 0)
+    run.advance(0.1)
+    assert run.controller.fault(run.context) == "ZeroDivisionError: division by zero"
