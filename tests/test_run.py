@@ -538,7 +538,8 @@ def test_robots_stand_in_the_world_of_a_file_at_its_own_step(tmp_path, crate_wor
     result = summary_of(tmp_path, "--robots", 2, "--duration", 0.5, "--world", crate_world)
     assert (result["time_step"], result["steps"]) == (0.002, 250)
     assert all(robot["base_pose"][2] == pytest.approx(0.13, abs=0.01) for robot in result["robots"].values())
-    assert result["warnings"] == ["crate.world: <gui> is not used (line 2)"]
+    assert result["warnings"] == []
+    assert [(item["kind"], item["what"]) for item in result["findings"]] == [("window", "<gui> of the world")]
     assert "warning: crate.world: <gui> is not used (line 2)" in capsys.readouterr().err
 
 
