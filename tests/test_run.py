@@ -540,7 +540,7 @@ def test_robots_stand_in_the_world_of_a_file_at_its_own_step(tmp_path, crate_wor
     assert all(robot["base_pose"][2] == pytest.approx(0.13, abs=0.01) for robot in result["robots"].values())
     assert result["warnings"] == []
     assert [(item["kind"], item["what"]) for item in result["findings"]] == [("window", "<gui> of the world")]
-    assert "warning: crate.world: <gui> is not used (line 2)" in capsys.readouterr().err
+    assert "window: <gui> of the world (crate.world:2)" in capsys.readouterr().err
 
 
 def test_a_step_that_is_typed_goes_before_the_worlds(tmp_path, crate_world):
