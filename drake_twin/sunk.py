@@ -1,17 +1,19 @@
 """Robots that stand inside something when they come into the world."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 from pydrake.geometry import GeometryId, QueryObject
+from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context
 
 from drake_twin.diagram.static_world import GROUND
 from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.findings import Finding, Kind
 
 _LEAST_DEPTH = 1e-3  # m: what rests on something is far less deep in it
 
 
-def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -> dict[str, tuple[str, ...]]:
+def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -> dict[str, tuple[Finding, ...]]:
     """Looks what robots are deep in, at the context's state.
 
     Args:
@@ -20,14 +22,15 @@ def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -
         robots: the names of the robots to look at; of two robots, the one that came later is the one that is sunk.
 
     Returns:
-        Robot → a sentence for each robot, model or part of the world that it is in, where it is deepest.
+        Robot → a warning for each robot, model or part of the world that it is in, where it is deepest.
     """
     scene_graph = built.scene_graph
     query: QueryObject = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(context))
+    owners = built.owners()
     order = {name: index for index, name in enumerate(built.robots)}
     deepest: dict[tuple[str, str], tuple[float, str]] = {}
     for pair in query.ComputePointPairPenetration():
-        sides = [_owner_and_body(built, query, geometry) for geometry in (pair.id_A, pair.id_B)]
+        sides = [_owner_and_body(built, owners, query, geometry) for geometry in (pair.id_A, pair.id_B)]
         sides.sort(key=lambda side: -order.get(side[0], -1))
         (robot, body), (other, other_body) = sides
         if robot not in robots or robot == other or pair.depth < _LEAST_DEPTH:
@@ -36,19 +39,21 @@ def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -
             whose = f"robot {other!r}" if other in order else f"the world's {other!r}"
             place = f"in the ground ({body})" if other == GROUND else f"in {whose} ({body} in {other_body})"
             depth = f"{100 * pair.depth:.1f} cm" if pair.depth >= 0.01 else f"{1000 * pair.depth:.1f} mm"
-            text = f"{robot}: it comes into the world {depth} deep {place}: contact pushes it out"
+            text = f"it comes into the world {depth} deep {place}: contact pushes it out"
             deepest[robot, other] = (pair.depth, text)
-    found: dict[str, tuple[str, ...]] = {}
+    found: dict[str, tuple[Finding, ...]] = {}
     for (robot, _), (_, text) in sorted(deepest.items()):
-        found[robot] = (*found.get(robot, ()), text)
+        found[robot] = (*found.get(robot, ()), Finding(Kind.WARNING, text, robot=robot))
     return found
 
 
-def _owner_and_body(built: TwinDiagram, query: QueryObject, geometry: GeometryId) -> tuple[str, str]:
+def _owner_and_body(
+    built: TwinDiagram, owners: Mapping[ModelInstanceIndex, str], query: QueryObject, geometry: GeometryId
+) -> tuple[str, str]:
     """The robot or model that a shape belongs to, and its body; of what does not move, the model and its link."""
     inspector = query.inspector()
     body = built.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
-    if name := built.owners().get(body.model_instance()):
+    if name := owners.get(body.model_instance()):
         return name, body.name()
     model, _, rest = inspector.GetName(geometry).rpartition("::")[2].partition("/")
     return model, rest.partition("/")[0]

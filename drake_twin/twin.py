@@ -97,7 +97,7 @@ class Twin:
         self._run(Running(scenario, meshcat))
         self._goals: list[ActionGoal] = []
         self._unheard: set[str] = set()
-        self._sunk: dict[str, tuple[str, ...]] = {}
+        self._sunk: dict[str, tuple[Finding, ...]] = {}
         self.paused = False
         self._advancing: int | None = None  # the thread that does
         self._real_time_rate = 1.0
@@ -226,8 +226,7 @@ class Twin:
     @property
     def findings(self) -> tuple[Finding, ...]:
         """What became of what the files say, where it is not simply used: mended, ignored, not started, warned of."""
-        sunk = (text for robot in self.robots for text in self._sunk.get(robot, ()))
-        return (*self._built.findings, *(Finding(Kind.WARNING, text) for text in sunk))
+        return (*self._built.findings, *(item for robot in self.robots for item in self._sunk.get(robot, ())))
 
     @_outside_callbacks("spawn")
     @recorded
@@ -246,8 +245,8 @@ class Twin:
             raise InputError(f"Entity [{robot.name}] already exists.")
         self._rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
         self._sunk |= {robot.name: ()} | sunk_robots(self._built, self._context, (robot.name,))
-        for text in self._sunk[robot.name]:
-            _log.warning("%s", text)
+        for finding in self._sunk[robot.name]:
+            _log.warning("%s", finding)
 
     @_outside_callbacks("delete")
     @recorded

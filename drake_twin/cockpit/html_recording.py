@@ -2,6 +2,7 @@
 
 import base64
 import contextlib
+import re
 from collections.abc import Callable, Iterator
 from importlib import resources
 from typing import Any
@@ -59,7 +60,7 @@ class HtmlRecording:
         self._end_subscription()
         with contextlib.suppress(RuntimeError):  # a twin that has failed may be nowhere
             self._note()
-        self._scene.draw(self._twin)
+            self._scene.draw(self._twin)
         commands = self._scene.everything()
         commands.add([(b"delete", OVERLAYS.encode(), b"")], keep_deletions=False)
         return _page([*commands.contents(), umsgpack.packb(self._animation())])
@@ -92,10 +93,14 @@ def _tracks(poses: dict[int, np.ndarray]) -> Iterator[dict[str, Any]]:
 
 
 def _page(commands: list[bytes]) -> str:
-    """The scene's page with its script, its style and the commands in it."""
-    page = resources.files("drake_twin.cockpit").joinpath("static", "recorded.html").read_text()
-    style = resources.files("drake_twin.cockpit").joinpath("static", "scene.css").read_text()
-    lines = "\n".join(base64.b64encode(command).decode() for command in commands)
-    # A script ends at the first "</script", also in a text of its own.
-    script = meshcat_script().decode().replace("</script", "<\\/script")
-    return page.replace("/* style */", style).replace("/* meshcat.js */", script).replace("(commands)", lines)
+    """The scene's page with its scripts, its style and the commands in it."""
+    static = resources.files("drake_twin.cockpit").joinpath("static")
+    parts = {
+        "/* scene.css */": static.joinpath("scene.css").read_text(),
+        # A script ends at the first "</script", also in a text of its own.
+        "/* meshcat.js */": meshcat_script().decode().replace("</script", "<\\/script"),
+        "/* viewer.js */": static.joinpath("viewer.js").read_text(),
+        "(commands)": "\n".join(base64.b64encode(command).decode() for command in commands),
+    }
+    page = static.joinpath("recorded.html").read_text()
+    return re.sub("|".join(map(re.escape, parts)), lambda mark: parts[mark[0]], page)

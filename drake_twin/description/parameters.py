@@ -150,11 +150,6 @@ def _of_joints_apart(values: dict[str, Any], field: str, fields: Mapping[str, An
     return {name: value for name, value in values.items() if name not in joints} | {field: joints}
 
 
-def is_int64(value: int) -> bool:
-    """Whether a whole number is one that ROS's parameters hold."""
-    return -(2**63) <= value < 2**63
-
-
 def _read(annotation: Any, value: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:
     origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
     if dataclasses.is_dataclass(annotation):
@@ -167,7 +162,9 @@ def _read(annotation: Any, value: Any, controller: ControllerParameters, path: P
         if not isinstance(value, list):
             raise controller.error(f"{value!r} is not a list", *path)
         return tuple(_read(arguments[0], item, controller, (*path, i), warnings) for i, item in enumerate(value))
-    is_number = isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and is_int64(value))
+    is_number = isinstance(value, float) or (
+        isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63  # what ROS's parameters hold
+    )
     if annotation is float:
         if isinstance(value, str):  # YAML 1.1 reads 1e-3 as text
             try:

@@ -53,6 +53,11 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
                 yield replace(sensor, link=name) if tag == "link" else replace(sensor, joint=name)
 
 
+def sensor_text(name: str, kind: str, place: str, topic: str) -> str:
+    """A sensor as a person would point at it."""
+    return f"sensor {name!r} of type {kind or '?'} on {place!r}" + (f", topic {topic}" if topic else "")
+
+
 def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[HardwareSensor]:
     """The sensors of a ``<ros2_control>`` tag."""
     for element in system.iterfind("sensor"):

@@ -8,7 +8,7 @@ from lxml import etree
 
 from drake_twin.description.gazebo_drives import is_drive
 from drake_twin.description.robot_description import GazeboPlugin
-from drake_twin.description.sensors import KINDS
+from drake_twin.description.sensors import KINDS, sensor_text
 from drake_twin.description.unused_contact import is_unused
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
@@ -235,10 +235,7 @@ def _unread_sensor(sensor: etree._Element, place: str) -> Iterator[tuple[etree._
         for noise in sensor.iter("noise"):
             yield noise, f"<noise> of sensor {sensor.get('name', '')}: the twin's sensors are exact"
         return
-    topic = (sensor.findtext("topic") or "").strip()
-    what = f"sensor {sensor.get('name', '')!r} of type {kind or '?'} on {place!r}" + (
-        f", topic {topic}" if topic else ""
-    )
+    what = sensor_text(sensor.get("name", ""), kind, place, (sensor.findtext("topic") or "").strip())
     yield sensor, f"{what}: {_reason(_SENSORS, kind, 'the twin has no such sensor')}"
 
 

@@ -138,7 +138,7 @@ def _add_controllers(
             tells_of_motion=True,
         )
         controllers[name] = builder.AddNamedSystem(name, kind(setup))
-        warnings += [f"{plan.name}: controller {name}: {warning}" for warning in controllers[name].warnings]
+        warnings += [f"controller {name}: {warning}" for warning in controllers[name].warnings]
     return {name: controllers[name] for name in usable}, tuple(warnings)
 
 
@@ -149,7 +149,7 @@ def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
     if loaded:
         rates["the controller manager"] = plan.update_rate
     return [
-        f"{plan.name}: {', '.join(name for name in rates if rates[name] == rate)}: an update rate of {rate:g} Hz is"
+        f"{', '.join(name for name in rates if rates[name] == rate)}: an update rate of {rate:g} Hz is"
         f" faster than the physics, which steps every {time_step:g} s: updated at {1 / time_step:g} Hz"
         for rate in sorted({rate for rate in rates.values() if rate * time_step > 1 + 1e-9})
     ]

@@ -10,6 +10,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
+from drake_twin.description.sensors import sensor_text
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
 from drake_twin.diagram.controller_plan import ControllerPlan, broadcast_sensor, plan_controllers
@@ -169,9 +170,7 @@ def _unpublished_sensors(description: RobotDescription, controllers: Sequence[Co
     published = {name for controller in controllers if (name := broadcast_sensor(controller)) is not None}
     for sensor in description.sensors:
         if sensor.name.strip("/") not in published and sensor.name not in published:
-            what = f"sensor {sensor.name!r} of type {sensor.kind} on {sensor.link or sensor.joint!r}" + (
-                f", topic {sensor.topic}" if sensor.topic else ""
-            )
+            what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
             lines = () if sensor.line is None else (sensor.line,)
             reason = f"nothing publishes it; an {sensor.kind}_sensor_broadcaster in the controllers' file would"
             yield Finding(Kind.IGNORED, f"{what}: {reason}", lines=lines)

@@ -235,8 +235,7 @@ def _launched(scenario: Scenario, kind: Kind, what: str) -> Finding:
 
 def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:
     yield from plan.findings
-    start = f"{plan.name}: "
-    yield from (Finding(Kind.WARNING, text.removeprefix(start), robot=plan.name) for text in parts.warnings)
+    yield from (Finding(Kind.WARNING, text, robot=plan.name) for text in parts.warnings)
 
 
 class _Topics:

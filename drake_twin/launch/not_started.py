@@ -63,9 +63,8 @@ def why_not_started(process: LaunchedProcess) -> str:
     reason = _reason(_WINDOWS, what) or _reason(_REASONS, what)
     known = _EXECUTABLES.get(process.package or "")
     if known is not None and process.executable not in known:
-        near = get_close_matches(process.executable, known, n=1)
-        meant = f"; did you mean {near[0]}?" if near else f"; it has {', '.join(known)}"
-        reason = f"the package {process.package} has no executable {process.executable!r}{meant}"
+        if near := get_close_matches(process.executable, known, n=1):
+            reason = f"the twin knows no {process.executable!r} of {process.package}; did you mean {near[0]!r}?"
     elif known is not None:
         reason = known[process.executable] or reason
     if reason is None and process.package is None:

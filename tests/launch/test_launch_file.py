@@ -235,6 +235,11 @@ def test_what_the_twin_does_not_do_is_listed_once_with_its_reason(tmp_path):
     )
 
 
+def test_an_executable_that_is_nearly_a_known_one_suggests_it(tmp_path):
+    (reason,) = launched_hinge(tmp_path, node("ros_gz_sim", "creat")).scenario.not_started
+    assert reason == "ros_gz_sim/creat (the twin knows no 'creat' of ros_gz_sim; did you mean 'create'?)"
+
+
 def test_arguments_handlers_and_includes_that_come_to_nothing_are_listed(tmp_path):
     file = write_python(
         tmp_path / "test.launch.py",

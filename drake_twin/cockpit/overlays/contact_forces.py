@@ -24,13 +24,14 @@ class ContactForces:
     def __init__(self, scene: Scene, twin: Twin):
         self._scene = scene
         self._twin = twin
-        self._count = 0
+        self._made = 0
+        self._shown = 0
 
     def draw(self) -> None:
-        """Draws the present forces."""
+        """Draws the present forces; an arrow that is not needed is hidden until it is."""
         count = 0
         for count, (point, force) in enumerate(_forces(self._twin), start=1):
-            if count > self._count:
+            if count > self._made:
                 self._scene.set_object(f"{_PATH}/{count}/shaft", Cylinder(_RADIUS, 1.0), _COLOR)
                 self._scene.set_object(f"{_PATH}/{count}/head", MeshcatCone(_HEAD, 2 * _RADIUS, 2 * _RADIUS), _COLOR)
             length = float(np.linalg.norm(force)) / _NEWTONS_PER_METER
@@ -40,14 +41,14 @@ class ContactForces:
             # A cone of Drake's stands on its tip.
             tip = RigidTransform(RotationMatrix.MakeXRotation(np.pi), [0, 0, length + _HEAD])
             self._scene.set_transform(f"{_PATH}/{count}/head", tip)
-        for number in range(count + 1, self._count + 1):
-            self._scene.delete(f"{_PATH}/{number}")
-        self._count = count
+        for number in range(min(count, self._shown) + 1, max(count, self._shown) + 1):
+            self._scene.set_property(f"{_PATH}/{number}", "visible", number <= count)
+        self._made, self._shown = max(count, self._made), count
 
     def remove(self) -> None:
         """Takes the arrows off the page."""
         self._scene.delete(_PATH)
-        self._count = 0
+        self._made = self._shown = 0
 
 
 def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:

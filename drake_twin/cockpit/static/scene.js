@@ -1,17 +1,6 @@
-// Draws the scene with Meshcat's viewer; the commands come from the page's own server, an array of them a message.
+// Gives Meshcat's viewer the scene; the commands come from the page's own server, an array of them a message.
 
 const RETRY = 1000; // ms
-
-const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
-viewer.animate = () => {
-  viewer.animator.update();
-  if (viewer.needs_render) viewer.render();
-};
-function animate() {
-  viewer.animate();
-  requestAnimationFrame(animate);
-}
-requestAnimationFrame(animate);
 
 function connect() {
   const address = new URL("socket", location.href);
