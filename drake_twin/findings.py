@@ -1,7 +1,7 @@
 """What became of each part of the files that a twin is made of, where it was not simply used."""
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import PurePath
@@ -31,7 +31,6 @@ class Place:
 
 LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # what a file asks for and the twin does not do
 
-
 _MOST_LINES = 8  # in a sentence
 
 
@@ -55,6 +54,11 @@ class Finding:
     lines: tuple[int, ...] = ()
     rule: str = ""
 
+    @classmethod
+    def at(cls, kind: Kind, what: str, place: Place, rule: str = "") -> "Finding":
+        """About one place."""
+        return cls(kind, what, file=place.file, lines=() if place.line is None else (place.line,), rule=rule)
+
     def __str__(self) -> str:
         return f"{self.robot}: {self.sentence}" if self.robot else self.sentence
 
@@ -63,11 +67,10 @@ class Finding:
         """All but the robot's name."""
         more = f" and {len(self.lines) - _MOST_LINES} more" if len(self.lines) > _MOST_LINES else ""
         numbers = ", ".join(map(str, self.lines[:_MOST_LINES])) + more
+        where = (f"{PurePath(self.file).name}:{numbers}" if self.file else f"line {numbers}") if numbers else ""
         if self.kind is Kind.MENDED:
-            return (f"line {numbers}: " if numbers else "") + f"{self.what} [{self.rule}]"
-        if numbers and self.file and not self.robot:  # of one of many launch files
-            return f"{self.what} ({PurePath(self.file).name}:{numbers})"
-        return self.what + (f" (line {numbers})" if numbers else "")
+            return (f"{where}: " if where else "") + f"{self.what} [{self.rule}]"
+        return self.what + (f" ({where})" if where else "")
 
     def as_plain(self) -> dict[str, Any]:
         """As plain data, for JSON."""
@@ -79,6 +82,17 @@ class Finding:
             "lines": list(self.lines),
             "rule": self.rule,
         }
+
+
+def at_places(kind: Kind, found: Iterable[tuple[str, Place]]) -> Iterator[Finding]:
+    """Findings of what was found at several places: one for each file, with its lines."""
+    lines: dict[tuple[str, str], list[int]] = {}
+    for what, place in found:
+        known = lines.setdefault((what, place.file), [])
+        if place.line is not None and place.line not in known:
+            known.append(place.line)
+    for (what, file), numbers in lines.items():
+        yield Finding(kind, what, file=file, lines=tuple(numbers))
 
 
 def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:

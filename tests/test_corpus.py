@@ -5,14 +5,17 @@ import subprocess
 import sys
 import sysconfig
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pinocchio
 import pytest
 from conftest import CORPUS
+from ledger import Robot, misspelt_in_silence, used_for_nothing
 
 from drake_twin import Twin
 from drake_twin.cockpit.scene import TWIN, Scene
+from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
 from drake_twin.launch.robot_file import robot_file_scenario
 
@@ -51,6 +54,15 @@ def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertia
         assert_kinematics_and_inertia(twin, plan, file)
 
 
+@needs_data
+@pytest.mark.parametrize("file", URDFS, ids=lambda file: file.stem)
+def test_what_a_file_of_the_collection_says_is_used_or_is_a_finding_with_its_line(file):
+    robot = Robot(file.read_bytes(), file.with_name(f"changed_{file.name}"), PackageIndex((str(SHARE),), {}))
+    random = Random(file.stem)
+    assert list(misspelt_in_silence(robot, random, 5)) == []
+    assert list(used_for_nothing(robot, random, 8)) == []
+
+
 def assert_kinematics_and_inertia(twin, plan, file):
     """Against Pinocchio's reading of the original file, at the robot's own configuration after a second."""
     reference = pinocchio.buildModelFromUrdf(str(file))
@@ -78,7 +90,7 @@ def assert_kinematics_and_inertia(twin, plan, file):
         expected = (to_root * data.oMf[reference.getFrameId(link, BODY)]).homogeneous
         found = relative(plan.frame_prefix + link, plan.frame_prefix + root, tree)
         assert np.abs(found - expected).max() < 1e-6, link
-    changed = {repair.rule for repair in plan.model.repairs} & {"massless_link", "inertia"}
+    changed = {item.rule for item in plan.model.findings} & {"massless_link", "inertia"}
     if not changed:
         instance = twin.plant.GetModelInstanceByName(plan.name)
         total = twin.plant.CalcTotalMass(twin.plant.GetMyContextFromRoot(twin.context), [instance])

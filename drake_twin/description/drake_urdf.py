@@ -21,9 +21,8 @@ from drake_twin.description.meshes import (
     visual_mesh,
 )
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
-from drake_twin.description.unread import is_known, unread_in_urdf
+from drake_twin.description.unread import is_known
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -43,14 +42,12 @@ class PreparedUrdf:
 
     Attributes:
         text: the URDF; its meshes have absolute addresses and its visuals their own materials.
-        repairs: what was mended.
-        ignored: what the twin makes no use of.
+        findings: what was mended, and what the twin makes no use of.
         meshes: the mesh files that the robot refers to.
     """
 
     text: str
-    repairs: tuple[Repair, ...]
-    ignored: tuple[Finding, ...]
+    findings: tuple[Finding, ...]
     meshes: tuple[Path, ...]
 
 
@@ -87,24 +84,22 @@ def prepare_urdf(
         InputError: a mesh without a file name, or one that is missing when that rule is left out.
     """
     original, reader = reader, reader.copy()
-    repairs: list[Repair] = []
+    findings: list[Finding] = []
     reader.root.set("name", model_name)
-    ignored = unread_in_urdf(original)
     _drop_what_drake_does_not_know(reader)
-    repairs += _inline_materials(reader, original, without)
+    findings += _inline_materials(reader, original, without)
     meshes: list[Path] = []
-    repairs += _resolve_meshes(reader, packages, without, collision, meshes)
+    findings += _resolve_meshes(reader, packages, without, collision, meshes)
     _give_friction(reader, description)
     _give_mimic(reader, description)
     _drop_what_drake_warns_of(reader)
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
     unmodelled = [joint.name for joint in rubbing if "joint_friction" in without or joint.mimic is not None]
-    ignored += [Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
+    findings += [Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
     _rename_world_link(reader)
     return PreparedUrdf(
         etree.tostring(reader.root, encoding="unicode"),
-        tuple(repairs),
-        tuple(ignored),
+        tuple(findings),
         tuple(dict.fromkeys(meshes)),
     )
 
@@ -131,7 +126,7 @@ def _rename_world_link(reader: XmlReader) -> None:
             element.set("link", drake_link_name(element.get("link", "")))
 
 
-def _inline_materials(reader: XmlReader, original: XmlReader, without: Collection[str]) -> list[Repair]:
+def _inline_materials(reader: XmlReader, original: XmlReader, without: Collection[str]) -> list[Finding]:
     """Drake refuses a material that is defined twice, even with the same colour; ROS's tools take the first.
 
     ``<gazebo reference="link"><material>Gazebo/Red</material>`` colours a link that has no colour of its own.
@@ -165,7 +160,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
                 what = f"material {name!r} is not defined: its visuals keep the colours of their meshes, or grey"
                 if "undefined_material" in without:
                     raise reader.error(material, f"the material {name!r} is not defined")
-                repairs.append(Repair("undefined_material", what, reader.line(material)))
+                repairs.append(Finding.at(Kind.MENDED, what, reader.place(material), "undefined_material"))
         if text is not None:
             inlined = etree.SubElement(visual, "material", name=f"material_{index}")
             etree.SubElement(inlined, "color", rgba=text)
@@ -174,7 +169,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
 
 def _resolve_meshes(
     reader: XmlReader, packages: PackageIndex, without: Collection[str], collision: str, meshes: list[Path]
-) -> list[Repair]:
+) -> list[Finding]:
     """Gives each mesh a form that Drake reads.
 
     A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
@@ -188,7 +183,7 @@ def _resolve_meshes(
                 file, elsewhere = _find_mesh(address, packages, reader.file, "mesh_elsewhere" not in without)
                 if elsewhere:
                     what = f"mesh {address!r} is not on this machine: {file} is used"
-                    repairs.append(Repair("mesh_elsewhere", what, reader.line(mesh)))
+                    repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "mesh_elsewhere"))
                 if shape.tag == "visual":
                     mesh.set("filename", mesh_address(visual_mesh(file)))
                 else:
@@ -200,7 +195,7 @@ def _resolve_meshes(
                 link = shape.getparent()
                 if link is not None:
                     what = f"link {link.get('name')!r} goes without its {shape.tag} mesh: {str(error).rstrip('.')}"
-                    repairs.append(Repair("missing_mesh", what, reader.line(mesh)))
+                    repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "missing_mesh"))
                     link.remove(shape)
     return repairs
 

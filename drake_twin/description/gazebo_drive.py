@@ -64,7 +64,7 @@ class DrivePlugin(PluginReader):
     """A plugin, the robot it is on, and the name of the controller it becomes."""
 
     def __init__(self, plugin: GazeboPlugin, description: RobotDescription, name: str):
-        super().__init__(plugin, description.file)
+        super().__init__(plugin)
         self.description = description
         self.name = name
 

@@ -4,7 +4,6 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator
 from math import isfinite
-from pathlib import Path
 
 from lxml import etree
 
@@ -30,7 +29,7 @@ def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
             parameters=tuple(text for text in elements.get("parameters", ()) if text),
             namespace=None if namespace is None else namespace.strip(),
             elements=elements,
-            line=reader.line(plugin),
+            place=reader.place(plugin),
         )
 
 
@@ -108,28 +107,31 @@ def _remappings(plugin: GazeboPlugin) -> Iterator[tuple[str, str]]:
             yield before.strip(), after.strip()
 
 
+_OF_ALL_PLUGINS = {"ros/namespace", "ros/remapping", "ros/argument"}
+
+
 class PluginReader:
     """Reads the values of a plugin's elements; errors name the file, the line and the element.
 
     Args:
         plugin: the plugin.
-        file: the robot's file.
     """
 
-    def __init__(self, plugin: GazeboPlugin, file: Path | None):
+    def __init__(self, plugin: GazeboPlugin):
         self.plugin = plugin
-        self._file = file
         self._taken: set[str] = set()
 
     @property
     def unread(self) -> tuple[str, ...]:
         """The elements that nobody has asked for."""
-        return tuple(tag for tag in self.plugin.elements if tag not in self._taken and not tag.startswith("ros/"))
+        return tuple(tag for tag in self.plugin.elements if tag not in self._taken | _OF_ALL_PLUGINS)
 
     def error(self, message: str) -> InputError:
         """An error that points at the plugin."""
         return InputError(
-            f"<plugin filename={self.plugin.filename!r}>: {message}", file=self._file, line=self.plugin.line
+            f"<plugin filename={self.plugin.filename!r}>: {message}",
+            file=self.plugin.place.file or None,
+            line=self.plugin.place.line,
         )
 
     def has(self, tag: str) -> bool:

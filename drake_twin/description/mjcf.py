@@ -1,6 +1,5 @@
 """MJCF robots (MuJoCo's XML), made ready for Drake's parser."""
 
-from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +11,7 @@ from drake_twin.description.robot_description import CommandInterface, Controlle
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, at_places
 
 # What a robot without a free joint stands on: the link that the twin fixes where the robot is spawned.
 _BASE = "robot_world"
@@ -26,14 +25,14 @@ class PreparedMjcf(NamedTuple):
         is_fixed: whether the robot is fixed to the world.
         own_name: its name in the file.
         systems: what of it can be commanded.
-        ignored: what of the file the twin makes no use of.
+        findings: what of the file the twin makes no use of.
     """
 
     text: str
     is_fixed: bool
     own_name: str
     systems: tuple[HardwareSystem, ...]
-    ignored: tuple[Finding, ...]
+    findings: tuple[Finding, ...]
 
 
 def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
@@ -56,7 +55,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
     bodies = world.findall("body")
     if not bodies:
         raise reader.error(world, "there is no <body> in it")
-    ignored = list(_ignored(reader, world))
+    findings = list(_ignored(reader, world))
     for child in list(world):
         if child.tag != "body":
             world.remove(child)
@@ -73,21 +72,15 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
         for element in root.findall(tag):
             root.remove(element)
     _give_mesh_files(reader, file)
-    return PreparedMjcf(etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems, tuple(ignored))
+    return PreparedMjcf(etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems, tuple(findings))
 
 
 def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
     """What belongs to the world, and what the twin has no part for."""
-    found: dict[str, list[int]] = defaultdict(list)
     dropped = [(child, f"<{child.tag}> of the world") for child in world if child.tag not in ("body", "light")]
     for tag in ("sensor", "keyframe", "size"):
         dropped += [(item, f"<{item.tag}> of <{tag}>") for group in reader.root.findall(tag) for item in group]
-    for element, what in dropped:
-        line = reader.line(element)
-        found[what] += [] if line is None else [line]
-    file = "" if reader.file is None else str(reader.file)
-    for what, lines in found.items():
-        yield Finding(Kind.IGNORED, what, file=file, lines=tuple(lines))
+    return at_places(Kind.IGNORED, ((what, reader.place(element)) for element, what in dropped))
 
 
 def _check_includes(root: etree._Element, file: Path, above: tuple[Path, ...]) -> None:

@@ -5,7 +5,6 @@ scenario's robot); then the file is used as it is, or refused. ``docs/repairs.md
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import combinations
 from math import isfinite
 from pathlib import Path
@@ -15,6 +14,7 @@ from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader, described
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 
 _MOVABLE = ("revolute", "continuous", "prismatic")
 _DENSITY_LEVER = 0.4  # of a solid sphere: I = 0.4 m r²
@@ -25,29 +25,10 @@ _PHYSICAL_MARGIN = 1e-9  # relative
 _LEAST_MOMENT = 1e-6  # relative to the largest: Drake cannot turn what has none
 
 
-@dataclass(frozen=True)
-class Repair:
-    """One thing that was mended.
-
-    Attributes:
-        rule: the rule's name.
-        what: what was wrong and what was done, in one sentence.
-        line: the line in the file, where the file's own lines are known.
-    """
-
-    rule: str
-    what: str
-    line: int | None = None
-
-    def __str__(self) -> str:
-        place = "" if self.line is None else f"line {self.line}: "
-        return f"{place}{self.what} [{self.rule}]"
-
-
 Rule = Callable[[XmlReader], Iterator[tuple[etree._Element, str]]]
 
 
-def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Repair]:
+def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Finding]:
     """Applies the structural rules to a URDF's tree.
 
     Args:
@@ -60,7 +41,7 @@ def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Repair
     done = []
     for name, rule in RULES.items():
         if name not in without:
-            done += [Repair(name, what, reader.line(element)) for element, what in rule(reader)]
+            done += [Finding.at(Kind.MENDED, what, reader.place(element), name) for element, what in rule(reader)]
     return done
 
 

@@ -9,6 +9,8 @@ from functools import cached_property
 from math import inf
 from pathlib import Path
 
+from drake_twin.findings import Place
+
 Vector3 = tuple[float, float, float]
 
 MOVABLE_JOINT_TYPES = ("revolute", "continuous", "prismatic")
@@ -145,7 +147,7 @@ class Sensor:
             on the parent, Gazebo's default) or ``child``.
         axes: of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
             ``sensor``.
-        line: its line in the file, where that is known.
+        place: where it was written.
     """
 
     name: str
@@ -159,7 +161,7 @@ class Sensor:
     orientation_reference: Vector3 | None = None
     measured_on: str = "parent"
     axes: str = "child"
-    line: int | None = field(default=None, compare=False)
+    place: Place = field(default=Place(""), compare=False)
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,7 @@ class GazeboPlugin:
         parameters: the controllers' YAML files it names.
         namespace: the text of ``<ros><namespace>``.
         elements: tag → the texts of its elements of that tag, in file order; ``ros/remapping`` for one inside another.
-        line: its line in the file, where that is known.
+        place: where it was written.
     """
 
     filename: str
@@ -180,7 +182,7 @@ class GazeboPlugin:
     parameters: tuple[str, ...] = ()
     namespace: str | None = None
     elements: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    line: int | None = field(default=None, compare=False)
+    place: Place = field(default=Place(""), compare=False)
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,24 @@
 """A robot file of any kind (xacro, URDF, SDF, MJCF) → its description and the text that Drake is given."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import RULES, Repair, check_rule_names, repair_urdf
+from drake_twin.description.repairs import RULES, check_rule_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.source_file import read_xml
+from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
 from drake_twin.description.unused_contact import unused_in_urdf
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding
+from drake_twin.findings import Finding, Kind, Place
 
 
 @dataclass(frozen=True)
@@ -29,9 +30,7 @@ class RobotModel:
         drake_text: the model for Drake's parser; its model instance has the robot's name in the twin.
         drake_format: ``urdf``, ``sdf``, or ``xml`` for MJCF.
         is_fixed: whether the root link is welded to the world where the robot is spawned.
-        warnings: what xacro warned of.
-        repairs: what was mended in the file.
-        ignored: what of the file the twin makes no use of.
+        findings: what was mended in the file, what of it the twin makes no use of, and what xacro warned of.
         meshes: the mesh files that the robot refers to.
     """
 
@@ -39,9 +38,7 @@ class RobotModel:
     drake_text: str
     drake_format: str
     is_fixed: bool
-    warnings: tuple[str, ...] = ()
-    repairs: tuple[Repair, ...] = ()
-    ignored: tuple[Finding, ...] = ()
+    findings: tuple[Finding, ...] = ()
     meshes: tuple[Path, ...] = ()
 
     @property
@@ -82,16 +79,17 @@ def load_robot_model(
         model = _load_mjcf(text, file, name) if kind == "mujoco" else _load_sdf(text, file, name, packages)
         unused = [f"collision: {collision}"] if collision != "hull" else []
         unused += [f"without_repairs: {', '.join(without_repairs)}"] if without_repairs else []
-        meaningless = tuple(f"{what} has no meaning for a file that is no URDF" for what in unused)
-        return replace(model, warnings=(*model.warnings, *meaningless))
-    warnings: list[str] = []
-    is_xacro = is_xacro_text(text)
-    if is_xacro:
-        text, warnings = expand_xacro(file, arguments, packages)
+        meaningless = (f"{what} has no meaning for a file that is no URDF" for what in unused)
+        return replace(model, findings=(*model.findings, *(Finding(Kind.WARNING, what) for what in meaningless)))
+    places: Sequence[Place] | None = None
+    warnings: Sequence[str] = ()
+    if is_xacro_text(text):
+        text, places, warnings = expand_xacro(file, arguments, packages)
     else:
         _refuse_arguments(arguments, file)
-    reader = XmlReader(text, file, lines_are_the_files=not is_xacro)
+    reader = XmlReader(text, file, places=places)
     check_values(reader)
+    unread = (*unused_in_urdf(reader), *unread_in_urdf(reader))
     repairs = repair_urdf(reader, without_repairs)
     description = describe_urdf(reader, text)
     prepared = prepare_urdf(
@@ -102,9 +100,7 @@ def load_robot_model(
         drake_text=prepared.text,
         drake_format="urdf",
         is_fixed=description.root_link == "world",
-        warnings=(*warnings, *unused_in_urdf(reader)),
-        repairs=(*repairs, *prepared.repairs),
-        ignored=prepared.ignored,
+        findings=(*repairs, *prepared.findings, *(Finding(Kind.WARNING, what) for what in warnings), *unread),
         meshes=prepared.meshes,
     )
 
@@ -117,7 +113,7 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
     """
     text = read_robot_file(file)
     if _outermost_tag(text) == "robot" and is_xacro_text(text):
-        text, _ = expand_xacro(file, xacro_args, packages)
+        text = expand_xacro(file, xacro_args, packages).text
     root = XmlReader(text, file).root
     model = root.find("model")
     name = root.get("model") or root.get("name") or (model.get("name") if model is not None else None)
@@ -128,14 +124,13 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.sdf import prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
-    from drake_twin.description.unread import unread_in_sdf
 
-    prepared, is_fixed, own_name, warnings = prepare_sdf(text, file, name, packages)
+    prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     return RobotModel(
-        description, prepared, "sdf", is_fixed, warnings=tuple(warnings), ignored=unread_in_sdf(XmlReader(text, file))
+        description, prepared, "sdf", is_fixed, findings=(*findings, *unread_in_sdf(XmlReader(text, file)))
     )
 
 
@@ -143,9 +138,9 @@ def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.mjcf import effort_limits, prepare_mjcf
 
-    prepared, is_fixed, own_name, systems, ignored = prepare_mjcf(text, file, name)
+    prepared, is_fixed, own_name, systems, findings = prepare_mjcf(text, file, name)
     description = describe_model(prepared, "xml", text, file, own_name, systems, effort_limits(text, file))
-    return RobotModel(description, prepared, "xml", is_fixed, ignored=ignored)
+    return RobotModel(description, prepared, "xml", is_fixed, findings=findings)
 
 
 def read_robot_file(file: Path) -> str:

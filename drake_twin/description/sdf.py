@@ -9,6 +9,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.findings import Finding, Kind
 
 
 class PreparedSdf(NamedTuple):
@@ -18,13 +19,13 @@ class PreparedSdf(NamedTuple):
         text: the text, without the model's own weld to the world.
         is_fixed: whether there was one, or ``<static>``.
         own_name: the model's name in the file.
-        warnings: what was changed or left out.
+        findings: what was changed or left out.
     """
 
     text: str
     is_fixed: bool
     own_name: str
-    warnings: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
@@ -60,7 +61,7 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         parent = sensor.getparent()
         assert parent is not None
         parent.remove(sensor)
-    warnings = unused_in_sdf(model, with_links=True)
-    warnings += mend_model(model, reader, packages.resolve)
+    findings = unused_in_sdf(reader, model, with_links=True)
+    findings += [Finding(Kind.WARNING, what) for what in mend_model(model, reader, packages.resolve)]
     text = etree.tostring(reader.root, encoding="unicode")
-    return PreparedSdf(text, is_fixed, own_name, tuple(warnings))
+    return PreparedSdf(text, is_fixed, own_name, tuple(findings))

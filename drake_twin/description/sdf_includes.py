@@ -3,7 +3,7 @@
 import contextlib
 import os
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +14,7 @@ from drake_twin.description.package_index import MissingPackageError, PackageInd
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 # What no world holds; more is a mistake or a bomb.
 _MOST_INCLUDES = 10_000
@@ -75,7 +76,7 @@ class SdfIncludes:
         try:
             return self._model(address, include, reader, above)
         except NotIncludedError as reason:
-            place = f"{reader.file}:{reader.line(include)}"
+            place = str(reader.place(include))
             self.warnings.append(f"{place}: {address} is not included: {reason}")
             return None
 
@@ -211,7 +212,7 @@ class IncludedModel:
 _PREFIX = re.compile(r"(?:</?|\s)([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*(?=[\s=/>])")
 
 
-def read_sdf(text: str, file: Path | None) -> XmlReader:
+def read_sdf(text: str, file: Path | None, places: Sequence[Place] | None = None) -> XmlReader:
     """An SDF document, with what Gazebo's reader lets pass.
 
     That is blank lines before the XML declaration, prefixes that nothing declares, and ``--`` inside a comment.
@@ -229,7 +230,7 @@ def read_sdf(text: str, file: Path | None) -> XmlReader:
     if unknown:
         declarations = "".join(f' xmlns:{prefix}="{prefix}"' for prefix in unknown)
         text = re.sub(r"<sdf\b", lambda tag: tag[0] + declarations, text, count=1)
-    return XmlReader(text, file)
+    return XmlReader(text, file, places=places)
 
 
 def free_name(name: str, taken: Collection[str]) -> str:

@@ -82,7 +82,7 @@ def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
         frame=next((text for tag in frames if (text := _text(element, tag))), ""),
         topic=_text(element, "topic"),
         update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
-        line=reader.line(element),
+        place=reader.place(element),
     )
     if sensor.update_rate < 0.0:
         raise reader.error(element, f"update_rate is {rate!r}, and cannot be negative")

@@ -1,6 +1,5 @@
 """What a URDF or SDF file says that the twin makes no use of: everything that is not written down here as used."""
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -11,7 +10,7 @@ from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sensors import KINDS, sensor_text
 from drake_twin.description.unused_contact import is_unused
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, at_places
 
 _DRAKE = "{http://drake.mit.edu}"  # Drake's parser reads what is its own
 
@@ -141,6 +140,41 @@ _SDF_MODEL = _part(
     ),
 )
 
+_SAID = _part()  # in words of its own
+# Where gz_ros2_control finds the robot is no question here: it is in the same file.
+_ROS2_CONTROL = _part(
+    "filename name",
+    parameters=_TEXT,
+    ros=_part(namespace=_TEXT),
+    hold_joints=_TEXT,
+    position_proportional_gain=_TEXT,
+    robot_param=_TEXT,
+    robot_param_node=_TEXT,
+)
+_NOISE = _part(noise=_SAID)
+_NOISES = _part(x=_NOISE, y=_NOISE, z=_NOISE)
+# It is always on here, and has no window.
+_SENSOR = _part(
+    "name type",
+    pose=_POSE,
+    origin=_TEXT,
+    update_rate=_TEXT,
+    topic=_TEXT,
+    gz_frame_id=_TEXT,
+    ignition_frame_id=_TEXT,
+    frame_id=_TEXT,
+    always_on=_TEXT,
+    visualize=_TEXT,
+    enable_metrics=_TEXT,
+    imu=_part(
+        orientation_reference_frame=_part(localization=_TEXT, custom_rpy=_part("parent_frame")),
+        angular_velocity=_NOISES,
+        linear_acceleration=_NOISES,
+        noise=_SAID,
+    ),
+    force_torque=_part(frame=_TEXT, measure_direction=_TEXT, force=_NOISES, torque=_NOISES, noise=_SAID),
+)
+
 _SENSORS = {
     "camera": "the twin has no cameras",
     "depth": "the twin has no cameras",
@@ -190,13 +224,7 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
 
 
 def _findings(reader: XmlReader, unread: Iterable[tuple[etree._Element, str]]) -> Iterator[Finding]:
-    found: dict[str, list[int]] = defaultdict(list)
-    for element, what in unread:
-        line = reader.line(element)
-        found[what] += [] if line is None or line in found[what] else [line]
-    file = "" if reader.file is None else str(reader.file)
-    for what, lines in found.items():
-        yield Finding(Kind.IGNORED, what, file=file, lines=tuple(lines))
+    return at_places(Kind.IGNORED, ((what, reader.place(element)) for element, what in unread))
 
 
 def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Element, str]]:
@@ -211,19 +239,25 @@ def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Elemen
         known = part.children.get(name)
         if known is not None and known.names is not None and child.get("name", "") not in known.names:
             yield child, f'<{name} name="{child.get("name", "")}"> in <{tag}>'
-        elif known is not None:
+        elif known is not None and known is not _SAID:
             yield from _unread(child, known)
-        elif tag in ("gazebo", "model") and name == "plugin":
+        elif tag in ("gazebo", "model", "sensor") and name == "plugin":
             yield from _unread_plugin(child)
         elif tag in ("gazebo", "link", "joint") and name == "sensor":
             yield from _unread_sensor(child, element.get("reference") or element.get("name") or "?")
-        elif not is_unused(child):  # which is said in words of its own
+        elif known is not _SAID and not is_unused(child):  # which is said in words of its own
             yield child, f"<{name}>" + (f" in <{tag}>" if tag != "robot" else "")
 
 
 def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str]]:
     filename, name = plugin.get("filename", ""), plugin.get("name", "")
-    if "ros2_control" in filename + name or is_drive(GazeboPlugin(filename, name)):
+    if "ros2_control" in filename + name:
+        yield from _unread(plugin, _ROS2_CONTROL)
+        return
+    if is_drive(GazeboPlugin(filename, name)):
+        for attribute in map(str, plugin.attrib):
+            if attribute not in _ROS2_CONTROL.attributes:
+                yield plugin, f"the attribute {attribute} of <plugin>"
         return
     called = f"{name} ({filename})" if name and filename else name or filename or "?"
     yield plugin, f"Gazebo plugin {called}: {_reason(_PLUGINS, filename + name, 'the twin has no such plugin')}"
@@ -234,6 +268,7 @@ def _unread_sensor(sensor: etree._Element, place: str) -> Iterator[tuple[etree._
     if kind in KINDS:
         for noise in sensor.iter("noise"):
             yield noise, f"<noise> of sensor {sensor.get('name', '')}: the twin's sensors are exact"
+        yield from _unread(sensor, _SENSOR)
         return
     what = sensor_text(sensor.get("name", ""), kind, place, (sensor.findtext("topic") or "").strip())
     yield sensor, f"{what}: {_reason(_SENSORS, kind, 'the twin has no such sensor')}"

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.findings import Finding, Kind, Place, at_places
 
 _STIFFNESS = "contact is as hard and as damped as suits the masses"
 _ISOTROPY = "friction is the same in all directions"
@@ -54,20 +55,21 @@ def is_unused(element: etree._Element) -> bool:
     return parameter(element) in _UNUSED
 
 
-def unused_in_urdf(reader: XmlReader) -> list[str]:
+def unused_in_urdf(reader: XmlReader) -> list[Finding]:
     """What ``<gazebo reference="link">`` asks of contact and does not get, with the links' names."""
     surfaces: dict[str, list[etree._Element]] = {
         link.get("name", ""): [] for link in reader.root.iterfind("link") if link.find("collision") is not None
     }
     for element in reader.root.iterfind("gazebo"):
         surfaces.get(element.get("reference", ""), []).extend([*element, *element.iterfind("collision/surface//*")])
-    return list(_sentences(surfaces.items()))
+    return list(_findings(reader, surfaces.items()))
 
 
-def unused_in_sdf(model: etree._Element, *, with_links: bool) -> list[str]:
+def unused_in_sdf(reader: XmlReader, model: etree._Element, *, with_links: bool) -> list[Finding]:
     """What the collisions of a model ask of contact and do not get.
 
     Args:
+        reader: the document that it is in.
         model: the model.
         with_links: whether to name its links.
     """
@@ -76,37 +78,38 @@ def unused_in_sdf(model: etree._Element, *, with_links: bool) -> list[str]:
         for link in model.iter("link")
         for surface in link.iterfind("collision/surface")
     ]
-    return list(_sentences(surfaces))
+    return list(_findings(reader, surfaces))
 
 
-def _sentences(surfaces: Iterable[tuple[str, Sequence[etree._Element]]]) -> Iterator[str]:
-    """A sentence for each thing that happens otherwise, with all parameters and links that it is about."""
-    found: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+def _findings(reader: XmlReader, surfaces: Iterable[tuple[str, Sequence[etree._Element]]]) -> Iterator[Finding]:
+    """A finding for each thing that happens otherwise, with all parameters and links that it is about."""
+    found: dict[str, list[tuple[str, str, Place]]] = defaultdict(list)
     for link, elements in surfaces:
-        for name, instead in _found(elements):
-            found[instead]["names"].append(name)
-            found[instead]["links"] += [link] if link else []
+        for element, instead in _found(elements):
+            found[instead].append((parameter(element), link, reader.place(element)))
     for instead, about in found.items():
-        names, links = (list(dict.fromkeys(about[key])) for key in ("names", "links"))
+        names, links, places = (list(dict.fromkeys(column)) for column in zip(*about, strict=True))
+        links = [link for link in links if link]
         more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
-        yield f"{', '.join(names)}{whose}: without effect: {instead}"
+        what = f"{', '.join(names)}{whose}: without effect: {instead}"
+        yield from at_places(Kind.WARNING, ((what, place) for place in places))
 
 
-def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[str, str]]:
+def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element, str]]:
     """The parameters of a surface that would have an effect, and what happens here instead."""
-    coefficients: dict[float, str] = {}
+    coefficients: dict[float, etree._Element] = {}
     for element in elements:
         name, values = parameter(element), _values(element)
         if name in _COEFFICIENTS and len(values) == 1:
-            coefficients.setdefault(values[0], name)
-        elif name in _UNUSED and values and values != _UNUSED[name][0]:
-            yield name, _UNUSED[name][1]
+            coefficients.setdefault(values[0], element)
+        elif name in _UNUSED and values != _UNUSED[name][0]:
+            yield element, _UNUSED[name][1]
     smallest = min(coefficients, default=0.0)
     if smallest < _NEVER_THE_SMALLER:
-        for value, name in coefficients.items():
+        for value, element in coefficients.items():
             if value != smallest:
-                yield name, f"{_ISOTROPY}, and the smaller coefficient counts"
+                yield element, f"{_ISOTROPY}, and the smaller coefficient counts"
 
 
 def _values(element: etree._Element) -> tuple[float, ...]:

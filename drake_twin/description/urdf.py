@@ -27,18 +27,17 @@ from drake_twin.description.xml_reader import XmlReader
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
 
-def parse_urdf(text: str, file: Path | None = None, *, lines_are_the_files: bool = True) -> RobotDescription:
+def parse_urdf(text: str, file: Path | None = None) -> RobotDescription:
     """Parses URDF text.
 
     Args:
         text: URDF, xacro already expanded.
         file: where it came from, for error messages.
-        lines_are_the_files: false for text that xacro made.
 
     Raises:
         InputError: not a URDF, a wrong value, a link or joint that is missing, double or not part of one tree.
     """
-    return describe_urdf(XmlReader(text, file, lines_are_the_files=lines_are_the_files), text)
+    return describe_urdf(XmlReader(text, file), text)
 
 
 def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:

@@ -22,7 +22,7 @@ from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Place, at_places
 
 # SDF's default.
 _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
@@ -99,9 +99,10 @@ def read_world(address: str, packages: PackageIndex) -> WorldFile:
         InputError: the file is missing, is no SDF world, its includes form a loop, or a value in it is no number.
     """
     text, file = _world_text(address, packages)
+    places = None
     if "xacro" in text and "ros.org/wiki/xacro" in text and file is not None:
-        text, _ = expand_xacro(file, {}, packages)
-    reader = read_sdf(text, file)
+        text, places, _ = expand_xacro(file, {}, packages)
+    reader = read_sdf(text, file, places)
     world = reader.root.find("world")
     if reader.root.tag != "sdf" or world is None:
         what = "holds no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
@@ -215,7 +216,7 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
-        unused = unused_in_sdf(model, with_links=False)
+        unused = (finding.what for finding in unused_in_sdf(self._reader, model, with_links=False))
         for what in (*unused, *mend_model(model, self._reader, self._includes.find)):
             self._mended[what].append(name)
         root = etree.Element("sdf", version=".".join(map(str, version)))
@@ -265,7 +266,10 @@ class _World:
         return "the world" if self._reader.file is None else self._reader.file.name
 
     def _not_used(self) -> Iterator[Finding]:
-        lines: dict[str, list[int]] = defaultdict(list)
+        yield from at_places(Kind.WINDOW, self._dropped(is_window=True))
+        yield from at_places(Kind.IGNORED, self._dropped(is_window=False))
+
+    def _dropped(self, *, is_window: bool) -> Iterator[tuple[str, Place]]:
         for child in self._world:
             if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
                 continue
@@ -276,12 +280,8 @@ class _World:
                 if any(done in plain for done in _DONE_HERE):
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename')}"
-            line = self._reader.line(child)
-            lines[what] += [] if line is None else [line]
-        file = "" if self._reader.file is None else str(self._reader.file)
-        for what, places in lines.items():
-            kind = Kind.WINDOW if what == "<gui>" else Kind.IGNORED
-            yield Finding(kind, f"{what} of the world", file=file, lines=tuple(places))
+            if is_window == (child.tag == "gui"):
+                yield f"{what} of the world", self._reader.place(child)
 
 
 class _Frames:

@@ -10,7 +10,7 @@ import sysconfig
 import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.parsers.expat import ExpatError
 
 from lxml import etree
@@ -18,6 +18,7 @@ from lxml import etree
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.xacro_expressions import bounded_expressions
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 _XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro", "http://wiki.ros.org/xacro")
 
@@ -25,7 +26,21 @@ _XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro
 _XACRO_LOCK = threading.Lock()
 
 
-def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageIndex) -> tuple[str, list[str]]:
+class Expanded(NamedTuple):
+    """What xacro made of a file.
+
+    Attributes:
+        text: the expanded XML.
+        places: where each of its elements was written, in the order of the document.
+        warnings: what xacro printed.
+    """
+
+    text: str
+    places: tuple[Place, ...]
+    warnings: tuple[str, ...]
+
+
+def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageIndex) -> Expanded:
     """Expands a xacro file to URDF text, as the ``xacro`` command does.
 
     Args:
@@ -33,16 +48,13 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
         arguments: values for its ``<xacro:arg>``s.
         packages: resolves ``$(find pkg)``.
 
-    Returns:
-        The expanded XML, and the warnings that xacro printed.
-
     Raises:
         InputError: xacro refuses the file; the text holds xacro's reason and its chain of files.
     """
     xacro = installed_xacro()
     with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
-            with bounded_expressions(xacro):
+            with bounded_expressions(xacro), _tags_with_places(xacro):
                 document = xacro.process_file(str(file), mappings=dict(arguments))
         except (ExpatError, etree.XMLSyntaxError) as error:
             raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
@@ -54,8 +66,11 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     # xacro's warnings are followed by lines with the chain of files.
     warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
     text = document.toxml()
+    tags = (element.tagName for element in document.getElementsByTagName("*"))
+    places = tuple(tag.place if isinstance(tag, _Tag) else Place(str(file)) for tag in tags)
     document.unlink()  # its nodes refer to each other: the collector would find them only after many more robots
-    return text, [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
+    warnings = [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
+    return Expanded(text, places, tuple(warnings))
 
 
 def installed_xacro() -> Any:
@@ -111,6 +126,33 @@ def _included(name: str, includer: Path, packages: PackageIndex) -> Iterator[Pat
             return
     if "$" not in name:
         yield (includer.parent / name).absolute()
+
+
+class _Tag(str):
+    """An element's tag that knows where it was written; xacro's copies of the element keep it."""
+
+    place: Place
+
+
+@contextlib.contextmanager
+def _tags_with_places(xacro: Any) -> Iterator[None]:
+    """Makes xacro's parser note the line of each element, which its documents do not know."""
+    original = xacro.parse
+
+    def parse(text: Any, filename: str | None = None) -> Any:
+        document = original(text, filename)
+        with contextlib.suppress(etree.XMLSyntaxError, OSError):
+            lines: list[Any] = [element.sourceline for element in etree.parse(str(filename)).iter(etree.Element)]
+            for element, line in zip(document.getElementsByTagName("*"), lines, strict=False):
+                element.tagName = element.nodeName = tag = _Tag(element.tagName)
+                tag.place = Place(str(filename), line)
+        return document
+
+    xacro.parse = parse
+    try:
+        yield
+    finally:
+        xacro.parse = original
 
 
 @contextlib.contextmanager

@@ -1,13 +1,15 @@
 """XML elements read with checks: a wrong value raises an error that names file, line, element and value."""
 
+from collections.abc import Sequence
 from copy import copy, deepcopy
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from lxml import etree
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 # No network, no external entities, and libxml2's own bound on how far entities may expand.
 _PARSER = etree.XMLParser(
@@ -24,20 +26,26 @@ class XmlReader:
     Args:
         text: the document.
         file: the file it came from, for error messages.
-        lines_are_the_files: false when the text was generated from the file, so its lines mean nothing to the user.
+        places: where each element was written, in the order of the document, for text that was made of other files;
+            None when the text is the file's own.
 
     Raises:
         InputError: not well-formed.
     """
 
-    def __init__(self, text: str, file: Path | None = None, *, lines_are_the_files: bool = True):
+    def __init__(self, text: str, file: Path | None = None, *, places: Sequence[Place] | None = None):
         self.file = file
-        self._show_lines = lines_are_the_files
+        self._places: list[Place] | None = None if places is None else list(dict.fromkeys(places))
         try:
             self.root = etree.fromstring(text.encode(), _PARSER)
         except etree.XMLSyntaxError as error:
-            line = error.lineno if lines_are_the_files else None
+            line = error.lineno if places is None else None
             raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None
+
+        if places is not None and self._places is not None:
+            numbers = {place: number for number, place in enumerate(self._places, start=1)}
+            for element, place in zip(self.root.iter(etree.Element), places, strict=True):
+                element.sourceline = numbers[place]  # copies of the element keep it
 
     def copy(self) -> "XmlReader":
         """The same document once more, to be changed on its own."""
@@ -45,14 +53,18 @@ class XmlReader:
         copied.root = deepcopy(self.root)
         return copied
 
-    def line(self, element: etree._Element) -> int | None:
-        """The element's line in the file, where the file's own lines are known."""
-        line: Any = element.sourceline if self._show_lines else None  # the stubs' type is not a number's
-        return line if line else None
+    def place(self, element: etree._Element) -> Place:
+        """Where an element was written."""
+        line: int | None = cast(Any, element).sourceline  # the stubs' type is not a number's
+        if self._places is not None:
+            known = line is not None and 0 < line <= len(self._places)
+            return self._places[line - 1] if line is not None and known else Place(str(self.file or ""))
+        return Place(str(self.file or ""), line or None)
 
     def error(self, element: etree._Element, message: str) -> InputError:
         """An error that points at an element."""
-        return InputError(f"{described(element)}: {message}", file=self.file, line=self.line(element))
+        place = self.place(element)
+        return InputError(f"{described(element)}: {message}", file=place.file or None, line=place.line)
 
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
         """A required (or defaulted) attribute."""

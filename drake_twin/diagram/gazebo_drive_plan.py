@@ -21,18 +21,18 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
     usable: list[GazeboDrive] = []
     findings: list[Finding] = []
     for drive in drives:
-        lines = () if drive.plugin.line is None else (drive.plugin.line,)
+        place = drive.plugin.place
         if drive.controller is None:
-            findings.append(Finding(Kind.NOT_STARTED, f"Gazebo plugin {drive.not_started}", lines=lines))
+            findings.append(Finding.at(Kind.NOT_STARTED, f"Gazebo plugin {drive.not_started}", place))
             continue
         name = f"Gazebo plugin {drive.controller.name}"
         if drive.controller.type == PLANAR_MOVE and (problem := _planar_problem(drive, drives, fixed_base)):
             what = f"{name} ({drive.plugin.filename}): {problem}"
-            findings.append(Finding(Kind.NOT_STARTED, what, lines=lines))
+            findings.append(Finding.at(Kind.NOT_STARTED, what, place))
             continue
         usable.append(drive)
-        findings += [Finding(Kind.WARNING, f"{name}: {warning}", lines=lines) for warning in drive.warnings]
-        findings += [Finding(Kind.IGNORED, f"<{tag}> of {name}", lines=lines) for tag in drive.unread]
+        findings += [Finding.at(Kind.WARNING, f"{name}: {warning}", place) for warning in drive.warnings]
+        findings += [Finding.at(Kind.IGNORED, f"<{tag}> of {name}", place) for tag in drive.unread]
     return usable, findings
 
 

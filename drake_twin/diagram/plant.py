@@ -199,7 +199,7 @@ def _parse(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
         return add_sdf_models(plant, model.drake_text)
     except InputError as error:
         reader = XmlReader(description.text, description.file)
-        lines = (reader.line(joint) for joint in reader.root.iter("joint") if joint.get("name") == error.value)
+        lines = (reader.place(joint).line for joint in reader.root.iter("joint") if joint.get("name") == error.value)
         what = f"robot {plan.name!r}: {error.message}"
         raise InputError(what, file=description.file, line=next(lines, None)) from None
 

@@ -7,7 +7,6 @@ from math import inf, nan
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
 from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import Repair
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel, load_robot_model
 from drake_twin.description.sensors import sensor_text
@@ -123,7 +122,7 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     drives, drive_findings = usable_drives(gazebo_drives(own), model.is_fixed)
     model = replace(model, description=with_actuators(own, drives))
     description = model.description
-    warnings += [*model.warnings, *_unused_interfaces(description)]
+    warnings += _unused_interfaces(description)
     manager = _controller_manager(robot, path, own, packages, xacro_args)
     controllers, not_started, controller_warnings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
@@ -150,19 +149,14 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         findings=tuple(
             replace(finding, robot=robot.name, file=finding.file or str(file))
             for finding in (
-                *(_mended(repair) for repair in model.repairs),
+                *model.findings,
                 *drive_findings,
                 *(Finding(Kind.WARNING, warning) for warning in warnings),
                 *(Finding(Kind.NOT_STARTED, reason) for reason in not_started),
-                *model.ignored,
                 *_unpublished_sensors(description, controllers),
             )
         ),
     )
-
-
-def _mended(repair: Repair) -> Finding:
-    return Finding(Kind.MENDED, repair.what, lines=() if repair.line is None else (repair.line,), rule=repair.rule)
 
 
 def _unpublished_sensors(description: RobotDescription, controllers: Sequence[ControllerPlan]) -> Iterator[Finding]:
@@ -171,9 +165,8 @@ def _unpublished_sensors(description: RobotDescription, controllers: Sequence[Co
     for sensor in description.sensors:
         if sensor.name.strip("/") not in published and sensor.name not in published:
             what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
-            lines = () if sensor.line is None else (sensor.line,)
             reason = f"nothing publishes it; an {sensor.kind}_sensor_broadcaster in the controllers' file would"
-            yield Finding(Kind.IGNORED, f"{what}: {reason}", lines=lines)
+            yield Finding.at(Kind.IGNORED, f"{what}: {reason}", sensor.place)
 
 
 def _settings(description: RobotDescription, name: str) -> Iterator[str]:

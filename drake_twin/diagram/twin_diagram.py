@@ -230,7 +230,7 @@ def _launched(scenario: Scenario, kind: Kind, what: str) -> Finding:
     place = scenario.places.get(what)
     if place is None:
         return Finding(kind, what)
-    return Finding(kind, what, file=place.file, lines=() if place.line is None else (place.line,))
+    return Finding.at(kind, what, place)
 
 
 def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:

@@ -325,7 +325,7 @@ def _description_of(publisher: LaunchedProcess, packages: PackageIndex) -> str:
 
 
 def _read(model: str, text: str, path: Path) -> _Source:
-    reader = XmlReader(text, path, lines_are_the_files=False)
+    reader = XmlReader(text, path)
     root = reader.root
     is_sdf = root.tag == "sdf"
     named = root.find("model") if is_sdf else root

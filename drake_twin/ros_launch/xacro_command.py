@@ -47,7 +47,7 @@ def expand(name: str, arguments: dict[str, str], context: LaunchContext) -> tupl
     if absent is not None:
         raise AbsentError(f"package {absent!r} is absent, and its file is the robot: {file}")
     try:
-        text, warnings = expand_xacro(file.absolute(), arguments, context.packages)
+        text, _, warnings = expand_xacro(file.absolute(), arguments, context.packages)
     except InputError as error:
         absent = absent_package_in(str(error))
         if absent is not None:

@@ -28,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     folders = [folder for folder in os.environ.get(PACKAGE_FOLDERS, "").split(os.pathsep) if folder]
     try:
-        text, warnings = expand_xacro(Path(files[0]).absolute(), values, PackageIndex(folders))
+        text, _, warnings = expand_xacro(Path(files[0]).absolute(), values, PackageIndex(folders))
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

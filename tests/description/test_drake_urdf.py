@@ -15,6 +15,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Kind
 
 DRAKE = "{http://drake.mit.edu}"
 JOINT = """<joint name="{name}" type="continuous"><parent link="{parent}"/><child link="{child}"/>{inside}</joint>"""
@@ -37,11 +38,11 @@ def prepare(body: str, file: Path | None = None, *folders: Path, **options) -> t
     """The prepared robot, which Drake's parser also accepted, and what was mended."""
     made = prepared(body, file, *folders, **options)
     in_drake(made.text)
-    return etree.fromstring(made.text), [str(repair) for repair in made.repairs]
+    return etree.fromstring(made.text), [str(item) for item in made.findings if item.kind is Kind.MENDED]
 
 
 def ignored(body: str, **options) -> list[str]:
-    return [str(item) for item in prepared(body, **options).ignored]
+    return [str(item) for item in prepared(body, **options).findings if item.kind is Kind.IGNORED]
 
 
 def refusal(body: str, file: Path | None = None, **options) -> str:
@@ -209,7 +210,7 @@ def test_a_shape_whose_mesh_is_missing_or_broken_is_left_out(tmp_path, shape, co
     shapes = f"\n<{shape}>{MESH.format('wheel.stl')}</{shape}><{shape}>{BOX}</{shape}>"
     robot, (repair,) = prepare(f"<link name='base'>{shapes}</link>", tmp_path / "rover.urdf")
     assert len(robot.findall(f"link/{shape}")) == 1
-    assert repair.startswith(f"line 2: link 'base' goes without its {shape} mesh: {tmp_path}/wheel.stl: ")
+    assert repair.startswith(f"rover.urdf:2: link 'base' goes without its {shape} mesh: {tmp_path}/wheel.stl: ")
     assert repair.endswith("[missing_mesh]")
 
 
@@ -385,28 +386,6 @@ def test_joint_friction_counts_as_ignored_only_when_it_is_left_out():
     assert ignored(body) == []
     assert ignored(body, without=["joint_friction"]) == ["friction of joint elbow"]
     assert ignored(body.replace("0.1", "0.0"), without=["joint_friction"]) == []
-
-
-def test_what_the_twin_makes_no_use_of_is_listed_with_its_lines():
-    body = (
-        "\n<link name='base'><self_collision_checking/></link>"
-        "\n<link name='arm'><self_collision_checking/></link>"
-        f"\n{joint(inside='<safety_controller/>')}"
-        "\n<transmission name='t'/>"
-        "\n<gazebo reference='arm'><kp>1</kp><turnGravityOff/><plugin name='laser' filename='l.so'/></gazebo>"
-    )
-    assert ignored(body) == [
-        "<self_collision_checking> in <link> (line 2, 3)",
-        "<safety_controller> in <joint> (line 4)",
-        "<transmission> (line 5)",
-        "<turnGravityOff> in <gazebo> (line 6)",
-        "Gazebo plugin laser (l.so): the twin has no lidar (line 6)",
-    ]
-
-
-def test_a_robot_of_known_elements_has_nothing_ignored():
-    plugin = "<gazebo><plugin filename='gz_ros2_control-system' name='c'/></gazebo>"
-    assert ignored(links("base", "arm") + joint(inside="<axis xyz='0 0 1'/>") + plugin) == []
 
 
 def test_what_is_ignored_does_not_reach_drake():

@@ -24,7 +24,7 @@ def test_a_plugins_elements_are_read_as_they_are():
         "ros/remapping": ("x:=y",),
         "parameters": ("one.yaml",),
     }
-    assert (plugin.namespace, plugin.parameters, plugin.line) == ("/ns", ("one.yaml",), 4)
+    assert (plugin.namespace, plugin.parameters, plugin.place.line) == ("/ns", ("one.yaml",), 4)
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_topics_follow_the_remappings_of_the_ros_tag(ros, topic):
 
 
 def test_values_are_read_with_checks_that_name_the_line():
-    reader = PluginReader(plugin_of("<a>1.5</a><a>2</a><b>one</b><c>nan</c><d>1</d><e>yes</e>"), None)
+    reader = PluginReader(plugin_of("<a>1.5</a><a>2</a><b>one</b><c>nan</c><d>1</d><e>yes</e>"))
     assert reader.numbers("a") == (1.5, 2.0)
     assert reader.number("missing", 7.0) == 7.0
     assert reader.flag("d", False)

@@ -81,5 +81,5 @@ def test_what_belongs_to_the_world_and_sensors_are_findings_with_their_lines(tmp
         '<geom type="box" size="1 1 1"/></body></worldbody>\n<sensor><gyro site="s"/>\n<gyro site="t"/></sensor>'
         "</mujoco>"
     )
-    found = [str(item) for item in prepare_mjcf(file.read_text(), file, None).ignored]
+    found = [str(item) for item in prepare_mjcf(file.read_text(), file, None).findings]
     assert found == ["<geom> of the world (robot.xml:2)", "<gyro> of <sensor> (robot.xml:4, 5)"]

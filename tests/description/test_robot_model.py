@@ -8,6 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import RobotModel, is_xacro_text, load_robot_model
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 
 URDF = '<robot name="own">\n<link name="base"/></robot>'
 XACRO = (
@@ -34,6 +35,10 @@ def load(tmp_path):
         )
 
     return load
+
+
+def of(model: RobotModel, kind: Kind) -> list[Finding]:
+    return [item for item in model.findings if item.kind is kind]
 
 
 def instances_in_drake(model: RobotModel) -> list[str]:
@@ -77,10 +82,10 @@ def test_each_of_xacros_namespaces_is_known(namespace):
     assert not is_xacro_text("<robot/>")
 
 
-def test_an_error_in_a_urdf_has_its_line_and_one_in_expanded_xacro_has_none(load, tmp_path):
+def test_an_error_has_its_line_in_a_urdf_and_in_a_xacro_file(load, tmp_path):
     with pytest.raises(InputError, match=rf"^{tmp_path}/robot\.urdf:2: "):
         load(URDF.replace('name="base"', ""))
-    with pytest.raises(InputError, match=rf"^{tmp_path}/robot\.urdf: <link>"):
+    with pytest.raises(InputError, match=rf"^{tmp_path}/robot\.urdf:1: <link>"):
         load(XACRO.replace('link name="$(arg side)_base"', "link"))
 
 
@@ -101,27 +106,60 @@ PINK_BOX = '<visual><geometry><box size="1 1 1"/></geometry><material name="pink
 
 
 def test_what_xacro_warns_of_is_a_warning(load):
-    (warning,) = load(XACRO.replace('"left"', '"left" unit="m"')).warnings
-    assert warning.startswith("xacro:arg: unknown attribute(s): unit")
+    (warning,) = load(XACRO.replace('"left"', '"left" unit="m"')).findings[-1:]
+    assert warning.what.startswith("xacro:arg: unknown attribute(s): unit")
 
 
 def test_what_was_mended_is_listed_in_the_order_of_the_rules(load):
-    repairs = load(f'<robot>\n<link name="base">{PINK_BOX}</link></robot>').repairs
-    assert [(repair.rule, repair.line) for repair in repairs] == [
+    repairs = of(load(f'<robot>\n<link name="base">{PINK_BOX}</link></robot>'), Kind.MENDED)
+    assert [(repair.rule, *repair.lines) for repair in repairs] == [
         ("robot_without_name", 1),
         ("massless_link", 2),
         ("undefined_material", 2),
     ]
 
 
-def test_lines_of_repairs_are_not_given_for_text_that_xacro_made(load):
-    repairs = load(XACRO.replace('_base"/>', f'_base">{PINK_BOX}</link>')).repairs
-    assert {repair.rule: repair.line for repair in repairs} == {"massless_link": None, "undefined_material": None}
+def test_what_is_said_of_a_xacro_file_has_file_and_line_of_macro_include_and_block(load, tmp_path):
+    (tmp_path / "part.xacro").write_text(
+        """<robot xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:macro name="part" params="name *extra">
+  <link name="${name}">
+
+    <shiny/>
+    <xacro:insert_block name="extra"/>
+  </link>
+</xacro:macro>
+</robot>"""
+    )
+    model = load(
+        """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:include filename="part.xacro"/>
+<link name="base"/>
+<xacro:if value="1"><gazebo reference="base">
+  <turnGravityOff>true</turnGravityOff>
+</gazebo></xacro:if>
+<xacro:part name="a"><dull x="1"/></xacro:part>
+<xacro:part name="b">
+  <dull/>
+</xacro:part>
+<joint name="ja" type="fixed"><parent link="base"/><child link="a"/></joint>
+<joint name="jb" type="fixed"><parent link="base"/><child link="b"/></joint>
+</robot>"""
+    )
+    places = {(item.what, Path(item.file).name, item.lines) for item in of(model, Kind.IGNORED)}
+    assert places == {
+        ("<shiny> in <link>", "part.xacro", (5,)),
+        ("<dull> in <link>", "robot.urdf", (7, 9)),
+        ("<turnGravityOff> in <gazebo>", "robot.urdf", (5,)),
+    }
+    assert [(repair.rule, *repair.lines) for repair in of(model, Kind.MENDED)] == [("massless_link", 3)]
+    assert "line" not in model.description.text.partition("<robot")[2]
 
 
 def test_a_repair_that_is_left_out_is_not_made(load):
-    assert load(URDF.replace("own", ""), without_repairs=["massless_link"]).repairs[0].rule == "robot_without_name"
-    assert load(URDF, without_repairs=["massless_link"]).repairs == ()
+    nameless = load(URDF.replace("own", ""), without_repairs=["massless_link"])
+    assert of(nameless, Kind.MENDED)[0].rule == "robot_without_name"
+    assert of(load(URDF, without_repairs=["massless_link"]), Kind.MENDED) == []
 
 
 @pytest.mark.parametrize("text", [URDF, XACRO, SDF])
@@ -138,7 +176,7 @@ def test_what_is_made_no_use_of_and_the_meshes_are_listed(load, tmp_path):
     (tmp_path / "part.stl").write_bytes(trimesh.creation.cone(1.0, 1.0).export(file_type="stl"))
     mesh = '<visual><geometry><mesh filename="part.stl"/></geometry></visual>'
     model = load(f'<robot name="own"><link name="base">{mesh}</link>\n<transmission name="t"/></robot>')
-    assert [str(item) for item in model.ignored] == ["<transmission> (robot.urdf:2)"]
+    assert [str(item) for item in of(model, Kind.IGNORED)] == ["<transmission> (robot.urdf:2)"]
     assert model.meshes == (tmp_path / "part.stl",)
 
 
@@ -165,7 +203,7 @@ def test_a_missing_file_is_named(tmp_path):
 @pytest.mark.parametrize("robot", ["rover", "arduinobot"])
 def test_the_twins_own_robots_load_without_warnings(robot):
     model = load_robot_model(f"package://{robot}_description/urdf/{robot}.urdf.xacro", PackageIndex((), {}))
-    assert (model.warnings, model.repairs, model.ignored) == ((), (), ())
+    assert model.findings == ()
     assert len(instances_in_drake(model)) == 1
 
 
@@ -180,7 +218,7 @@ def test_robots_that_nobody_here_wrote_load_with_the_meshes_they_have(corpus, ro
     (file,) = Path(corpus / robot).rglob(f"{robot}.urdf.xacro")
     model = load_robot_model(str(file), PackageIndex((), {}))
     assert {joint.name for joint in model.description.actuated_joints} == actuated
-    missing = [repair.what for repair in model.repairs if repair.rule == "missing_mesh"]
+    missing = [repair.what for repair in of(model, Kind.MENDED) if repair.rule == "missing_mesh"]
     assert len(missing) == len(absent)
     assert all(f"/{name}: there is no such file" in what for name, what in zip(absent, missing, strict=True))
     assert len(instances_in_drake(model)) == 1
@@ -222,8 +260,10 @@ def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_p
     (tmp_path / "p.sdf").write_text(PENDULUM)
     model = load_robot_model(str(tmp_path / "p.sdf"), PackageIndex((), {}), without_repairs=["inertia"])
     assert model.drake_format == "sdf"
-    assert [str(item) for item in model.ignored] == [
+    assert [str(item) for item in of(model, Kind.IGNORED)] == [
         "Gazebo plugin p (f): the twin has no such plugin (p.sdf:2)",
         "<friction> in <dynamics> (p.sdf:6)",
     ]
-    assert model.warnings == ("without_repairs: inertia has no meaning for a file that is no URDF",)
+    assert [item.what for item in of(model, Kind.WARNING)] == [
+        "without_repairs: inertia has no meaning for a file that is no URDF"
+    ]

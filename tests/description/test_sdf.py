@@ -105,7 +105,7 @@ def test_a_link_goes_without_a_mesh_that_is_missing(tmp_path):
     model = f'<sdf version="1.9"><model name="own"><link name="base">{mesh}</link></model></sdf>'
     prepared = prepare_sdf(model, tmp_path / "arm.sdf", None, PackageIndex((), {}))
     assert "visual" not in prepared.text
-    (warning,) = prepared.warnings
+    (warning,) = map(str, prepared.findings)
     assert f"{tmp_path}/gone.stl" in warning
 
 

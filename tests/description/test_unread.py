@@ -1,27 +1,18 @@
 """What a file says is used, or is a finding with its line. The files' own XML is the reference."""
 
-import copy
-import random
-import re
+from random import Random
 
 import pytest
 from conftest import ARM, ROVER
-from lxml import etree
+from ledger import Robot, misspelt_in_silence, used_for_nothing
 
 from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_model import load_robot_model
-from drake_twin.errors import InputError
+from drake_twin.description.unread import unread_in_urdf
+from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Kind
 
 PACKAGES = PackageIndex((), {})
-
-# Attributes whose value may change without changing anything, and why.
-WITHOUT_EFFECT = {
-    ("robot", "version"): "there is one version",
-    ("ros2_control", "name"): "a label",
-    ("gazebo", "reference"): "what it holds may mean nothing for a link without shapes",
-}
 
 DROPS = {
     "lidar": '<gazebo reference="base"><sensor name="lds" type="gpu_lidar"><topic>scan</topic></sensor></gazebo>',
@@ -78,6 +69,24 @@ ROBOT = """<robot name="r">
 </robot>"""
 
 
+def test_the_same_at_several_places_is_said_once_with_its_lines():
+    text = """<robot name="r">
+<link name="base"><self_collision_checking/></link>
+<link name="arm"><self_collision_checking/></link>
+<joint name="hinge" type="fixed"><parent link="base"/><child link="arm"/><safety_controller/></joint>
+<transmission name="t"/>
+<gazebo reference="arm"><kp>1</kp><turnGravityOff/><plugin name="laser" filename="l.so"/></gazebo>
+<gazebo><plugin filename="gz_ros2_control-system" name="c"/></gazebo>
+</robot>"""
+    assert [str(item) for item in unread_in_urdf(XmlReader(text))] == [
+        "<self_collision_checking> in <link> (line 2, 3)",
+        "<safety_controller> in <joint> (line 4)",
+        "<transmission> (line 5)",
+        "<turnGravityOff> in <gazebo> (line 6)",
+        "Gazebo plugin laser (l.so): the twin has no lidar (line 6)",
+    ]
+
+
 def lost(tmp_path, body):
     """What becomes of a robot's file that is not used, with its lines."""
     file = tmp_path / "robot.urdf"
@@ -119,47 +128,17 @@ def test_elements_of_a_drive_that_it_does_not_read_are_findings(tmp_path):
     assert [item.what for item in found] == ["<sparkle> of Gazebo plugin d"]
 
 
-def parsed(model):
-    """A robot's XML, read by nobody but the parser."""
-    twin = TwinBuilder().robot("r", model).build()
-    text = twin.plans[0].description.text
-    return etree.fromstring(text.encode(), etree.XMLParser(remove_comments=True))
+@pytest.fixture(params=[ROVER, ARM], ids=["rover", "arm"])
+def robot(request, tmp_path):
+    twin = TwinBuilder().robot("r", request.param).build()
+    return Robot(twin.plans[0].description.text.encode(), tmp_path / "robot.urdf", PACKAGES)
 
 
-def outcome(file, root):
-    """All that the twin makes of a robot's file."""
-    file.write_bytes(etree.tostring(root))
-    try:
-        model = load_robot_model(str(file), PACKAGES)
-    except InputError as error:
-        return str(error)
-    repairs = [repair.what for repair in model.repairs]
-    return repr((model.description, model.warnings, repairs)) + re.sub(r"\s+", " ", model.drake_text)
+def test_what_counts_as_used_is_used(robot):
+    findings = robot.load(robot.root).findings
+    assert not [item for item in findings if item.kind is Kind.IGNORED]
+    assert list(used_for_nothing(robot, Random(1), 250)) == []
 
 
-def other(value):
-    """Another value of the same kind."""
-    first, *rest = value.split() or [""]
-    try:
-        return " ".join([repr(float(first) * 1.1 + 0.01), *rest])
-    except ValueError:
-        return value + "x"
-
-
-@pytest.mark.parametrize("model", [ROVER, ARM])
-def test_what_counts_as_used_is_used(tmp_path, model):
-    root, file = parsed(model), tmp_path / "robot.urdf"
-    file.write_bytes(etree.tostring(root))
-    ignored = load_robot_model(str(file), PACKAGES).ignored
-    before = outcome(file, root)
-    tree = root.getroottree()
-    items = [(tree.getpath(element), name) for element in root.iter() for name in element.attrib]
-    unused = set()
-    for path, name in random.Random(1).sample(items, min(len(items), 250)):
-        changed = copy.deepcopy(root)
-        (element,) = changed.getroottree().xpath(path)
-        element.set(name, other(element.get(name)))
-        if outcome(file, changed) == before:
-            unused.add((element.tag, name))
-    assert ignored == ()
-    assert unused <= WITHOUT_EFFECT.keys()
+def test_each_name_that_means_nothing_is_a_finding_with_its_line(robot):
+    assert list(misspelt_in_silence(robot, Random(1), 150)) == []

@@ -1,5 +1,4 @@
 import pytest
-from lxml import etree
 
 from drake_twin import TwinBuilder
 from drake_twin.description.unused_contact import unused_in_sdf, unused_in_urdf
@@ -18,7 +17,7 @@ def urdf(*gazebo, links=("left", "right")):
 
 
 def of_urdf(*gazebo, **options):
-    return unused_in_urdf(XmlReader(urdf(*gazebo, **options), None))
+    return [item.what for item in unused_in_urdf(XmlReader(urdf(*gazebo, **options), None))]
 
 
 def of(link, inside):
@@ -27,7 +26,8 @@ def of(link, inside):
 
 def of_sdf(surface, **options):
     text = f"<model name='m'><link name='l'><collision name='c'><surface>{surface}</surface></collision></link></model>"
-    return unused_in_sdf(etree.fromstring(text), with_links=True, **options)
+    reader = XmlReader(text)
+    return [item.what for item in unused_in_sdf(reader, reader.root, with_links=True, **options)]
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def of_sdf(surface, **options):
         ("<fdir1>1 0 0</fdir1>", [f"fdir1 of left: {ISOTROPY}"]),
         ("<slip1>0.1</slip1>", ["slip1 of left: without effect: nothing slips below its limit of friction"]),
         ("<sensor name='s' type='imu'><plugin><kp>3</kp></plugin></sensor>", []),
-        ("<kp>hard</kp>", []),
+        ("<kp>hard</kp>", [f"kp of left: {STIFFNESS}"]),
     ],
 )
 def test_what_a_urdf_asks_of_contact(inside, expected):
@@ -100,4 +100,4 @@ def test_a_twin_warns_of_it(tmp_path):
     robot = tmp_path / "r.urdf"
     robot.write_text(urdf(of("left", "<kp>1e6</kp><mu1>0.5</mu1>"), links=("left",)).replace("<link name='bare'/>", ""))
     twin = TwinBuilder().robot("r", robot, xyz=(0, 0, 2)).build()
-    assert twin.warnings == (f"r: kp of left: {STIFFNESS}",)
+    assert twin.warnings == (f"r: kp of left: {STIFFNESS} (r.urdf:1)",)

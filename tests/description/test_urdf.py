@@ -297,11 +297,6 @@ def test_another_kind_of_xml_is_refused():
     assert "a URDF's outermost element is <robot>" in refusal(parse_urdf, "<sdf/>")
 
 
-def test_lines_of_text_that_xacro_made_are_not_shown():
-    with pytest.raises(InputError, match=r"^arm\.urdf: <robot "):
-        robot("", lines_are_the_files=False)
-
-
 def test_an_entity_bomb_is_refused():
     entities = "".join(f"<!ENTITY e{i + 1} '{f'&e{i};' * 10}'>" for i in range(9))
     text = f"<!DOCTYPE robot [<!ENTITY e0 'aaaaaaaaaa'>{entities}]><robot name='&e9;'><link name='base'/></robot>"

@@ -23,7 +23,7 @@ def write_xacro(file: Path, body: str, before: str = "") -> Path:
 
 
 def link_of(file: Path, *folders: Path, **arguments: str) -> str:
-    text, _ = expand_xacro(file, arguments, PackageIndex(folders, {}))
+    text = expand_xacro(file, arguments, PackageIndex(folders, {})).text
     return etree.fromstring(text.encode()).find("link").get("name")
 
 
@@ -107,8 +107,8 @@ def test_an_entity_bomb_is_refused(tmp_path):
 def test_xacros_warnings_are_returned_with_their_file_and_not_printed(tmp_path, capsys):
     properties = "".join(f'<xacro:property name="{name}" value="1" unit="m"/>' for name in ("radius", "length"))
     file = write_xacro(tmp_path / "r.xacro", properties + '<link name="a"/>')
-    _, warnings = expand_xacro(file, {}, PackageIndex((), {}))
-    assert warnings == [f"xacro:property: unknown attribute(s): unit, when processing file: {file}"] * 2
+    warnings = expand_xacro(file, {}, PackageIndex((), {})).warnings
+    assert warnings == (f"xacro:property: unknown attribute(s): unit, when processing file: {file}",) * 2
     assert capsys.readouterr().err == ""
 
 

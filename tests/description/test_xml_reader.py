@@ -1,7 +1,9 @@
 import pytest
+from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader, described
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 TEXT = """<robot>
   <joint name="elbow">
@@ -68,10 +70,15 @@ def test_a_required_attribute_that_is_blank_counts_as_missing(value):
     assert "the attribute 'name' is missing" in refusal(reader.text, reader.root.find("link"), "name")
 
 
-def test_lines_of_generated_text_are_not_shown():
-    reader = reader_of(lower="one", lines_are_the_files=False)
+def test_places_of_generated_text_are_those_it_was_made_from():
+    count = len(list(reader_of(lower="one").root.iter()))
+    reader = reader_of(lower="one", places=[Place("part.xacro", 10 + number // 2) for number in range(count)])
+    reader = reader.copy()
     text = refusal(reader.number, reader.root.find("joint/limit"), "lower", 0.0)
-    assert text.startswith('arm.urdf: <limit> of <joint name="elbow">')
+    number = [element.tag for element in reader.root.iter()].index("limit")
+    assert text.startswith(f'part.xacro:{10 + number // 2}: <limit> of <joint name="elbow">')
+    added = etree.SubElement(reader.root, "link")
+    assert reader.place(added) == Place("arm.urdf")
 
 
 def test_xml_that_is_not_well_formed_gives_file_and_line():

@@ -72,7 +72,7 @@ def test_the_plugins_own_remapping_names_the_topics(make):
 def test_a_plugin_that_cannot_work_is_said_and_the_robot_is_there(make):
     twin = make(DIFF_DRIVE.format(ros="").replace(">left<", ">lft<"))
     assert twin.not_started == (
-        "cart: Gazebo plugin drive (libgazebo_ros_diff_drive.so): the robot has no movable joint 'lft' (line 21)",
+        "cart: Gazebo plugin drive (libgazebo_ros_diff_drive.so): the robot has no movable joint 'lft' (cart.urdf:21)",
     )
 
 
@@ -82,7 +82,7 @@ def test_of_two_plugins_that_hear_the_same_twist_the_one_with_wheels_drives(make
     )
     assert [controller.name for controller in twin.plans[0].controllers] == ["drive"]
     (reason,) = twin.not_started
-    assert "it would move the base besides drive, which drives wheels by the same topics (line" in reason
+    assert "it would move the base besides drive, which drives wheels by the same topics (cart.urdf:" in reason
 
 
 def test_gz_names_its_topics_by_the_model_and_ros_by_the_bridge(make):
