@@ -2,19 +2,19 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import PurePath
 from typing import Any
 
 
 class Kind(StrEnum):
-    """What became of it."""
+    """What became of it, in the order in which it is told."""
 
-    MENDED = "mended"
-    WARNING = "warning"
-    IGNORED = "ignored"
     NOT_STARTED = "not started"
+    IGNORED = "ignored"
+    WARNING = "warning"
+    MENDED = "mended"
     WINDOW = "window"  # of a program for people, such as RViz: the page is in its place, and nothing is missing
 
 
@@ -86,13 +86,17 @@ class Finding:
 
 def at_places(kind: Kind, found: Iterable[tuple[str, Place]]) -> Iterator[Finding]:
     """Findings of what was found at several places: one for each file, with its lines."""
-    lines: dict[tuple[str, str], list[int]] = {}
-    for what, place in found:
-        known = lines.setdefault((what, place.file), [])
-        if place.line is not None and place.line not in known:
-            known.append(place.line)
-    for (what, file), numbers in lines.items():
-        yield Finding(kind, what, file=file, lines=tuple(numbers))
+    return merged(Finding.at(kind, what, place) for what, place in found)
+
+
+def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Findings that differ in nothing but their lines as one."""
+    lines: dict[Finding, list[int]] = {}
+    for finding in findings:
+        known = lines.setdefault(replace(finding, lines=()), [])
+        known += [line for line in finding.lines if line not in known]
+    for finding, numbers in lines.items():
+        yield replace(finding, lines=tuple(numbers))
 
 
 def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
@@ -101,9 +105,10 @@ def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
 
 
 def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
-    """Kind and sentence of each, the same one about several robots once."""
+    """Kind and sentence of each, kind by kind, the same one about several robots once."""
     about: dict[tuple[Kind, str], list[str]] = {}
-    for finding in findings:
+    kinds = list(Kind)
+    for finding in sorted(findings, key=lambda finding: kinds.index(finding.kind)):
         robots = about.setdefault((finding.kind, finding.sentence), [])
         if finding.robot and finding.robot not in robots:
             robots.append(finding.robot)

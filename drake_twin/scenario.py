@@ -18,7 +18,7 @@ from typing import Any
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding
 
 # Drake's discrete solvers that honour joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
@@ -174,9 +174,7 @@ class Scenario:
         package_paths: folders of ROS packages to look in first.
         static_transforms: further frames.
         commands: what is published when.
-        not_started: what a launch file asked for and the twin does not do, each with the reason.
-        windows: of that, programs that only show something to people, which the page does.
-        places: an entry of these two → where the launch file asks for it.
+        findings: what a launch file asks for and the twin does not do, each with the reason.
 
     Raises:
         InputError: a value that no twin can be built from, such as two robots of one name.
@@ -191,9 +189,7 @@ class Scenario:
     package_paths: tuple[str, ...] = ()
     static_transforms: tuple[StaticTransform, ...] = ()
     commands: tuple[Command, ...] = ()
-    not_started: tuple[str, ...] = ()
-    windows: tuple[str, ...] = ()
-    places: Mapping[str, Place] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):

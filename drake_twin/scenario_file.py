@@ -4,6 +4,7 @@ import dataclasses
 import types
 import typing
 from collections.abc import Mapping
+from enum import Enum
 from math import isfinite, nan
 from pathlib import Path
 from typing import Any
@@ -86,6 +87,8 @@ def _as_plain(value: Any) -> Any:
         return {key: _as_plain(item) for key, item in value.items()}
     if isinstance(value, tuple):
         return [_as_plain(item) for item in value]
+    if isinstance(value, Enum):
+        return value.value
     if isinstance(value, float | int) and not isinstance(value, bool):
         return float(value) if isinstance(value, float) else int(value)  # NumPy's, too
     return value
@@ -132,6 +135,13 @@ def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath
             shown = repr(value) if len(repr(value)) <= 80 else repr(value)[:80] + "…"
             raise document.error(path, f"{shown} is not a finite number")
         return number
+    if issubclass(kind, Enum):
+        valid = [item.value for item in kind]
+        if value not in valid:
+            raise document.error(path, f"{value!r} is none of them", value=str(value), valid=valid)
+        return kind(value)
+    if kind is int and (not is_number or value != int(value)):
+        raise document.error(path, f"{value!r} is not a whole number")
     if kind is bool and not isinstance(value, bool):
         raise document.error(path, f"{value!r} is neither true nor false")
     if kind is str:

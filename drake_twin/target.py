@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError
 from drake_twin.scenario_file import ScenarioFile
 
@@ -160,7 +161,10 @@ def build_twin(target: Target, meshcat: Any = None) -> Any:
             scenario = replace(
                 scenario,
                 commands=scenario.commands[:index] + scenario.commands[index + 1 :],
-                not_started=(*scenario.not_started, f"ros2 topic pub {command.topic} ({error.reason})"),
+                findings=(
+                    *scenario.findings,
+                    Finding(Kind.NOT_STARTED, f"ros2 topic pub {command.topic} ({error.reason})"),
+                ),
             )
 
 

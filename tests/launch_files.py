@@ -3,8 +3,10 @@
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.findings import Kind
 from drake_twin.ros_launch.evaluate import evaluate
 from drake_twin.ros_launch.launched import Launched
+from drake_twin.scenario import Scenario
 
 _PYTHON = """\
 import os
@@ -62,3 +64,8 @@ def value_of(folder: Path, substitution: str, before: str = "", **arguments: str
     """The text of a substitution, written in Python."""
     launched = launch_python(folder, f"LogInfo(msg={substitution})", before, **arguments)
     return launched.log[-1]
+
+
+def not_started(scenario: Scenario, kind: Kind = Kind.NOT_STARTED) -> tuple[str, ...]:
+    """What a launch file asks for and the twin does not start."""
+    return tuple(item.what for item in scenario.findings if item.kind is kind)

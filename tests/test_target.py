@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from launch_files import not_started
 
 from drake_twin.description.package_index import share_folder
 from drake_twin.errors import InputError
@@ -82,7 +83,7 @@ def test_arguments_reach_the_launch_file(tmp_path):
 
 
 def test_arguments_that_the_file_does_not_have_are_listed():
-    assert target(ARM, "modle:=x").scenario.not_started == ("argument modle (no file declares it)",)
+    assert not_started(target(ARM, "modle:=x").scenario) == ("argument modle (no file declares it)",)
 
 
 def test_required_arguments_without_a_value_are_listed(tmp_path):

@@ -216,21 +216,12 @@ def _build(
         world_models=parts.world_models,
         shapes=parts.shapes,
         findings=(
-            *(_launched(scenario, Kind.NOT_STARTED, reason) for reason in scenario.not_started),
-            *(_launched(scenario, Kind.WINDOW, window) for window in scenario.windows),
+            *scenario.findings,
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
             *(() if world_file is None else world_file.ignored),
             *(Finding(Kind.WARNING, warning) for warning in parts.warnings),
         ),
     )
-
-
-def _launched(scenario: Scenario, kind: Kind, what: str) -> Finding:
-    """What a launch file asks for and the twin does not start."""
-    place = scenario.places.get(what)
-    if place is None:
-        return Finding(kind, what)
-    return Finding.at(kind, what, place)
 
 
 def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding
 from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
@@ -61,9 +61,7 @@ class TwinBuilder:
         self._robots: list[Robot] = []
         self._static_transforms: list[StaticTransform] = []
         self._commands: list[Command] = []
-        self._not_started: list[str] = []
-        self._windows: list[str] = []
-        self._places: dict[str, Place] = {}
+        self._findings: list[Finding] = []
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Looks for ROS packages in a folder first."""
@@ -135,9 +133,7 @@ class TwinBuilder:
         self._robots += scenario.robots
         self._static_transforms += scenario.static_transforms
         self._commands += scenario.commands
-        self._not_started += scenario.not_started
-        self._windows += scenario.windows
-        self._places |= scenario.places
+        self._findings += scenario.findings
         for line in launched.log:
             _log.info("%s", line)
         if scenario.time_step != 0.001:
@@ -205,9 +201,7 @@ class TwinBuilder:
             package_paths=tuple(self._package_paths),
             static_transforms=tuple(self._static_transforms),
             commands=tuple(self._commands),
-            not_started=tuple(self._not_started),
-            windows=tuple(self._windows),
-            places=self._places,
+            findings=tuple(self._findings),
         )
 
     def build(self) -> Twin:

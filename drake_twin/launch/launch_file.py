@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding, Kind, Place, merged
 from drake_twin.launch.launched_controllers import (
     ControllerRequest,
     as_nodes,
@@ -62,8 +62,7 @@ class LaunchedTwin:
     """A launch file as a scenario.
 
     Attributes:
-        scenario: the scenario; its ``not_started`` and ``windows`` name what the launch file asks for and the
-            twin does not do.
+        scenario: the scenario; its findings name what the launch file asks for and the twin does not do.
         paused: whether the simulator is started paused, as gz without ``-r``.
         only_displayed: whether no robot is spawned or controlled, so that there is no physics.
         log: what the launch file prints, and what was assumed.
@@ -129,13 +128,11 @@ class _LaunchedScenario:
         self._folders = tuple(dict.fromkeys(folders))
         self._packages = PackageIndex(self._folders)
         self._log = list(launched.log)
-        self._not_started: list[str] = []
-        self._windows: list[str] = []
-        self._places: dict[str, Place] = {}
+        self._findings: list[Finding] = []
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[tuple[StaticTransform, LaunchedProcess]] = []
-        self._worlds: list[WorldStart] = []
+        self._worlds: list[tuple[WorldStart, Place]] = []
         self._plans: list[RobotPlan] = []
 
     def build(self, time_step: float | None) -> LaunchedTwin:
@@ -145,11 +142,11 @@ class _LaunchedScenario:
             InputError: there is no robot.
         """
         found = LaunchedRobots(self._processes, self._packages)
-        self._not_started += found.not_started
+        self._findings += found.findings
         self._log += found.warnings
         for process in self._processes:
             self._sort(process, found)
-        self._not_started += _what_never_came(self._launched)
+        self._findings += _what_never_came(self._launched, self._file)
         if not found.robots:
             raise self._no_robot()
         robots = self._robots(found)
@@ -162,11 +159,9 @@ class _LaunchedScenario:
             package_paths=self._folders,
             static_transforms=tuple(self._usable_frames()),
             commands=tuple(_not_faster(command, step) for command in self._commands),
-            not_started=tuple(dict.fromkeys(self._not_started)),
-            windows=tuple(dict.fromkeys(self._windows)),
-            places=self._places | found.places,
+            findings=tuple(merged(self._findings)),
         )
-        paused = bool(self._worlds) and self._worlds[-1].paused
+        paused = bool(self._worlds) and self._worlds[-1][0].paused
         return LaunchedTwin(scenario, paused, found.only_displayed, tuple(self._log))
 
     def _sort(self, process: LaunchedProcess, found: LaunchedRobots) -> None:
@@ -180,21 +175,20 @@ class _LaunchedScenario:
             elif process.executable == "static_transform_publisher":
                 self._frames.append((static_frame(process), process))
             elif (world := process.world if process.kind == WORLD else _world_of_command(process)) is not None:
-                self._worlds += [] if world.window_only else [world]
+                self._worlds += [] if world.window_only else [(world, process.place)]
             elif not (
                 is_spawner(process)
                 or is_state_publisher(process)
                 or (process.package, process.executable) in _BUILT_IN
                 or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
             ):
-                self._drop(why_not_started(process), process, window=is_window(process))
+                self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)
         except InputError as error:
             self._drop(f"{process.what}: {error}", process)
 
-    def _drop(self, what: str, process: LaunchedProcess, *, window: bool = False) -> None:
+    def _drop(self, what: str, process: LaunchedProcess, kind: Kind = Kind.NOT_STARTED) -> None:
         """Notes what is not started, with the place that asks for it."""
-        (self._windows if window else self._not_started).append(what)
-        self._places.setdefault(what, process.place)
+        self._findings.append(Finding.at(kind, what, process.place))
 
     def _usable_frames(self) -> Iterator[StaticTransform]:
         """The static transforms that leave each frame, those of the robots included, one parent."""
@@ -216,7 +210,7 @@ class _LaunchedScenario:
 
     def _robots(self, found: LaunchedRobots) -> list[Robot]:
         robots: list[Robot] = []
-        managers = _by_manager(found.robots, self._requests, self._not_started, self._log)
+        managers = _by_manager(found.robots, self._requests, self._findings, self._log)
         links: dict[str, str] = {}
         taken: set[str] = set()
         for launched in found.robots:
@@ -252,7 +246,8 @@ class _LaunchedScenario:
                     if topic not in taken
                 },
             )
-            plan = self._planned(robot, only_displayed=found.only_displayed, on_ground=pose is None)
+            asked = {request.name: request.process for request in requests}
+            plan = self._planned(robot, asked, only_displayed=found.only_displayed, on_ground=pose is None)
             taken |= _topics_of(plan)
             self._plans.append(plan)
             robots.append(plan.robot)
@@ -277,7 +272,9 @@ class _LaunchedScenario:
         filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
         return str(file) if filled == text else parameter_file(ParameterText(file, filled))
 
-    def _planned(self, robot: Robot, *, only_displayed: bool, on_ground: bool) -> RobotPlan:
+    def _planned(
+        self, robot: Robot, asked: Mapping[str, LaunchedProcess], *, only_displayed: bool, on_ground: bool
+    ) -> RobotPlan:
         """The robot without the controllers that its parameters files lack, which a spawner would wait for in vain.
 
         One that is only displayed has its broadcaster of joint states in place of a joint_state_publisher.
@@ -298,7 +295,7 @@ class _LaunchedScenario:
                     raise
                 if name not in (*(robot.active_controllers or ()), *robot.inactive_controllers):
                     raise
-                self._not_started.append(f"controller {name} of {robot.name}: {reason}")
+                self._drop(f"controller {name} of {robot.name}: {reason}", asked[name])
                 robot = replace(
                     robot,
                     active_controllers=tuple(item for item in robot.active_controllers or () if item != name),
@@ -344,16 +341,17 @@ class _LaunchedScenario:
     def _world(self, found: LaunchedRobots) -> tuple[World, float | None]:
         if found.only_displayed:
             return World(gravity=(0.0, 0.0, 0.0), ground=False), None
-        name = next((world.world for world in reversed(self._worlds) if world.world), None)
-        if name is None:
+        started = next(((world.world, place) for world, place in reversed(self._worlds) if world.world), None)
+        if started is None:
             return World(), None
+        name, place = started
         from drake_twin.description.world_file import read_world
 
         try:
             address = _address(name, self._file)
             world = read_world(address, self._packages)
         except InputError as error:
-            self._not_started.append(f"world {name}: {error}")
+            self._findings.append(Finding.at(Kind.NOT_STARTED, f"world {name}: {error}", place))
             return World(), None
         step = world.max_step_size
         usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP
@@ -366,7 +364,7 @@ class _LaunchedScenario:
             text += f" for its controllers ({names}): it is a part of a launch, to be included where a robot is"
         if self._launched.shutdown is not None:
             text += f": it ends itself ({self._launched.shutdown})"
-        reasons = dict.fromkeys(self._not_started)
+        reasons = dict.fromkeys(item.what for item in self._findings if item.kind is Kind.NOT_STARTED)
         if reasons:
             text += f". Not started: {'; '.join(reasons)}"
         if self._launched.absent_packages:
@@ -395,7 +393,7 @@ def _folders_of(file: Path, processes: Iterable[LaunchedProcess]) -> Iterable[st
 
 
 def _by_manager(
-    robots: Sequence[LaunchedRobot], requests: Sequence[ControllerRequest], not_started: list[str], log: list[str]
+    robots: Sequence[LaunchedRobot], requests: Sequence[ControllerRequest], findings: list[Finding], log: list[str]
 ) -> dict[str, list[ControllerRequest]]:
     """Robot → the requests to its controller manager."""
     controlled = [robot for robot in robots if robot.controller_manager is not None]
@@ -408,9 +406,9 @@ def _by_manager(
         owners = owners or (controlled if len(controlled) == 1 else [])
         if not owners:
             known = ", ".join(str(robot.controller_manager) for robot in controlled) or "none"
-            not_started.append(
-                f"controller {request.name} ({request.process.what}: there is no {request.manager}; there is {known})"
-            )
+            why = f"{request.process.what}: there is no {request.manager}; there is {known}"
+            what = f"controller {request.name} ({why})"
+            findings.append(Finding.at(Kind.NOT_STARTED, what, request.process.place))
             continue
         manager = str(owners[0].controller_manager)
         assumed = f"{request.process.what} waits for {request.manager}, and there is {manager}: it is taken"
@@ -512,12 +510,13 @@ def _address(name: str, launch_file: Path) -> str:
     return str(beside.absolute()) if beside.is_file() else name
 
 
-def _what_never_came(launched: Launched) -> list[str]:
-    return [
-        *(f"include {item.what} ({item.place}: {item.reason})" for item in launched.failed_includes),
-        *(f"event handler at {item.place} ({item.what} never happens)" for item in launched.unfired_handlers),
-        *(f"argument {name} (no file declares it)" for name in launched.undeclared_arguments),
-    ]
+def _what_never_came(launched: Launched, file: Path) -> Iterator[Finding]:
+    for include in launched.failed_includes:
+        yield Finding.at(Kind.NOT_STARTED, f"include {include.what} ({include.reason})", include.place)
+    for handler in launched.unfired_handlers:
+        yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
+    for name in launched.undeclared_arguments:
+        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it)", Place(str(file)))
 
 
 def _ancestors(frame: str, parents: Mapping[str, str]) -> set[str]:

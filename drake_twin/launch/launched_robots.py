@@ -13,7 +13,7 @@ from drake_twin.description.robot_description import GazeboPlugin, Pose
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding, Kind
 from drake_twin.launch.command_line import CommandLine, command_line
 from drake_twin.ros_launch.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.ros_launch.packages import lasting_folder
@@ -86,8 +86,7 @@ class LaunchedRobots:
 
     Attributes:
         robots: the robots, in the order in which they start.
-        not_started: what names a robot and cannot bring it, each with the reason.
-        places: an entry of it → where the launch file asks for it.
+        findings: what names a robot and cannot bring it, each with the reason.
         warnings: what was assumed.
     """
 
@@ -95,8 +94,7 @@ class LaunchedRobots:
         self._packages = packages
         self._publishers = [process for process in processes if is_state_publisher(process)]
         self.robots: list[LaunchedRobot] = []
-        self.not_started: list[str] = []
-        self.places: dict[str, Place] = {}
+        self.findings: list[Finding] = []
         self.warnings: list[str] = []
         for process in processes:
             if is_spawner(process):
@@ -269,8 +267,7 @@ class LaunchedRobots:
         return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
 
     def _drop(self, what: str, process: LaunchedProcess) -> None:
-        self.not_started.append(what)
-        self.places.setdefault(what, process.place)
+        self.findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
 
     def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
         if file.startswith(("http://", "https://")):

@@ -2,9 +2,10 @@
 
 import pytest
 from hinge import command, create, gz, launched, launched_hinge, node, publisher, spawner, write_hinge
-from launch_files import write, write_python
+from launch_files import not_started, write, write_python
 
 from drake_twin.description.package_index import share_folder
+from drake_twin.findings import Kind
 from drake_twin.launch.launch_file import launch_description_scenario, launch_file_scenario
 from drake_twin.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin import Twin
@@ -30,7 +31,7 @@ def test_the_rovers_topics_are_what_ros_would_name_them(rovers):
             f"{name}/ground_truth/odom",
         }
     assert set(topics) == expected
-    assert rovers.scenario.not_started == ()
+    assert not_started(rovers.scenario) == ()
     assert (rovers.paused, rovers.only_displayed, rovers.log) == (False, False, ())
 
 
@@ -95,7 +96,7 @@ def test_a_launch_description_in_plain_python_is_the_same(tmp_path):
 def test_every_way_to_start_a_world(tmp_path, entities, file, paused):
     launch = launched_hinge(tmp_path, entities)
     assert (launch.scenario.world.file, launch.paused) == (file, paused)
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_the_worlds_step_is_the_scenarios_unless_one_is_given(tmp_path):
@@ -113,7 +114,7 @@ def test_the_worlds_step_is_the_scenarios_unless_one_is_given(tmp_path):
 def test_a_world_file_that_is_missing_is_named_and_the_robot_stands_on_the_ground(tmp_path):
     launch = launched_hinge(tmp_path, gz(f"-r {tmp_path}/gone.sdf"))
     assert launch.scenario.world.file is None
-    (reason,) = launch.scenario.not_started
+    (reason,) = not_started(launch.scenario)
     assert reason.startswith(f"world {tmp_path}/gone.sdf: ")
     assert "there is no world file" in reason
 
@@ -144,14 +145,14 @@ def test_a_frame_that_has_a_parent_is_left_out_and_the_robot_runs(tmp_path, pare
         node("tf2_ros", "static_transform_publisher", "--frame-id", parent, "--child-frame-id", child),
     ]
     launch = launched_hinge(tmp_path, *entities)
-    assert launch.scenario.not_started == (f"tf2_ros/static_transform_publisher ({reason})",)
+    assert not_started(launch.scenario) == (f"tf2_ros/static_transform_publisher ({reason})",)
     assert [item.child for item in launch.scenario.static_transforms] == ["camera"]
     assert "/tf" in Twin(launch.scenario).topics()
 
 
 def test_a_frame_publisher_with_both_forms_is_named_with_its_line(tmp_path):
     words = ("0", "0", "0", "0", "0", "0", "a", "b", "--x", "1")
-    (reason,) = launched_hinge(tmp_path, node("tf2_ros", "static_transform_publisher", *words)).scenario.not_started
+    (reason,) = not_started(launched_hinge(tmp_path, node("tf2_ros", "static_transform_publisher", *words)).scenario)
     assert reason.startswith(f"tf2_ros/static_transform_publisher: {tmp_path}/test.launch.py:")
     assert "both the old form of arguments (numbers and frames) and the new one" in reason
 
@@ -198,7 +199,7 @@ def test_one_bridge_names_the_topics_of_two_robots(tmp_path):
     topics = Twin(launch.scenario).topics()
     assert {"/a/cmd_vel", "/a/odom", "/b/cmd_vel", "/b/odom"} <= set(topics)
     assert not [topic for topic in topics if topic.startswith("/model/")]
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_a_bridges_file_names_topics_too(tmp_path):
@@ -226,8 +227,8 @@ def test_what_the_twin_does_not_do_is_listed_once_with_its_reason(tmp_path):
         command("ls"),
     ]
     scenario = launched_hinge(tmp_path, *entities).scenario
-    assert scenario.windows == ("rviz2/rviz2 (the page shows the robots)",)
-    assert scenario.not_started == (
+    assert not_started(scenario, Kind.WINDOW) == ("rviz2/rviz2 (the page shows the robots)",)
+    assert not_started(scenario) == (
         "foo/bar (the twin runs no nodes: what it publishes can come from --pub or Twin.publish)",
         "joint_state_publisher/joint_state_publisher (joint states come from the simulation)",
         "slam_toolbox/async_slam_toolbox_node (mapping is another program's work)",
@@ -236,7 +237,7 @@ def test_what_the_twin_does_not_do_is_listed_once_with_its_reason(tmp_path):
 
 
 def test_an_executable_that_is_nearly_a_known_one_suggests_it(tmp_path):
-    (reason,) = launched_hinge(tmp_path, node("ros_gz_sim", "creat")).scenario.not_started
+    (reason,) = not_started(launched_hinge(tmp_path, node("ros_gz_sim", "creat")).scenario)
     assert reason == "ros_gz_sim/creat (the twin knows no 'creat' of ros_gz_sim; did you mean 'create'?)"
 
 
@@ -250,7 +251,7 @@ def test_arguments_handlers_and_includes_that_come_to_nothing_are_listed(tmp_pat
         "never = Node(package='rviz2', executable='rviz2')",
     )
     launch = launch_file_scenario(file, {"robot_nmae": "x"})
-    text = "\n".join(launch.scenario.not_started)
+    text = "\n".join(not_started(launch.scenario))
     assert "include " in text
     assert "absent_pkg" in text
     assert "never happens" in text

@@ -2,7 +2,7 @@
 
 import pytest
 from hinge import RENAMED, command, create, launched, launched_hinge, node, publisher, spawner, write_hinge
-from launch_files import write
+from launch_files import not_started, write
 
 from drake_twin.scenario import Command
 
@@ -42,7 +42,7 @@ def states(launch):
 def test_every_way_to_activate_controllers(tmp_path, entities):
     launch = launched_hinge(tmp_path, entities)
     assert states(launch) == (("states", "velocity"), ())
-    assert (launch.scenario.not_started, launch.log) == ((), ())
+    assert (not_started(launch.scenario), launch.log) == ((), ())
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_every_way_to_activate_controllers(tmp_path, entities):
 def test_every_way_to_leave_controllers_inactive_or_out(tmp_path, entities, expected):
     launch = launched_hinge(tmp_path, entities)
     assert states(launch) == expected
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def in_namespace(folder, *entities):
@@ -105,13 +105,13 @@ def in_namespace(folder, *entities):
 def test_a_controller_manager_is_named_as_ros_resolves_it(tmp_path, entity):
     active, launch = in_namespace(tmp_path, entity)
     assert active == {"left": (), "right": ("states",)}
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_a_manager_that_no_robot_has_is_not_started_where_there_are_several(tmp_path):
     active, launch = in_namespace(tmp_path, spawner("states"))
     assert active == {"left": (), "right": ()}
-    (reason,) = launch.scenario.not_started
+    (reason,) = not_started(launch.scenario)
     assert reason == (
         "controller states (controller_manager/spawner: there is no /controller_manager; there is"
         " /left/controller_manager, /right/controller_manager)"
@@ -128,7 +128,7 @@ def test_the_only_manager_is_taken_for_one_of_another_name_and_that_is_said(tmp_
 def test_a_controller_that_the_parameters_files_lack_is_named_and_the_others_start(tmp_path):
     launch = launched_hinge(tmp_path, spawner("states", "wings", "velocity"))
     assert states(launch) == (("states", "velocity"), ())
-    assert launch.scenario.not_started == (
+    assert not_started(launch.scenario) == (
         "controller wings of hinge: the parameters files have no controller 'wings'",
     )
 
@@ -143,13 +143,13 @@ def test_a_parameters_file_beside_the_plugins(tmp_path, form):
     launch = launched_hinge(tmp_path, spawner("velocity"), entity)
     assert states(launch) == (("velocity", "extra"), ())
     assert launch.scenario.robots[0].controllers == (str(tmp_path / "controllers.yaml"), str(file))
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_a_parameters_file_that_is_not_there_is_named(tmp_path):
     launch = launched_hinge(tmp_path, spawner("extra", "--param-file", "/nowhere.yaml"), spawner("states"))
     assert states(launch) == (("states",), ())
-    missing, lacking = launch.scenario.not_started
+    missing, lacking = not_started(launch.scenario)
     assert "test.launch.py:" in missing
     assert "the parameters file /nowhere.yaml does not exist" in missing
     assert "no controller 'extra'" in lacking
@@ -189,7 +189,7 @@ ONCE = [Command("/velocity/commands", (1.0,), 0.0)]
 def test_what_ros2_topic_pub_publishes(tmp_path, words, expected):
     launch = launched_hinge(tmp_path, command("ros2", "topic", "pub", *words))
     assert list(launch.scenario.commands) == expected
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_a_timer_publishes_in_simulation_time(tmp_path):
@@ -202,7 +202,7 @@ def test_a_line_of_the_shell_is_what_its_commands_are(tmp_path):
     line = f"source /opt/x; sleep 2 && ros2 topic pub --once /velocity/commands {TYPE} '{{data: [1.0]}}'; rosbag play"
     launch = launched_hinge(tmp_path, command("bash", "-c", line))
     assert launch.scenario.commands == (Command("/velocity/commands", (1.0,), 2.0),)
-    assert launch.scenario.not_started == ("rosbag (the twin records with --record)",)
+    assert not_started(launch.scenario) == ("rosbag (the twin records with --record)",)
 
 
 @pytest.mark.parametrize(
@@ -219,6 +219,6 @@ def test_a_line_of_the_shell_is_what_its_commands_are(tmp_path):
 def test_a_publication_that_ros_refuses_is_named_with_its_line(tmp_path, words, message):
     launch = launched_hinge(tmp_path, command("ros2", "topic", "pub", *words))
     assert launch.scenario.commands == ()
-    (reason,) = launch.scenario.not_started
+    (reason,) = not_started(launch.scenario)
     assert message in reason
     assert "test.launch.py:" in reason

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from hinge import create, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
-from launch_files import write
+from launch_files import not_started, write
 
 from drake_twin.errors import InputError
 
@@ -50,14 +50,14 @@ def test_every_way_to_spawn_an_entity(tmp_path, form):
     (robot,) = launch.scenario.robots
     assert (robot.name, robot.xyz, robot.rpy) == ("r", (1, -2, 0.5), (0.1, 0.2, -0.3))
     assert '<joint name="hinge"' in Path(robot.model).read_text()
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_an_entity_without_a_name_has_its_descriptions(tmp_path):
     assert list(robots(launched_hinge(tmp_path))) == ["hinge"]
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), node("gazebo_ros", "spawn_entity.py", "-entity", "r"))
     assert list(robots(launch)) == ["hinge"]  # only displayed
-    assert "it is given neither -topic nor -file" in launch.scenario.not_started[0]
+    assert "it is given neither -topic nor -file" in not_started(launch.scenario)[0]
 
 
 def test_the_plugins_namespace_is_the_robots(tmp_path):
@@ -78,7 +78,7 @@ def test_robot_namespaces_keep_two_of_one_description_apart(tmp_path):
     found = robots(launch)
     assert [robot.topic_namespace for robot in found.values()] == ["/left", "/right"]
     assert [robot.active_controllers for robot in found.values()] == [("velocity",), ("velocity",)]
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
 
 
 def test_two_robots_in_one_namespace_are_kept_apart_and_both_run(tmp_path):
@@ -98,7 +98,7 @@ def test_two_robots_in_one_namespace_are_kept_apart_and_both_run(tmp_path):
 def test_an_entity_that_exists_is_refused_as_gazebo_does(tmp_path):
     launch = launched_hinge(tmp_path, create("-topic", "robot_description", "-name", "hinge"))
     assert list(robots(launch)) == ["hinge"]
-    (reason,) = launch.scenario.not_started
+    (reason,) = not_started(launch.scenario)
     assert reason.startswith(f"ros_gz_sim/create: {tmp_path}/test.launch.py:")
     assert "Entity [hinge] already exists." in reason
 
@@ -124,7 +124,7 @@ def test_spawning_one_model_twice_through_launch_files_is_refused_too(tmp_path):
     )
     launch = launched(tmp_path, include, include)
     assert list(robots(launch)) == ["q"]
-    assert "Entity [q] already exists." in launch.scenario.not_started[0]
+    assert "Entity [q] already exists." in not_started(launch.scenario)[0]
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_spawning_one_model_twice_through_launch_files_is_refused_too(tmp_path):
 def test_an_entity_that_cannot_be_made_is_named_and_the_other_robot_runs(tmp_path, arguments, message):
     launch = launched_hinge(tmp_path, create(*arguments))
     assert list(robots(launch)) == ["hinge"]
-    (reason,) = launch.scenario.not_started
+    (reason,) = not_started(launch.scenario)
     assert message in reason
 
 
@@ -159,8 +159,8 @@ def test_a_topic_that_nobody_publishes_is_said(tmp_path):
         create("-topic", "/b/robot_description", "-name", "s"),
     )
     assert list(robots(two)) == ["s"]
-    assert "nobody publishes a description on /c/robot_description" in two.scenario.not_started[0]
-    assert "Valid: /a/robot_description, /b/robot_description" in two.scenario.not_started[0]
+    assert "nobody publishes a description on /c/robot_description" in not_started(two.scenario)[0]
+    assert "Valid: /a/robot_description, /b/robot_description" in not_started(two.scenario)[0]
 
 
 # --- without a simulator
@@ -174,7 +174,7 @@ def test_a_ros2_control_node_without_a_simulator_is_a_twin_of_its_robot(tmp_path
     (robot,) = launch.scenario.robots
     assert (robot.name, robot.topic_namespace, robot.controllers) == ("hinge", "/a", (str(parameters),))
     assert robot.active_controllers == ("states", "velocity")
-    assert (launch.only_displayed, launch.scenario.not_started) == (False, ())
+    assert (launch.only_displayed, not_started(launch.scenario)) == (False, ())
 
 
 def test_two_ros2_control_nodes_of_one_description(tmp_path):
@@ -204,7 +204,7 @@ def test_a_ros2_control_nodes_remappings_name_its_controllers_topics(tmp_path):
 def test_a_ros2_control_node_beside_a_simulator_is_not_started(tmp_path):
     launch = launched_hinge(tmp_path, node("controller_manager", "ros2_control_node"))
     assert list(robots(launch)) == ["hinge"]
-    (reason,) = launch.scenario.not_started
+    (reason,) = not_started(launch.scenario)
     assert "the simulated robot has a controller manager of its own" in reason
 
 
@@ -217,7 +217,7 @@ def test_a_description_alone_is_displayed_with_its_joints_states(tmp_path):
     gui = node("joint_state_publisher_gui", "joint_state_publisher_gui")
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), gui)
     assert launch.only_displayed
-    assert launch.scenario.not_started == ()
+    assert not_started(launch.scenario) == ()
     assert launch.scenario.world.gravity == (0, 0, 0)
     assert list(Twin(launch.scenario).latest("/joint_states").name) == ["hinge"]
 
