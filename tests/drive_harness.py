@@ -42,7 +42,8 @@ class Driven:
 
     def __init__(self, kind, parameters, *, period=0.01, links=("base_link",), wheels=None, upstream=None, **setup):
         cls = controller_class(kind)
-        values, self.warnings = read_parameters(cls.Parameters, ControllerParameters("drive", kind, parameters))
+        values, findings = read_parameters(cls.Parameters, ControllerParameters("drive", kind, parameters))
+        self.warnings = tuple(finding.what for finding in findings)
         joints = [Joint(f"joint_of_{link}", "fixed", links[0], link) for link in links[1:]]
         description = RobotDescription("robot", tuple(links), tuple(joints))
         claims = cls.claimed_interfaces(values, description)

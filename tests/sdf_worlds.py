@@ -31,3 +31,8 @@ def refusal(call, *arguments, **named):
     with pytest.raises(InputError) as raised:
         call(*arguments, **named)
     return str(raised.value)
+
+
+def findings(world):
+    """What is said of a world, without the places."""
+    return tuple(finding.what for finding in world.findings)

@@ -8,6 +8,7 @@ from typing import Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
 
@@ -24,13 +25,13 @@ class ControllerParameters:
         name: the controller's name; its topics stand below it.
         type: the plugin's name, for example ``forward_command_controller/ForwardCommandController``.
         parameters: its ``ros__parameters``.
+        sources: the documents that say them, the last word last, and where they stand there.
     """
 
     name: str
     type: str
     parameters: Mapping[str, Any]
-    document: YamlDocument | None = None
-    path: ValuePath = ()
+    sources: tuple[tuple[YamlDocument, ValuePath], ...] = ()
 
     def names(self, parameter: str) -> tuple[str, ...]:
         """A parameter that is a list of names; empty when it is not given."""
@@ -48,9 +49,22 @@ class ControllerParameters:
 
     def error(self, message: str, *path: str | int, **more: Any) -> InputError:
         """An error that points at a parameter of this controller."""
-        if self.document is None:
+        if not self.sources:
             return InputError(f"controller {self.name!r}: {message}", **more)
-        return self.document.error((*self.path, *path), message, **more)
+        document, above = self._source(path)
+        return document.error((*above, *path), message, **more)
+
+    def place(self, *path: str | int) -> Place:
+        """Where a parameter of this controller is written."""
+        if not self.sources:
+            return Place("")
+        document, above = self._source(path)
+        return Place(str(document.file), document.line((*above, *path)))
+
+    def _source(self, path: ValuePath) -> tuple[YamlDocument, ValuePath]:
+        """The last of the sources that says something of a parameter."""
+        named = (source for source in reversed(self.sources) if path and source[0].has((*source[1], *path[:1])))
+        return next(named, self.sources[-1])
 
 
 @dataclass(frozen=True)
@@ -116,8 +130,8 @@ def read_controllers(
         found = nodes.get(name, [])
         for *_, parameters in found:
             merged.update(parameters)
-        document_and_path = found[-1][:2] if found else places.get(name, (None, ()))
-        controllers.append(ControllerParameters(name, kind, merged, *document_and_path))
+        sources = [entry[:2] for entry in found] or [places[name]] if name in places or found else []
+        controllers.append(ControllerParameters(name, kind, merged, tuple(sources)))
     return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers))
 
 

@@ -19,6 +19,7 @@ from math import isnan
 from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerParameters
+from drake_twin.findings import Finding, Kind
 
 # Parameters that every node of ROS 2 has, and those that ros2_control itself reads for any controller.
 _OF_EVERY_NODE = frozenset(
@@ -50,7 +51,7 @@ class ParameterError(ValueError):
         self.path = path
 
 
-def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, tuple[str, ...]]:
+def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, tuple[Finding, ...]]:
     """A controller's parameters, and what was said in them that changes nothing.
 
     Args:
@@ -64,7 +65,7 @@ def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, 
         InputError: a value of the wrong type or out of its bounds, or a required parameter that is missing; with file
             and line.
     """
-    warnings: list[str] = []
+    warnings: list[Finding] = []
     values = _nested(controller.parameters)
     for dialect in getattr(kind, "dialects", ()):
         if dialect.signs & values.keys():
@@ -107,7 +108,7 @@ def _nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return nested
 
 
-def _read_class(kind: type, values: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:
+def _read_class(kind: type, values: Any, controller: ControllerParameters, path: Path, warnings: list[Finding]) -> Any:
     if not isinstance(values, dict):
         raise controller.error(f"{values!r} is not a mapping of parameters", *path)
     fields = {item.name: item for item in dataclasses.fields(kind)}
@@ -116,7 +117,8 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
     for name in values:
         if name not in fields and not (not path and name in _OF_EVERY_NODE):
             where = ".".join(map(str, (*path, name)))
-            warnings.append(f"controller {controller.name}: there is no parameter {where!r}, it is ignored")
+            what = f"controller {controller.name}: there is no parameter {where!r}, it is ignored"
+            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name)))
     given = {}
     for name, item in fields.items():
         if name not in values:
@@ -131,7 +133,8 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
         default = item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
         if "unsupported" in item.metadata and not _same(value, default):
             where = ".".join(map(str, (*path, name)))
-            warnings.append(f"controller {controller.name}: {where} is ignored: {item.metadata['unsupported']}")
+            what = f"controller {controller.name}: {where} is ignored: {item.metadata['unsupported']}"
+            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name)))
         given[name] = value
     try:
         return kind(**given)
@@ -150,7 +153,7 @@ def _of_joints_apart(values: dict[str, Any], field: str, fields: Mapping[str, An
     return {name: value for name, value in values.items() if name not in joints} | {field: joints}
 
 
-def _read(annotation: Any, value: Any, controller: ControllerParameters, path: Path, warnings: list[str]) -> Any:
+def _read(annotation: Any, value: Any, controller: ControllerParameters, path: Path, warnings: list[Finding]) -> Any:
     origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
     if dataclasses.is_dataclass(annotation):
         return _read_class(typing.cast(type, annotation), value, controller, path, warnings)

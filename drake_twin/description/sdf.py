@@ -62,6 +62,7 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         assert parent is not None
         parent.remove(sensor)
     findings = unused_in_sdf(reader, model, with_links=True)
-    findings += [Finding(Kind.WARNING, what) for what in mend_model(model, reader, packages.resolve)]
+    mended = mend_model(model, reader, packages.resolve)
+    findings += [finding for finding in mended if finding.kind is not Kind.IGNORED]  # which `unread` says with lines
     text = etree.tostring(reader.root, encoding="unicode")
     return PreparedSdf(text, is_fixed, own_name, tuple(findings))

@@ -14,7 +14,7 @@ from drake_twin.description.package_index import MissingPackageError, PackageInd
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding, Kind, Place
 
 # What no world holds; more is a mistake or a bomb.
 _MOST_INCLUDES = 10_000
@@ -47,13 +47,15 @@ class SdfIncludes:
         packages: resolves addresses.
 
     Attributes:
-        warnings: what could not be included, each with its file and line.
+        findings: what could not be included.
         missing: packages and models that are nowhere, with the places where they were looked for.
+        asked: where they are asked for.
     """
 
     packages: PackageIndex
-    warnings: list[str] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
     missing: dict[str, str] = field(default_factory=dict)
+    asked: list[Place] = field(default_factory=list)
     _count: int = 0
 
     def model(self, include: etree._Element, reader: XmlReader, above: tuple[Path, ...]) -> "IncludedModel | None":
@@ -76,8 +78,8 @@ class SdfIncludes:
         try:
             return self._model(address, include, reader, above)
         except NotIncludedError as reason:
-            place = str(reader.place(include))
-            self.warnings.append(f"{place}: {address} is not included: {reason}")
+            what = f"{address} is not included: {reason}"
+            self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(include)))
             return None
 
     def _model(
@@ -85,6 +87,7 @@ class SdfIncludes:
     ) -> "IncludedModel | None":
         found = self._text(address, reader.file)
         if found is None:
+            self.asked.append(reader.place(include))
             return None  # told once for all that the package lacks
         text, file = found
         if file in above:

@@ -4,7 +4,7 @@ Each rule is one function on the XML tree of the file that the model stands in, 
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import isfinite
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from drake_twin.description.sdf_includes import free_name
 from drake_twin.description.sdf_pose import pose_transform
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
 
@@ -55,7 +56,7 @@ _INFINITE = 1e16  # SDF's
 FindFile = Callable[[str, Path | None], Path]
 
 
-def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list[str]:
+def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list[Finding]:
     """Changes a model so that Drake's parser takes it, except for the meshes and planes of what does not move.
 
     Args:
@@ -64,10 +65,11 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         find: resolves an address in a file.
 
     Returns:
-        What was changed or left out, each sentence once.
+        What was left out and what was changed, each once.
     """
+    unknown = Counter(_unknown_elements(model))
     found: Counter[str] = Counter()
-    for rule in (_unknown_elements, _frames_of_old_poses, _names, _joints, _inertias, _shapes, _materials, _friction):
+    for rule in (_frames_of_old_poses, _names, _joints, _inertias, _shapes, _materials, _friction):
         found.update(rule(model))
     _flatten_planes(model)
     found.update(_meshes(model, reader, find))
@@ -76,7 +78,12 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         parent = nested.getparent()
         if parent is not None and nested.find("link") is None and nested.find("model") is None:
             parent.remove(nested)
-    return [what + (f" ({count} times)" if count > 1 else "") for what, count in found.items()]
+    return [*_counted(Kind.IGNORED, unknown), *_counted(Kind.WARNING, found)]
+
+
+def _counted(kind: Kind, found: Mapping[str, int]) -> Iterator[Finding]:
+    for what, count in found.items():
+        yield Finding(kind, what + (f" ({count} times)" if count > 1 else ""))
 
 
 def is_static(model: etree._Element) -> bool:

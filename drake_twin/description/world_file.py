@@ -72,8 +72,7 @@ class WorldFile:
         max_step_size: the physics step that the file asks for (s), if it does.
         real_time_factor: how fast it shall run at most, if it says.
         models: the models, in file order.
-        warnings: what was left out or changed.
-        ignored: what of the world itself is not used.
+        findings: what was left out or changed.
         file: where it was read from; None for a built-in world.
     """
 
@@ -82,8 +81,7 @@ class WorldFile:
     max_step_size: float | None
     real_time_factor: float | None
     models: tuple[WorldModel, ...]
-    warnings: tuple[str, ...] = ()
-    ignored: tuple[Finding, ...] = ()
+    findings: tuple[Finding, ...] = ()
     file: Path | None = None
 
 
@@ -142,8 +140,8 @@ class _World:
         self._world = world
         self._version = sdf_version(reader.root)
         self._includes = SdfIncludes(packages)
-        self._warnings: list[str] = []
-        self._mended: dict[str, list[str]] = defaultdict(list)  # what was done → the models it was done to
+        self._findings: list[Finding] = []
+        self._mended: dict[Finding, dict[str, Place]] = defaultdict(dict)  # what was done → to which models
 
     def read(self) -> WorldFile:
         """The world as plain data."""
@@ -159,8 +157,13 @@ class _World:
             max_step_size=self._positive(physics, "max_step_size"),
             real_time_factor=self._positive(physics, "real_time_factor"),
             models=tuple(models),
-            ignored=tuple(self._not_used()),
-            warnings=(*self._missing(), *self._includes.warnings, *self._warnings, *self._grouped()),
+            findings=(
+                *self._not_used(),
+                *self._missing(),
+                *self._includes.findings,
+                *self._findings,
+                *self._grouped(),
+            ),
             file=self._reader.file,
         )
 
@@ -184,22 +187,23 @@ class _World:
 
     def _models(self) -> Iterator[WorldModel]:
         found = list(self._elements())
-        frames = _Frames(self._reader, self._world, [(model, pose) for model, _, pose in found])
+        frames = _Frames(self._reader, self._world, [(model, pose) for model, _, pose, _ in found])
         states = self._states()
         taken: set[str] = set()
-        for model, version, pose in found:
+        for model, version, pose, place in found:
             name = model.get("name", "")
             X = states[name] if name in states else frames.of(model, pose)
             own = free_name(name, taken)
             if own != name:
-                self._warnings.append(f"{name}: there are several models of this name; one is called {own}")
+                what = f"{name}: there are several models of this name; one is called {own}"
+                self._findings.append(Finding.at(Kind.WARNING, what, place))
             taken.add(own)
             if model.find(".//link") is not None:
-                yield self._model(model, own, version, X)
+                yield self._model(model, own, version, X, place)
             elif not self._includes.missing:  # which said why
-                self._mended["the model has no link: it is left out"].append(own)
+                self._mended[Finding(Kind.IGNORED, "the model has no link: it is left out")][own] = place
 
-    def _model(self, model: etree._Element, name: str, version: tuple[int, ...], X: Any) -> WorldModel:
+    def _model(self, model: etree._Element, name: str, version: tuple[int, ...], X: Any, place: Place) -> WorldModel:
         from pydrake.math import RollPitchYaw
 
         model.set("name", name)
@@ -216,27 +220,27 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
-        unused = (finding.what for finding in unused_in_sdf(self._reader, model, with_links=False))
-        for what in (*unused, *mend_model(model, self._reader, self._includes.find)):
-            self._mended[what].append(name)
+        unused = unused_in_sdf(self._reader, model, with_links=False)
+        for finding in (*unused, *mend_model(model, self._reader, self._includes.find)):
+            self._mended[Finding(finding.kind, finding.what)][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
         return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text)
 
-    def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None]]:
-        """Each model of the world with its SDF version and its pose, includes replaced."""
+    def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place]]:
+        """Each model of the world with its SDF version, its pose and where the world asks for it, includes replaced."""
         file = self._reader.file
         above = () if file is None else (file,)
         for child in list(self._world):
             if child.tag == "include":
                 found = self._includes.model(child, self._reader, above)
                 if found is not None:
-                    yield found.element, found.version, found.element.find("pose")
+                    yield found.element, found.version, found.element.find("pose"), self._reader.place(child)
             elif child.tag == "model":
                 self._reader.text(child, "name")
                 self._includes.expand(child, self._reader, self._version, above)
-                yield child, self._version, child.find("pose")
+                yield child, self._version, child.find("pose"), self._reader.place(child)
 
     def _states(self) -> dict[str, Any]:
         """Poses of models where Gazebo classic saved the world's state; it goes before what the models say."""
@@ -249,21 +253,20 @@ class _World:
     def _transform(self, pose: etree._Element) -> Any:
         return transform_of(pose, self._reader)
 
-    def _missing(self) -> Iterator[str]:
+    def _missing(self) -> Iterator[Finding]:
         missing = self._includes.missing
         if missing:
             names = ", ".join(sorted(missing))
             where = next(iter(missing.values())).partition(" is in ")[2].rstrip(".")
-            yield f"{self._called()}: what these models and packages hold is left out: {names}. They are in {where}"
+            what = f"what these models and packages hold is left out: {names}. They are in {where}"
+            yield from at_places(Kind.IGNORED, ((what, place) for place in self._includes.asked))
 
-    def _grouped(self) -> Iterator[str]:
-        for what, models in self._mended.items():
-            first = ", ".join(models[:_MOST_NAMED])
+    def _grouped(self) -> Iterator[Finding]:
+        for finding, models in self._mended.items():
+            first = ", ".join(list(models)[:_MOST_NAMED])
             more = f" and {len(models) - _MOST_NAMED} more" if len(models) > _MOST_NAMED else ""
-            yield f"{first}{more}: {what}"
-
-    def _called(self) -> str:
-        return "the world" if self._reader.file is None else self._reader.file.name
+            what = f"{first}{more}: {finding.what}"
+            yield from at_places(finding.kind, ((what, place) for place in models.values()))
 
     def _not_used(self) -> Iterator[Finding]:
         yield from at_places(Kind.WINDOW, self._dropped(is_window=True))

@@ -1,6 +1,7 @@
 """YAML files as plain data that still knows on which line each value stands."""
 
 from collections.abc import Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -51,10 +52,22 @@ class YamlDocument:
         self.data = None if root is None else self._plain(root, ())
 
     def line(self, path: ValuePath) -> int | None:
-        """The line (from 1) of the value at a path of keys and indices, or of the closest value above it."""
-        while path not in self._lines and path:
+        """The line (from 1) of the value at a path of keys and indices, or of the closest value above it.
+
+        A key may be several keys in one word, as ``gains.elbow.p`` in ROS's parameters files.
+        """
+        while path and _in_one_word(path) not in self._lines_by_word:
             path = path[:-1]
-        return self._lines.get(path)
+        return self._lines_by_word.get(_in_one_word(path))
+
+    def has(self, path: ValuePath) -> bool:
+        """Whether there is a value at a path or below it."""
+        word = _in_one_word(path)
+        return any(known == word or known.startswith(f"{word}.") for known in self._lines_by_word)
+
+    @cached_property
+    def _lines_by_word(self) -> dict[str, int]:
+        return {_in_one_word(path): line for path, line in self._lines.items()}
 
     def error(self, path: ValuePath, message: str, **more: Any) -> InputError:
         """An error that points at the value at ``path``."""
@@ -113,6 +126,10 @@ class YamlDocument:
             return self._constructor.construct_object(node)
         except (yaml.YAMLError, ValueError, LookupError, AttributeError):  # the last two: `!!bool x`, `!!timestamp x`
             raise InputError(f"{node.value!r} is not a value", file=self.file, line=node.start_mark.line + 1) from None
+
+
+def _in_one_word(path: ValuePath) -> str:
+    return ".".join(map(str, path))
 
 
 def _together(earlier: yaml.Node, later: yaml.Node) -> yaml.Node:

@@ -11,6 +11,7 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.yaml_document import ValuePath
 from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.scenario import Robot, ScenarioError
 from drake_twin.systems.controller import Interface
 from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters
@@ -68,7 +69,7 @@ def plan_controllers(
     manager: ControllerManagerParameters,
     prefix: str,
     drives: Sequence[GazeboDrive] = (),
-) -> tuple[tuple[ControllerPlan, ...], list[str], list[str]]:
+) -> tuple[tuple[ControllerPlan, ...], list[Finding]]:
     """Plans all controllers of a robot's parameters files.
 
     Args:
@@ -80,7 +81,7 @@ def plan_controllers(
         drives: Gazebo plugins that are controllers, too; active from the start.
 
     Returns:
-        The controllers; why some that were to be active are not; what is ignored.
+        The controllers; why some that were to be active are not, and what is ignored.
 
     Raises:
         InputError: a controller to be loaded is not there, or its parameters are wrong.
@@ -91,8 +92,7 @@ def plan_controllers(
     chosen |= dict.fromkeys(by_drive, ACTIVE)
     by_name |= {name: replace(drive.controller, name=name) for name, drive in by_drive.items() if drive.controller}
     plans: dict[str, ControllerPlan] = {}
-    not_started: list[str] = []
-    warnings: list[str] = []
+    findings: list[Finding] = []
     for name, controller in by_name.items():
         try:
             plan, ignored = _plan(controller, description, manager.update_rate, prefix, by_name)
@@ -111,7 +111,7 @@ def plan_controllers(
             )
         plans[name] = plan
         if name in chosen:
-            warnings += ignored
+            findings += ignored
     _check_references(plans, chosen, by_name)
     claimed_by: dict[Interface, str] = {}
     for name, state in chosen.items():
@@ -124,12 +124,12 @@ def plan_controllers(
         elif problem is not None:
             state = UNLOADED
         if problem is not None:
-            not_started.append(f"controller {name}: {problem}")
+            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", by_name[name].place()))
         if state == ACTIVE:
             claimed_by.update(dict.fromkeys(plan.claims, name))
         plans[name] = replace(plan, state=state)
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
-    return tuple(plans[name] for name in ordered), not_started, warnings
+    return tuple(plans[name] for name in ordered), findings
 
 
 def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:
@@ -166,7 +166,7 @@ def _plan(
     manager_rate: float,
     prefix: str,
     known: Container[str],
-) -> tuple[ControllerPlan, tuple[str, ...]]:
+) -> tuple[ControllerPlan, tuple[Finding, ...]]:
     rate = controller.parameters.get("update_rate", manager_rate)
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")

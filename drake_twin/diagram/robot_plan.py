@@ -124,12 +124,12 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     description = model.description
     warnings += _unused_interfaces(description)
     manager = _controller_manager(robot, path, own, packages, xacro_args)
-    controllers, not_started, controller_warnings = plan_controllers(
+    controllers, controller_findings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )
     starts = {joint: position for drive in drives for joint, position in drive.start.items()}
     positions, position_warnings = _start_positions(robot, path, description, starts)
-    warnings += [*controller_warnings, *position_warnings]
+    warnings += position_warnings
     files = robot.controllers or own.controller_files
     if files and not manager.controllers:
         warnings.append(
@@ -151,8 +151,8 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
             for finding in (
                 *model.findings,
                 *drive_findings,
+                *controller_findings,
                 *(Finding(Kind.WARNING, warning) for warning in warnings),
-                *(Finding(Kind.NOT_STARTED, reason) for reason in not_started),
                 *_unpublished_sensors(description, controllers),
             )
         ),

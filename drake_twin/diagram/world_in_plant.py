@@ -51,7 +51,6 @@ def add_world(
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
     if world_file is not None:
         _check_names(scenario, world_file)
-        warnings.extend(world_file.warnings)
         shapes, moving = _add_models(plant, world_file, warnings)
     register_static_shapes(plant, _with_ground(shapes, world))
     return moving

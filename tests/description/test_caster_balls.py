@@ -1,6 +1,6 @@
 import pytest
 from lxml import etree
-from sdf_worlds import world_of
+from sdf_worlds import findings, world_of
 
 SLIDES = "m: joint j: its caster ball slides without friction in place of rolling"
 SPHERE = "<collision name='c'>{}<geometry><sphere><radius>0.05</radius></sphere></geometry>{}</collision>"
@@ -14,7 +14,7 @@ def model(shapes, *, joint="", link="", more="", tmp_path):
         f"""<model name="m"><link name="base"/><link name="ball">{link}{shapes}</link>{more}
 <joint name="j" type="ball"><parent>base</parent><child>ball</child>{joint}</joint></model>""",
     )
-    return etree.fromstring(world.models[0].text).find("model"), world.warnings
+    return etree.fromstring(world.models[0].text).find("model"), findings(world)
 
 
 CASTERS = {

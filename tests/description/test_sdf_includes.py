@@ -1,9 +1,10 @@
 import pytest
 from lxml import etree
-from sdf_worlds import BOX, model_file, refusal, world_of, write
+from sdf_worlds import BOX, findings, model_file, refusal, world_of, write
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import read_world
+from drake_twin.findings import Kind
 
 
 def test_an_include_takes_name_pose_and_static_from_where_it_stands(tmp_path):
@@ -32,7 +33,7 @@ def test_an_include_is_found_by_each_kind_of_address(tmp_path, address):
     model_file(tmp_path / "models", "crate")
     write(tmp_path, "w.sdf", f"<world name='w'><include><uri>{address.format(tmp_path)}</uri></include></world>")
     world = read_world(str(tmp_path / "w.sdf"), PackageIndex((), {}))
-    assert ([model.name for model in world.models], world.warnings) == (["crate"], ())
+    assert ([model.name for model in world.models], findings(world)) == (["crate"], ())
 
 
 def test_a_model_finds_models_in_the_models_folder_of_the_package(tmp_path):
@@ -92,7 +93,7 @@ def test_sun_and_ground_plane_are_built_in_also_from_fuel(tmp_path):
     body = "".join(f"<include><uri>{fuel}/{name}</uri></include>" for name in ("Sun", "Ground Plane"))
     body += "<include><uri>model://sun</uri></include>"
     world = world_of(tmp_path, body)
-    assert ([model.name for model in world.models], world.warnings) == (["ground_plane"], ())
+    assert ([model.name for model in world.models], findings(world)) == (["ground_plane"], ())
 
 
 def test_a_users_own_ground_plane_goes_before_the_built_in_one(tmp_path):
@@ -107,8 +108,9 @@ def test_nothing_is_downloaded(tmp_path, monkeypatch):
     uri = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Oak tree"
     world = world_of(tmp_path, f"<include><uri>{uri}</uri></include>")
     assert world.models == ()
-    (warning,) = world.warnings
-    assert f"test.world:4: {uri} is not included: the twin downloads nothing" in warning
+    (finding,) = world.findings
+    assert f"{uri} is not included: the twin downloads nothing" in finding.what
+    assert (finding.kind, finding.file, finding.lines) == (Kind.IGNORED, str(tmp_path / "test.world"), (4,))
 
 
 def test_what_gazebo_downloaded_before_is_used(tmp_path, monkeypatch):
@@ -125,8 +127,8 @@ def test_models_that_are_nowhere_are_named_in_one_warning(tmp_path):
     body = "".join(f"<include><uri>model://{name}</uri></include>" for name in ("cafe", "table", "cafe"))
     mesh = "<mesh><uri>model://tree/tree.dae</uri></mesh>"
     body += f'<model name="a">{BOX.replace("<box><size>1 1 1</size></box>", mesh)}</model>'
-    (warning,) = world_of(tmp_path, body).warnings
-    assert warning.startswith("test.world: what these models and packages hold is left out: cafe, table, tree. ")
+    (warning,) = findings(world_of(tmp_path, body))
+    assert warning.startswith("what these models and packages hold is left out: cafe, table, tree. ")
     assert str(tmp_path) in warning or "GAZEBO" in warning or "--package-path" in warning
 
 
@@ -134,8 +136,8 @@ def test_an_included_file_that_is_broken_leaves_the_rest(tmp_path):
     model_file(tmp_path, "crate").joinpath("crate", "model.sdf").write_text("<sdf><model name='crate'></sdf>")
     world = world_of(tmp_path, f'<include><uri>model://crate</uri></include><model name="a">{BOX}</model>')
     assert [model.name for model in world.models] == ["a"]
-    assert "model://crate is not included: " in world.warnings[0]
-    assert "not well-formed XML" in world.warnings[0]
+    assert "model://crate is not included: " in findings(world)[0]
+    assert "not well-formed XML" in findings(world)[0]
 
 
 def test_merged_links_become_the_models_own(tmp_path):

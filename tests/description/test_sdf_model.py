@@ -1,13 +1,13 @@
 import pytest
 import trimesh
 from lxml import etree
-from sdf_worlds import world_of
+from sdf_worlds import findings, world_of
 
 
 def geometry(text, tmp_path, *, static=True, kind="collision", more=""):
     link = f'<link name="l"><{kind} name="c">{more}<geometry>{text}</geometry></{kind}></link>'
     world = world_of(tmp_path, f'<model name="a"><static>{str(static).lower()}</static>{link}</model>')
-    return etree.fromstring(world.models[0].text).find(f".//{kind}"), world.warnings
+    return etree.fromstring(world.models[0].text).find(f".//{kind}"), findings(world)
 
 
 def test_friction_is_the_smaller_coefficient_and_one_by_default(tmp_path):
@@ -66,7 +66,7 @@ def test_moments_that_no_body_has_are_mended_as_in_a_robot(tmp_path):
     inertia = "<mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>9</izz></inertia>"
     world = world_of(tmp_path, f'<model name="a"><link name="l"><inertial>{inertia}</inertial></link></model>')
     what = "a: link l: no body has the principal moments 1, 1, 9 kg·m²: the nearest possible are used: "
-    assert world.warnings == (f"{what}3.33 (+233 %), 3.33 (+233 %), 6.67 (-25.9 %)",)
+    assert findings(world) == (f"{what}3.33 (+233 %), 3.33 (+233 %), 6.67 (-25.9 %)",)
     ixx, iyy, izz = (float(etree.fromstring(world.models[0].text).findtext(f".//{n}")) for n in ("ixx", "iyy", "izz"))
     assert ixx + iyy >= izz
 
@@ -77,13 +77,13 @@ JOINT = """<link name="a"/><link name="b"/><joint name="j" type="{}"><parent>a</
 
 def test_a_joint_that_drake_has_not_is_fixed(tmp_path):
     world = world_of(tmp_path, f'<model name="m">{JOINT.format("gearbox")}</model>')
-    assert "m: joint j is fixed: Drake has no gearbox joints" in world.warnings
+    assert "m: joint j is fixed: Drake has no gearbox joints" in findings(world)
     assert etree.fromstring(world.models[0].text).find("model/joint").get("type") == "fixed"
 
 
 def test_limits_in_the_wrong_order_change_places(tmp_path):
     world = world_of(tmp_path, f'<model name="m">{JOINT.format("revolute")}</model>')
-    assert world.warnings == ("m: joint j: lower 2 is above upper 1: they change places",)
+    assert findings(world) == ("m: joint j: lower 2 is above upper 1: they change places",)
     limit = etree.fromstring(world.models[0].text).find("model/joint/axis/limit")
     assert (limit.findtext("lower"), limit.findtext("upper")) == ("1", "2")
 
@@ -106,14 +106,14 @@ def test_links_that_gazebo_classic_named_after_inner_models_are_links_of_the_mod
 def test_what_no_axis_has_is_left_out(tmp_path):
     joint = JOINT.format("continuous").replace("<limit>", "<initial_position>1</initial_position><limit>")
     world = world_of(tmp_path, f'<model name="m">{joint}</model>')
-    assert "m: <initial_position> is not used" in world.warnings
+    assert "m: <initial_position> is not used" in findings(world)
 
 
 @pytest.mark.parametrize("kind", ["ball", "universal", "screw"])
 def test_limits_that_drake_has_not_are_named(tmp_path, kind):
     world = world_of(tmp_path, f'<model name="m">{JOINT.format(kind)}</model>')
-    assert f"m: joint j moves without limits: Drake has none for {kind} joints" in world.warnings
+    assert f"m: joint j moves without limits: Drake has none for {kind} joints" in findings(world)
     endless = JOINT.format(kind).replace(
         "<lower>2</lower><upper>1</upper>", "<lower>-1e16</lower><velocity>-1</velocity>"
     )
-    assert world_of(tmp_path, f'<model name="m">{endless}</model>').warnings == ()
+    assert findings(world_of(tmp_path, f'<model name="m">{endless}</model>')) == ()

@@ -2,7 +2,7 @@ from math import pi
 
 import pytest
 from lxml import etree
-from sdf_worlds import BOX, refusal, world_of, write
+from sdf_worlds import BOX, findings, refusal, world_of, write
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import read_world
@@ -22,7 +22,7 @@ def test_gravity_and_times_are_the_files(tmp_path):
 def test_without_gravity_and_physics_sdfs_defaults_hold(tmp_path):
     world = world_of(tmp_path, "")
     assert world.gravity == (0.0, 0.0, -9.8)
-    assert (world.max_step_size, world.real_time_factor, world.models, world.warnings) == (None, None, (), ())
+    assert (world.max_step_size, world.real_time_factor, world.models, findings(world)) == (None, None, (), ())
 
 
 def test_gravity_stands_in_physics_before_sdf_1_5(tmp_path):
@@ -39,7 +39,7 @@ def test_the_default_one_of_several_physics_counts(tmp_path):
 def test_the_empty_world_is_built_in(name):
     world = read_world(name, PackageIndex((), {}))
     assert [(model.name, model.is_static) for model in world.models] == [("ground_plane", True)]
-    assert (world.warnings, world.max_step_size) == ((), 0.001)
+    assert (findings(world), world.max_step_size) == ((), 0.001)
 
 
 def test_another_of_gazebos_worlds_says_that_it_is_not_there():
@@ -115,7 +115,7 @@ def test_a_saved_state_goes_before_the_models_own_pose(tmp_path):
 def test_two_models_of_one_name_get_two_names(tmp_path):
     world = world_of(tmp_path, f'<model name="a">{BOX}</model><model name="a">{BOX}</model>')
     assert [model.name for model in world.models] == ["a", "a_0"]
-    assert world.warnings == ("a: there are several models of this name; one is called a_0",)
+    assert findings(world) == ("a: there are several models of this name; one is called a_0",)
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_model_without_gravity_does_not_fall(tmp_path, flag, falls):
 def test_each_kind_of_what_is_not_used_is_told_once_with_its_lines(tmp_path):
     body = """<gui/>\n<scene/>\n<actor name="p"/>\n<actor name="q"/>
     <plugin filename="libwind.so" name="wind"/>\n<road name="r"/><light name="l"/>"""
-    assert tuple(map(str, world_of(tmp_path, body).ignored)) == (
+    assert tuple(map(str, world_of(tmp_path, body).findings)) == (
         "<gui> of the world (test.world:4)",
         "<scene> of the world (test.world:5)",
         "<actor> of the world (test.world:6, 7)",
@@ -145,13 +145,13 @@ def test_plugins_whose_work_the_twin_does_are_passed_over(tmp_path):
     names = ("physics", "user-commands", "scene-broadcaster")
     body = "".join(f'<plugin filename="gz-sim-{name}-system" name="x"/>' for name in names)
     body += '<plugin filename="libgazebo_ros_init.so" name="y"/>'
-    assert world_of(tmp_path, body).warnings == ()
+    assert findings(world_of(tmp_path, body)) == ()
 
 
 def test_one_thing_about_many_models_is_one_warning(tmp_path):
     link = '<link name="l"><sensor name="s" type="camera"/></link>'
     body = "".join(f'<model name="m{index}">{link}</model>' for index in range(6))
-    assert world_of(tmp_path, body).warnings == ("m0, m1, m2, m3 and 2 more: <sensor> camera is not used",)
+    assert findings(world_of(tmp_path, body)) == ("m0, m1, m2, m3 and 2 more: <sensor> camera is not used",)
 
 
 # --- bad input
@@ -187,7 +187,7 @@ def test_the_worlds_that_others_wrote_are_read(corpus):
     index = PackageIndex((), {})
     worlds = {file.stem: read_world(str(file), index) for file in corpus.rglob("*.world")}
     assert (worlds["Lunar"].gravity, worlds["Lunar"].max_step_size) == ((0.0, 0.0, -1.62), 0.04)
-    assert "what these models and packages hold is left out" in " ".join(worlds["Lunar"].warnings)  # not in the corpus
+    assert "what these models and packages hold is left out" in " ".join(findings(worlds["Lunar"]))  # not in the corpus
     models = worlds["playground"].models
     assert (len(models), len({model.name for model in models})) == (21, 21)
     assert models[0].name == "ground_plane"
