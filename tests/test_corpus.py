@@ -18,6 +18,7 @@ from drake_twin.cockpit.scene import TWIN, Scene
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
 from drake_twin.launch.robot_file import robot_file_scenario
+from drake_twin.run import main as run
 
 SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
 DATA = SHARE / "example-robot-data" / "robots"
@@ -61,6 +62,38 @@ def test_what_a_file_of_the_collection_says_is_used_or_is_a_finding_with_its_lin
     random = Random(file.stem)
     assert list(misspelt_in_silence(robot, random, 5)) == []
     assert list(used_for_nothing(robot, random, 8)) == []
+
+
+WHOLE = [
+    "a1",
+    "allegro_left_hand",
+    "allegro_right_hand",
+    "TwoDofs",
+    "borinot_flying_arm_2",
+    "double_pendulum",
+    "double_pendulum_continuous",
+    "double_pendulum_simple",
+    "finger_edu",
+    "g1_29dof_with_hand_rev_1_0",
+    "quadrotor_base",
+    "hextilt_flying_arm_5",
+    "human",
+    "iris",
+    "iris_simple",
+    "laikago",
+    "romeo",
+    "romeo_small",
+    "simple_humanoid_classical",
+    "ur3",
+]
+
+
+@needs_data
+@pytest.mark.parametrize("name", WHOLE)
+def test_strict_lets_whole_robots_of_the_collection_pass(name):
+    (file,) = (file for file in URDFS if file.stem == name)
+    options = ["--headless", "--duration", "0.01", "--strict", "--package-path", str(SHARE)]
+    assert run([str(file), *options]) == 0
 
 
 def assert_kinematics_and_inertia(twin, plan, file):
