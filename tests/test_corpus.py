@@ -65,26 +65,10 @@ def test_what_a_file_of_the_collection_says_is_used_or_is_a_finding_with_its_lin
 
 
 WHOLE = [
-    "a1",
-    "allegro_left_hand",
-    "allegro_right_hand",
-    "TwoDofs",
-    "borinot_flying_arm_2",
-    "double_pendulum",
-    "double_pendulum_continuous",
-    "double_pendulum_simple",
-    "finger_edu",
-    "g1_29dof_with_hand_rev_1_0",
-    "quadrotor_base",
-    "hextilt_flying_arm_5",
-    "human",
-    "iris",
-    "iris_simple",
-    "laikago",
-    "romeo",
-    "romeo_small",
-    "simple_humanoid_classical",
-    "ur3",
+    *("a1", "allegro_left_hand", "allegro_right_hand", "TwoDofs", "borinot_flying_arm_2", "double_pendulum"),
+    *("double_pendulum_continuous", "double_pendulum_simple", "finger_edu", "g1_29dof_with_hand_rev_1_0"),
+    *("quadrotor_base", "hextilt_flying_arm_5", "human", "iris", "iris_simple", "laikago", "romeo"),
+    *("romeo_small", "simple_humanoid_classical", "ur3"),
 ]
 
 
