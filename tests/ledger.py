@@ -26,15 +26,15 @@ WITHOUT_EFFECT = {
 
 
 class Robot:
-    """A robot's XML without comments and what xacro makes of names; it is written beside its own file and loaded.
+    """A robot's XML without comments, which is written to a file and loaded.
 
     Attributes:
         root: the XML.
     """
 
-    def __init__(self, text: bytes, copy_of: Path, packages: PackageIndex):
+    def __init__(self, text: bytes, file: Path, packages: PackageIndex):
         self.root = etree.fromstring(text, etree.XMLParser(remove_comments=True))
-        self._file, self._packages = copy_of, packages
+        self._file, self._packages = file, packages
 
     def items(self, *, texts: bool) -> list[tuple[str, str | None]]:
         """Path of each element, and the name of each attribute; None for the element's name, or its text."""

@@ -57,8 +57,8 @@ def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertia
 
 @needs_data
 @pytest.mark.parametrize("file", URDFS, ids=lambda file: file.stem)
-def test_what_a_file_of_the_collection_says_is_used_or_is_a_finding_with_its_line(file):
-    robot = Robot(file.read_bytes(), file.with_name(f"changed_{file.name}"), PackageIndex((str(SHARE),), {}))
+def test_what_a_file_of_the_collection_says_is_used_or_is_a_finding_with_its_line(tmp_path, file):
+    robot = Robot(file.read_bytes(), tmp_path / file.name, PackageIndex((str(SHARE),), {}))
     random = Random(file.stem)
     assert list(misspelt_in_silence(robot, random, 5)) == []
     assert list(used_for_nothing(robot, random, 8)) == []
