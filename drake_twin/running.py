@@ -21,7 +21,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
 from drake_twin.entities import Wrench, find_body
 from drake_twin.errors import RunError
-from drake_twin.plain_data import from_plain, to_plain
+from drake_twin.plant_parameters import PlantParameters
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.state import read_robot_state
 from drake_twin.systems.controller import PeriodicController
@@ -74,7 +74,7 @@ class Running:
             ApplySimulatorConfig(configuration, self.simulator)
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
-        self._default: Context | None = None
+        self._parameters = PlantParameters(self.built.plant, self.built.scene_graph)
         self._time_step = scenario.time_step
         keepers = [
             item
@@ -154,7 +154,7 @@ class Running:
         self.built.fix_commands(self.context)
 
     def carry_over(self, old: "Running", step: int) -> None:
-        """Takes states from another diagram, by name: joints, bases, moving models, controllers, servos.
+        """Takes states from another diagram, by name: joints, bases, moving models, controllers, servos, parameters.
 
         Args:
             old: the other diagram.
@@ -166,6 +166,7 @@ class Running:
             if self._is_same_robot(name, old):
                 self._carry_robot(name, old)
                 assert parts.layout == old.built.robots[name].layout
+        self._parameters.put(self.context, old.parameters(), leave_out_unknown=True)
         if self.built.world != old.built.world:
             return
         for name, instances in self.built.world_models.items():
@@ -216,32 +217,12 @@ class Running:
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
     def parameters(self) -> dict[str, list[Any]]:
-        """The plant's numeric parameters that somebody has changed, by their index: masses, dampings, gains."""
-        before, now = self._as_built(), self.plant_context
-        return {
-            str(index): [to_plain(value) for value in values.tolist()]
-            for index in range(now.num_numeric_parameter_groups())
-            if not _is_same(
-                values := now.get_numeric_parameter(index).value(), before.get_numeric_parameter(index).value()
-            )
-        }
+        """The parameters of the plant and its shapes that somebody has changed, by name."""
+        return self._parameters.changed(self.context)
 
     def set_parameters(self, changed: Mapping[str, Sequence[Any]]) -> None:
         """Puts them back, and all others to what they were built with."""
-        before, now = self._as_built(), self.plant_context
-        if not all(0 <= int(index) < now.num_numeric_parameter_groups() for index in changed):
-            raise ValueError("the plant has no such parameters")
-        for index in range(now.num_numeric_parameter_groups()):
-            given = changed.get(str(index), before.get_numeric_parameter(index).value())
-            values = np.array([from_plain(value) for value in given], dtype=float)
-            if not _is_same(values, now.get_numeric_parameter(index).value()):
-                self.plant_context.get_mutable_numeric_parameter(index).SetFromVector(values)
-
-    def _as_built(self) -> Context:
-        """The plant's context as it was built; made when it is first asked for."""
-        if self._default is None:
-            self._default = self.built.plant.CreateDefaultContext()
-        return self._default
+        self._parameters.put(self.context, changed)
 
     def samples(self, robot: str) -> dict[str, Any]:
         """Controller → what it keeps from one update to the next."""
@@ -274,7 +255,7 @@ class Running:
     def discard(self) -> None:
         """Lets go of the diagram, so that it can be freed."""
         let_go([self.simulator, self.built.diagram])
-        del self.simulator, self.context, self.plant_context, self.built, self._keepers
+        del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
 
     def _carry_robot(self, name: str, old: "Running") -> None:
         self.set_robot_state(name, old.robot_state(name))
@@ -283,7 +264,3 @@ class Running:
         if servo is not None and before is not None:
             assignment = before.assignment(before.GetMyContextFromRoot(old.context))
             servo.assign(servo.GetMyMutableContextFromRoot(self.context), assignment)
-
-
-def _is_same(one: np.ndarray, other: np.ndarray) -> bool:
-    return np.array_equal(one, other, equal_nan=True)

@@ -23,7 +23,7 @@ class Snapshot:
         step: the number of steps since time zero.
         robots: robot → its state ``[q; v]``, its joints in words, its controllers and what they keep, its servos.
         models: what moves in the world and is no robot → its states.
-        parameters: the plant's numeric parameters that are not as they were built, by their index.
+        parameters: name → value of what is not as it was built in the plant and its shapes: masses, friction.
         commands: topic → the message that holds, as it is on the port.
         expiries: topic → the time at which its message no longer holds (s).
         waiting: what is published and not yet applied, in its order: topic and message.

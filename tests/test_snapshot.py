@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import ARM, rovers
+from pydrake.geometry import ProximityProperties, Role, RoleAssign
+from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import InputError
@@ -323,6 +325,75 @@ def test_what_somebody_has_changed_in_the_plant_is_there_again():
     other.reset()
     twin.restore(other.snapshot())
     assert body.get_mass(twin.plant.GetMyContextFromRoot(twin.context)) != 7.0
+
+
+def set_friction(twin, shape, friction):
+    """As a user does with Drake's own means."""
+    scene_graph = twin.diagram.GetSubsystemByName("scene_graph")
+    context = scene_graph.GetMyContextFromRoot(twin.context)
+    geometry = geometry_of(twin, shape)
+    properties = ProximityProperties(scene_graph.model_inspector().GetProximityProperties(geometry))
+    properties.UpdateProperty("material", "coulomb_friction", CoulombFriction(friction, friction))
+    scene_graph.AssignRole(context, twin.plant.get_source_id(), geometry, properties, RoleAssign.kReplace)
+
+
+def geometry_of(twin, shape):
+    inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
+    return next(item for item in inspector.GetAllGeometryIds(Role.kProximity) if inspector.GetName(item) == shape)
+
+
+def friction_of(twin, shape):
+    context = twin.diagram.GetSubsystemByName("scene_graph").GetMyContextFromRoot(twin.context)
+    inspector = twin.diagram.GetSubsystemByName("scene_graph").get_query_output_port().Eval(context).inspector()
+    properties = inspector.GetProximityProperties(geometry_of(twin, shape))
+    return properties.GetProperty("material", "coulomb_friction").static_friction()
+
+
+def test_friction_that_somebody_has_changed_is_in_state_and_hash_and_stays_where_others_come_and_go():
+    twin, other = rovers(2).build(), rovers(2).build()
+    untouched = twin.state_sha256()
+    usual = friction_of(twin, "robot_1::body")
+    set_friction(twin, "robot_1::body", 0.05)
+    assert twin.state_sha256() != untouched
+    other.restore(twin.snapshot())
+    assert friction_of(other, "robot_1::body") == 0.05
+    assert other.state_sha256() == twin.state_sha256()
+    twin.spawn(Robot("new", ARM, xyz=(3, 0, 0)))
+    assert (friction_of(twin, "robot_1::body"), friction_of(twin, "robot_2::body")) == (0.05, usual)
+    twin.delete("new")
+    twin.reset()
+    assert friction_of(twin, "robot_1::body") == usual
+
+
+def test_all_that_can_be_changed_in_a_plant_is_in_its_parameters():
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.tree import FixedOffsetFrame, SpatialInertia
+
+    twin, other = rovers(1).build(), rovers(1).build()
+    plant, context = twin.plant, twin.plant.GetMyContextFromRoot(twin.context)
+    instance = plant.GetModelInstanceByName("robot_1")
+    joint = plant.get_joint(plant.GetJointIndices(instance)[-1])
+    motor = plant.get_joint_actuator(plant.GetJointActuatorIndices(instance)[0])
+    frames = (plant.get_frame(index) for index in plant.GetFrameIndices(instance))
+    frame = next(frame for frame in frames if isinstance(frame, FixedOffsetFrame))
+    inertia = SpatialInertia.SolidBoxWithMass(3.0, 0.1, 0.2, 0.3)
+    changes = [
+        lambda: plant.GetBodyByName("robot_1_base_link").SetSpatialInertiaInBodyFrame(context, inertia),
+        lambda: joint.SetDampingVector(context, [0.7] * joint.num_velocities()),
+        lambda: motor.SetRotorInertia(context, 0.02),
+        lambda: motor.SetGearRatio(context, 3.0),
+        lambda: frame.SetPoseInParentFrame(context, RigidTransform([0.1, 0.2, 0.3])),
+    ]
+    hashes = [twin.state_sha256()]
+    for change in changes:
+        change()
+        hashes.append(twin.state_sha256())
+        other.restore(twin.snapshot())
+        assert other.state_sha256() == hashes[-1]
+    assert len(set(hashes)) == 1 + len(changes)
+    twin.advance_to(0.1)
+    other.advance_to(0.1)
+    assert twin.state_sha256() == other.state_sha256()
 
 
 def test_what_is_saved_names_no_module_so_that_code_may_move(arm, tmp_path):
