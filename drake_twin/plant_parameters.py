@@ -49,11 +49,14 @@ class PlantParameters:
     Args:
         plant: the plant.
         scene_graph: where its shapes are.
+        root: the diagram's context, as it was built: the model's own properties lack the scene graph's defaults.
     """
 
-    def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph):
+    def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, root: Context):
         self._plant, self._scene_graph = plant, scene_graph
         self._default: Context | None = None
+        inspector = self._inspector(root)
+        self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes(inspector)}
 
     def changed(self, root: Context) -> dict[str, list[Any]]:
         """Name → value of each parameter that is not as it was built, as plain data.
@@ -71,7 +74,7 @@ class PlantParameters:
         inspector = self._inspector(root)
         for name, geometry in self._shapes(inspector):
             for key, values in _materials(inspector, geometry).items():
-                if values != _materials(self._scene_graph.model_inspector(), geometry).get(key):
+                if values != self._materials[geometry][key]:
                     found[f"{name} {key}"] = [to_plain(value) for value in values]
         return found
 
@@ -105,9 +108,9 @@ class PlantParameters:
         if wanted and not leave_out_unknown:
             raise ValueError(f"the plant has no such parameters: {', '.join(wanted)}")
 
-    def _assign(self, root: Context, geometry: GeometryId, values: Mapping[str, Sequence[float]]) -> None:
+    def _assign(self, root: Context, geometry: GeometryId, values: dict[str, list[float]]) -> None:
         properties = ProximityProperties(self._scene_graph.model_inspector().GetProximityProperties(geometry))
-        for key, numbers in values.items():
+        for key, numbers in (self._materials[geometry] | values).items():
             properties.UpdateProperty(*key.split("/"), CoulombFriction(*numbers) if len(numbers) == 2 else numbers[0])
         self._scene_graph.AssignRole(
             self._scene_graph.GetMyMutableContextFromRoot(root),

@@ -74,7 +74,7 @@ class Running:
             ApplySimulatorConfig(configuration, self.simulator)
         self.context: Context = self.simulator.get_mutable_context()
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
-        self._parameters = PlantParameters(self.built.plant, self.built.scene_graph)
+        self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
         self._time_step = scenario.time_step
         keepers = [
             item
