@@ -52,8 +52,11 @@ class RandomSession(RandomUse):
         self.twin.set_entity_state("new_1", position=np.add(self.random.normal(0.0, 1.0, 3), (-5.0, 0.0, 2.0)))
 
     def burst(self):
-        for _ in range(3):
-            self.publish()
+        """Messages to controllers that listen: several of them wait for the next step."""
+        active = self.manager.active
+        topics = [topic for topic, item in self.twin.commanded.items() if item.robot == "used"]
+        for topic in (topic for topic in topics if self.twin.commanded[topic].controller in active):
+            self.twin.publish(topic, self.message(topic))
 
 
 def session(files, seed, middle, folder):
@@ -63,11 +66,15 @@ def session(files, seed, middle, folder):
         twin = build(files)
         use = RandomSession(twin, np.random.default_rng(seed), files[0])
         for count in range(20):
-            if count == start:
+            if count == start == 0:
                 twin.record()
             for _ in range(use.random.integers(1, 4)):
                 with contextlib.suppress(TwinError):
                     use.call()
+            with contextlib.suppress(TwinError):
+                use.burst()
+            if count == start > 0:  # while commands wait
+                twin.record()
             twin.play()
             twin.advance_to(twin.time + float(use.random.exponential(0.06)))
         file = folder / f"{seed}_from_{start}.json"
