@@ -307,6 +307,8 @@ class Twin:
         if not isinstance(snapshot, Snapshot):
             raise InputError(f"{shortened(snapshot)} is no snapshot: snapshot() takes one, Snapshot.load() reads one")
         scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
+        if snapshot.time_step != scenario.time_step:
+            raise InputError(f"the saved state has steps of {snapshot.time_step} s, and its scenario others")
         for goal in self._goals:
             goal.drop()
         self._goals.clear()
