@@ -1,5 +1,6 @@
 """Files that are written whole or not at all."""
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -16,13 +17,27 @@ def write_whole(file: Path, content: str | bytes) -> None:
         file.write_bytes(data)
         return
     part = file.with_name(f".{file.name[:200]}.{os.getpid()}.part")
+    descriptor, has_name = _open_part(part)
     try:
-        with part.open("wb") as stream:
+        with os.fdopen(descriptor, "wb") as stream:
             stream.write(data)
             stream.flush()
-            os.fsync(stream.fileno())
-        if file.exists():
-            part.chmod(file.stat().st_mode)
+            os.fsync(descriptor)
+            if file.exists():
+                os.fchmod(descriptor, file.stat().st_mode)
+            if not has_name:
+                os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)  # which makes it follow the link
         os.replace(part, file)
     finally:
         part.unlink(missing_ok=True)
+
+
+def _open_part(part: Path) -> tuple[int, bool]:
+    """A new file in a folder, and whether it has its name already.
+
+    Where the system can, it has none until it is finished: then nothing is left of it, even after SIGKILL.
+    """
+    if hasattr(os, "O_TMPFILE"):
+        with contextlib.suppress(OSError):
+            return os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666), False
+    return os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666), True
