@@ -1,5 +1,6 @@
 """What a file says is used, or is a finding with its line. The files' own XML is the reference."""
 
+import re
 from random import Random
 
 import pytest
@@ -128,8 +129,23 @@ def test_elements_of_a_drive_that_it_does_not_read_are_findings(tmp_path):
     assert [item.what for item in found] == ["<sparkle> of Gazebo plugin d"]
 
 
-@pytest.fixture(params=[ROVER, ARM], ids=["rover", "arm"])
+SDF = """<sdf version="1.9"><model name="m"><static>false</static><frame name="f"><pose>0 0 1 0 0 0</pose></frame>
+<link name="base"><pose>0 0 0.1 0 0 0</pose><inertial><pose>0 0 0.01 0 0 0</pose><mass>2</mass><inertia><ixx>0.02</ixx>
+<ixy>0</ixy><iyy>0.02</iyy><izz>0.02</izz></inertia></inertial><visual name="v"><geometry><box><size>0.1 0.2 0.3</size>
+</box></geometry><material><diffuse>0.5 0 0 1</diffuse></material></visual><collision name="c"><geometry><cylinder>
+<radius>0.1</radius><length>0.2</length></cylinder></geometry><surface><friction><ode><mu>0.5</mu></ode></friction>
+</surface></collision></link><link name="arm"><pose relative_to="base">0 0 0.3 0 0 0</pose><inertial><mass>1</mass>
+<inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia></inertial><collision name="c"><geometry><sphere>
+<radius>0.1</radius></sphere></geometry></collision></link><joint name="j" type="revolute"><parent>base</parent>
+<child>arm</child><axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper><effort>5</effort><velocity>2</velocity>
+</limit><dynamics><damping>0.1</damping></dynamics></axis></joint></model></sdf>"""
+
+
+@pytest.fixture(params=[ROVER, ARM, SDF], ids=["rover", "arm", "sdf"])
 def robot(request, tmp_path):
+    if request.param is SDF:
+        a_line_each = re.sub(r">\s*<", ">\n<", SDF)
+        return Robot(a_line_each.encode(), tmp_path / "robot.sdf", PACKAGES)
     twin = TwinBuilder().robot("r", request.param).build()
     return Robot(twin.plans[0].description.text.encode(), tmp_path / "robot.urdf", PACKAGES)
 
