@@ -15,7 +15,7 @@ from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
 from drake_twin.description.unused_contact import unused_in_urdf
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.urdf_values import check_values
-from drake_twin.description.xacro_file import expand_xacro
+from drake_twin.description.xacro_file import expand_xacro, places_of_expanded
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place
@@ -87,6 +87,7 @@ def load_robot_model(
         text, places, warnings = expand_xacro(file, arguments, packages)
     else:
         _refuse_arguments(arguments, file)
+        places = places_of_expanded(text)
     reader = XmlReader(text, file, places=places)
     check_values(reader)
     unread = (*unused_in_urdf(reader), *unread_in_urdf(reader))

@@ -1,6 +1,7 @@
 """xacro files, expanded with the twin's own package index, so that ``$(find pkg)`` needs no ROS."""
 
 import contextlib
+import hashlib
 import importlib.machinery
 import importlib.util
 import io
@@ -24,6 +25,10 @@ _XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro
 
 # xacro keeps its state (file stack, symbols, the lookup of packages) in module globals.
 _XACRO_LOCK = threading.Lock()
+
+
+_MOST_KNOWN = 256  # texts whose places are remembered
+_known_places: dict[bytes, tuple[Place, ...]] = {}
 
 
 class Expanded(NamedTuple):
@@ -69,8 +74,23 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     tags = (element.tagName for element in document.getElementsByTagName("*"))
     places = tuple(tag.place if isinstance(tag, _Tag) else Place(str(file)) for tag in tags)
     document.unlink()  # its nodes refer to each other: the collector would find them only after many more robots
+    _known_places[_digest(text)] = places
+    while len(_known_places) > _MOST_KNOWN:
+        _known_places.pop(next(iter(_known_places)))
     warnings = [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
     return Expanded(text, places, tuple(warnings))
+
+
+def places_of_expanded(text: str) -> tuple[Place, ...] | None:
+    """Where each element was written of a text that xacro has made in this process: a launch file hands it on as text.
+
+    None for any other text.
+    """
+    return _known_places.get(_digest(text))
+
+
+def _digest(text: str) -> bytes:
+    return hashlib.sha256(text.strip().encode()).digest()
 
 
 def installed_xacro() -> Any:

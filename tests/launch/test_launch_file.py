@@ -1,7 +1,7 @@
 """Launch files as scenarios: worlds, frames, bridges, commands, and what is not started."""
 
 import pytest
-from hinge import command, create, gz, launched, launched_hinge, node, publisher, spawner, write_hinge
+from hinge import command, create, gz, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
 from launch_files import not_started, write, write_python
 
 from drake_twin.description.package_index import share_folder
@@ -262,3 +262,15 @@ def test_a_spawn_after_a_while_is_there_from_the_start_and_that_is_said(tmp_path
     create_later = f"TimerAction(period=3.0, actions=[{create('-topic', 'robot_description')}]),"
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), create_later)
     assert launch.log == ("hinge: it is spawned after 3 s; here from the start",)
+
+
+def test_a_finding_about_a_robot_that_xacro_made_for_a_launch_file_has_xacros_file_and_line(tmp_path):
+    text = hinge(extra="\n<transmission/>").replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', 1)
+    robot = write(tmp_path / "hinge.urdf.xacro", text)
+    launch = f"""<launch><node pkg="robot_state_publisher" exec="robot_state_publisher">
+<param name="robot_description" value="$(command 'xacro {robot}')"/></node>
+<node pkg="ros_gz_sim" exec="create" args="-topic robot_description -name arm"/></launch>"""
+    twin = Twin(launch_file_scenario(write(tmp_path / "arm.launch.xml", launch)).scenario)
+    (finding,) = (item for item in twin.findings if "transmission" in item.what)
+    line = text.splitlines().index("<transmission/></robot>") + 1
+    assert (finding.robot, finding.file, finding.lines) == ("arm", str(robot), (line,))
