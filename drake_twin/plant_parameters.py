@@ -20,7 +20,7 @@ from pydrake.systems.framework import Context
 from drake_twin.plain_data import from_plain, to_plain
 
 # What of a shape's properties is numbers. The names are Drake's.
-_NUMBERS = (
+_MATERIAL = (
     ("material", "coulomb_friction"),
     ("material", "hunt_crossley_dissipation"),
     ("material", "point_contact_stiffness"),
@@ -55,8 +55,10 @@ class PlantParameters:
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, root: Context):
         self._plant, self._scene_graph = plant, scene_graph
         self._default: Context | None = None
+        self._numbers = _numbers(plant.GetMyContextFromRoot(root))
         inspector = self._inspector(root)
-        self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes(inspector)}
+        self._shapes = list(self._named_shapes(inspector))
+        self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes}
 
     def changed(self, root: Context) -> dict[str, list[Any]]:
         """Name → value of each parameter that is not as it was built, as plain data.
@@ -64,17 +66,19 @@ class PlantParameters:
         Args:
             root: the diagram's context.
         """
-        now, before = self._plant.GetMyContextFromRoot(root), self._as_built()
+        now = self._plant.GetMyContextFromRoot(root)
         found: dict[str, list[Any]] = {}
-        if self._differ(now, before):
+        if _numbers(now) != self._numbers:
+            before = self._as_built()
             for parameter in self._parameters():
                 values = list(map(float, parameter.read(now)))
                 if not np.array_equal(values, parameter.read(before), equal_nan=True):
                     found[parameter.name] = [to_plain(value) for value in values]
         inspector = self._inspector(root)
-        for name, geometry in self._shapes(inspector):
-            for key, values in _materials(inspector, geometry).items():
-                if values != self._materials[geometry][key]:
+        for name, geometry in self._shapes:
+            now_there, built = _materials(inspector, geometry), self._materials[geometry]
+            for key, values in () if now_there == built else now_there.items():
+                if values != built.get(key):
                     found[f"{name} {key}"] = [to_plain(value) for value in values]
         return found
 
@@ -99,9 +103,8 @@ class PlantParameters:
                 parameter.write(now, wanted.pop(parameter.name))
             elif parameter.name in present:
                 parameter.write(now, parameter.read(before))
-        inspector = self._inspector(root)
-        for name, geometry in list(self._shapes(inspector)):
-            keys = list(_materials(inspector, geometry))
+        for name, geometry in self._shapes:
+            keys = list(self._materials[geometry])
             own = {key: wanted.pop(f"{name} {key}") for key in keys if f"{name} {key}" in wanted}
             if own or any(f"{name} {key}" in present for key in keys):
                 self._assign(root, geometry, own)
@@ -130,17 +133,7 @@ class PlantParameters:
             self._default = self._plant.CreateDefaultContext()
         return self._default
 
-    @staticmethod
-    def _differ(one: Context, other: Context) -> bool:
-        groups = range(one.num_numeric_parameter_groups())
-        return not all(
-            np.array_equal(
-                one.get_numeric_parameter(index).value(), other.get_numeric_parameter(index).value(), equal_nan=True
-            )
-            for index in groups
-        )
-
-    def _shapes(self, inspector: SceneGraphInspector) -> Iterator[tuple[str, GeometryId]]:
+    def _named_shapes(self, inspector: SceneGraphInspector) -> Iterator[tuple[str, GeometryId]]:
         for geometry in inspector.GetAllGeometryIds(Role.kProximity):
             body = self._plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
             if body is not None:
@@ -162,6 +155,12 @@ class PlantParameters:
             for frame in map(plant.get_frame, plant.GetFrameIndices(instance)):
                 if isinstance(frame, FixedOffsetFrame):
                     yield _Parameter(f"frame {model}::{frame.name()}", *_pose(frame))
+
+
+def _numbers(context: Context) -> list[bytes]:
+    """All numeric parameters of a plant, to be compared."""
+    groups = range(context.num_numeric_parameter_groups())
+    return [context.get_numeric_parameter(index).value().tobytes() for index in groups]
 
 
 def _inertia(body: RigidBody) -> tuple[_Read, _Write]:
@@ -205,7 +204,7 @@ def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
 def _materials(inspector: SceneGraphInspector, geometry: GeometryId) -> dict[str, list[float]]:
     """What is numbers among a shape's properties: ``material/coulomb_friction`` → static, dynamic."""
     properties, found = inspector.GetProximityProperties(geometry), {}
-    for group, name in _NUMBERS:
+    for group, name in _MATERIAL:
         if properties.HasProperty(group, name):
             value = properties.GetProperty(group, name)
             is_friction = isinstance(value, CoulombFriction)
