@@ -30,6 +30,8 @@ from drake_twin.systems.planar_base import PlanarBase
 _SLIDES = {LINEAR_X: (1, 0, 0), LINEAR_Y: (0, 1, 0), LINEAR_Z: (0, 0, 1)}
 _TURN = (0, 0, 1)
 
+_LEAST_MASS = 1e-6  # kg
+
 # The drive's largest force for the robot's mass (N/kg): three times its weight on Earth. Two surfaces of which one has
 # a friction of at most 1 have together less than 2, so this drags along even what slides, and accelerates at 1 g
 # besides. With much more, a robot would push itself into walls.
@@ -48,8 +50,10 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
     roll, pitch, yaw = spawn_pose.rpy
     start = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), np.array(spawn_pose.xyz))
     frame = plant.AddFrame(FixedOffsetFrame("base.start", plant.world_frame(), start, instance))
+    # CENIC divides by the mass of what a joint moves, without what hangs on it by further joints.
+    inertia = SpatialInertia.Zero() if plant.is_discrete() else SpatialInertia.SolidSphereWithMass(_LEAST_MASS, 0.01)
     for name, axis in _SLIDES.items():
-        carriage = plant.AddRigidBody(name, instance, SpatialInertia.Zero()).body_frame()
+        carriage = plant.AddRigidBody(name, instance, inertia).body_frame()
         plant.AddJoint(PrismaticJoint(name, frame, carriage, axis))
         frame = carriage
     untilted = RigidTransform(RollPitchYaw(roll, pitch, 0.0), np.zeros(3)).inverse()
