@@ -51,7 +51,7 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
     start = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), np.array(spawn_pose.xyz))
     frame = plant.AddFrame(FixedOffsetFrame("base.start", plant.world_frame(), start, instance))
     # CENIC divides by the mass of what a joint moves, without what hangs on it by further joints.
-    inertia = SpatialInertia.Zero() if plant.is_discrete() else SpatialInertia.SolidSphereWithMass(_LEAST_MASS, 0.01)
+    inertia = SpatialInertia.Zero() if plant.time_step() else SpatialInertia.SolidSphereWithMass(_LEAST_MASS, 0.01)
     for name, axis in _SLIDES.items():
         carriage = plant.AddRigidBody(name, instance, inertia).body_frame()
         plant.AddJoint(PrismaticJoint(name, frame, carriage, axis))
