@@ -91,10 +91,9 @@ def at_places(kind: Kind, found: Iterable[tuple[str, Place]]) -> Iterator[Findin
 
 def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
     """Findings that differ in nothing but their lines as one."""
-    lines: dict[Finding, list[int]] = {}
+    lines: dict[Finding, dict[int, None]] = {}  # in place of an ordered set
     for finding in findings:
-        known = lines.setdefault(replace(finding, lines=()), [])
-        known += [line for line in finding.lines if line not in known]
+        lines.setdefault(replace(finding, lines=()), {}).update(dict.fromkeys(finding.lines))
     for finding, numbers in lines.items():
         yield replace(finding, lines=tuple(numbers))
 

@@ -94,6 +94,8 @@ class PlantParameters:
             ValueError: there is no such parameter, or a value is none.
         """
         wanted = {name: [float(from_plain(value)) for value in values] for name, values in given.items()}
+        if not np.isfinite([value for values in wanted.values() for value in values]).all():
+            raise ValueError("parameters of the plant are not finite")
         present = self.changed(root)
         if not wanted and not present:
             return
@@ -173,7 +175,7 @@ def _inertia(body: RigidBody) -> tuple[_Read, _Write]:
 
     def write(context: Context, values: Sequence[float]) -> None:
         mass, x, y, z, *unit = values
-        inertia = SpatialInertia(mass, np.array([x, y, z]), UnitInertia(*unit), skip_validity_check=True)
+        inertia = SpatialInertia(mass, np.array([x, y, z]), UnitInertia(*unit))
         body.SetSpatialInertiaInBodyFrame(context, inertia)
 
     return read, write

@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import secrets
 from pathlib import Path
 
 
@@ -16,7 +17,8 @@ def write_whole(file: Path, content: str | bytes) -> None:
     if file.exists() and not (file.is_file() and os.access(file.parent, os.W_OK)):  # a pipe, or in a closed folder
         file.write_bytes(data)
         return
-    part = file.with_name(f".{file.name[:200]}.{os.getpid()}.part")
+    name = file.name.encode()[:200].decode(errors="ignore")
+    part = file.with_name(f".{name}.{secrets.token_hex(4)}.part")
     descriptor, has_name = _open_part(part)
     try:
         with os.fdopen(descriptor, "wb") as stream:

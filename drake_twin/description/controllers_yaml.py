@@ -8,10 +8,22 @@ from typing import Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding, Kind, Place
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
 
+_OF_MANAGER = ("update_rate", "enforce_command_limits", "use_sim_time")
+_OF_CONTROLLER = ("type", "params_file", "fallback_controllers", "node_options_args")
+_PROCESS = "the twin has no process for it"
+_UNUSED_OF_MANAGER = {
+    **dict.fromkeys(("thread_priority", "lock_memory", "cpu_affinity", "overruns", "handle_exceptions"), _PROCESS),
+    "hardware_components_initial_state": "all hardware is active",
+    "shutdown_on_initial_state_failure": "all hardware is active",
+    "diagnostics": "the twin publishes no diagnostics",
+    "robot_description": "it is the robot's file",
+    "defaults": "controllers are switched at once",
+}
+_DEEPEST_NAME = 32  # dots in one name
 DEFAULT_UPDATE_RATE = 100.0  # Hz, controller_manager's default in Jazzy
 
 _PLACEHOLDER = re.compile(r"\$\(var\s+([\w.]+)\s*\)|\$\{(\w+)\}")
@@ -63,8 +75,11 @@ class ControllerParameters:
 
     def _source(self, path: ValuePath) -> tuple[YamlDocument, ValuePath]:
         """The last of the sources that says something of a parameter."""
-        named = (source for source in reversed(self.sources) if path and source[0].has((*source[1], *path[:1])))
-        return next(named, self.sources[-1])
+        for part in (path, path[:1]):
+            named = (source for source in reversed(self.sources) if part and source[0].has((*source[1], *part)))
+            if (found := next(named, None)) is not None:
+                return found
+        return self.sources[-1]
 
 
 @dataclass(frozen=True)
@@ -76,11 +91,13 @@ class ControllerManagerParameters:
         enforce_command_limits: whether commands are clamped to the joints' limits. The twin does unless a file says no;
             Jazzy's default is not to.
         controllers: the controllers, in file order.
+        findings: what they say to the controller manager of which no use is made.
     """
 
     update_rate: float = DEFAULT_UPDATE_RATE
     enforce_command_limits: bool = True
     controllers: tuple[ControllerParameters, ...] = ()
+    findings: tuple[Finding, ...] = ()
 
 
 def read_controllers(
@@ -108,6 +125,7 @@ def read_controllers(
     enforce_limits = True
     types: dict[str, str] = {}
     places: dict[str, tuple[YamlDocument, ValuePath]] = {}
+    findings: list[Finding] = []
     for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
         enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
@@ -120,6 +138,9 @@ def read_controllers(
                 types[name], places[name] = value["type"], (document, (*path, name))
             elif isinstance(name, str) and name.endswith(".type") and isinstance(value, str):
                 types[name.removesuffix(".type")] = value
+            elif (what := _unread(str(name), value)) is not None:
+                place = Place(str(document.file), document.line((*path, name)))
+                findings.append(Finding.at(Kind.WARNING, f"controller_manager: {what}", place))
     for name, found in nodes.items():
         for *_, parameters in found:
             if isinstance(parameters.get("type"), str):
@@ -129,10 +150,43 @@ def read_controllers(
         merged: dict[str, Any] = {}
         found = nodes.get(name, [])
         for *_, parameters in found:
-            merged.update(parameters)
+            merge_nested(merged, nested(parameters))
         sources = [entry[:2] for entry in found] or [places[name]] if name in places or found else []
         controllers.append(ControllerParameters(name, kind, merged, tuple(sources)))
-    return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers))
+    return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers), tuple(findings))
+
+
+def _unread(name: str, value: Any) -> str | None:
+    """Why a parameter of the controller manager changes nothing; None when it does, or is a controller's."""
+    first, dot, last = name.partition(".")
+    if first in _OF_MANAGER or (dot and last in _OF_CONTROLLER):
+        return None
+    if first in _UNUSED_OF_MANAGER:
+        return f"{name} is ignored: {_UNUSED_OF_MANAGER[first]}"
+    if isinstance(value, dict):
+        return f"{name!r} has no type: it is no controller"
+    return f"there is no parameter {name!r}, it is ignored"
+
+
+def nested(parameters: Mapping[Any, Any]) -> dict[str, Any]:
+    """``linear.x.max_velocity: 1`` as ``linear: {x: {max_velocity: 1}}``: for ROS the two are one."""
+    found: dict[str, Any] = {}
+    for key, value in parameters.items():
+        value = nested(value) if isinstance(value, Mapping) else value
+        for part in reversed(str(key).split(".", _DEEPEST_NAME)):
+            value = {part: value}
+        merge_nested(found, value)
+    return found
+
+
+def merge_nested(parameters: dict[str, Any], later: Mapping[str, Any]) -> None:
+    """Adds parameters to others; of what is no mapping, the later value holds."""
+    for key, value in later.items():
+        known = parameters.get(key)
+        if isinstance(known, dict) and isinstance(value, Mapping):
+            merge_nested(known, value)
+        else:
+            parameters[key] = value
 
 
 def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:

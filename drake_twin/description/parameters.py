@@ -18,7 +18,7 @@ from functools import cache
 from math import isnan
 from typing import Any
 
-from drake_twin.description.controllers_yaml import ControllerParameters
+from drake_twin.description.controllers_yaml import ControllerParameters, nested
 from drake_twin.findings import Finding, Kind
 
 # Parameters that every node of ROS 2 has, and those that ros2_control itself reads for any controller.
@@ -66,7 +66,7 @@ def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, 
             and line.
     """
     warnings: list[Finding] = []
-    values = _nested(controller.parameters)
+    values = nested(controller.parameters)
     for dialect in getattr(kind, "dialects", ()):
         if dialect.signs & values.keys():
             return _read_class(dialect, values, controller, (), warnings).translated(), tuple(warnings)
@@ -89,23 +89,6 @@ def parameter_names(kind: type, prefix: str = "") -> Iterator[tuple[str, "datacl
 @cache
 def _types(kind: type) -> dict[str, Any]:
     return typing.get_type_hints(kind)
-
-
-def _nested(parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """``linear.x.max_velocity: 1`` as ``linear: {x: {max_velocity: 1}}``."""
-    nested: dict[str, Any] = {}
-    for key, value in parameters.items():
-        *above, last = str(key).split(".")
-        place = nested
-        for part in above:
-            below = place.setdefault(part, {})
-            place = below if isinstance(below, dict) else place.setdefault(part, {})
-        value = _nested(value) if isinstance(value, dict) else value
-        if isinstance(value, dict) and isinstance(place.get(last), dict):
-            place[last] = place[last] | value
-        else:
-            place[last] = value
-    return nested
 
 
 def _read_class(kind: type, values: Any, controller: ControllerParameters, path: Path, warnings: list[Finding]) -> Any:

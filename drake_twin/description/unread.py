@@ -214,7 +214,16 @@ def is_known(parent: etree._Element, child: etree._Element) -> bool:
 
 def unread_in_urdf(reader: XmlReader) -> list[Finding]:
     """Each element and attribute of which no use is made, the same one at several places once, with its lines."""
-    return list(_findings(reader, _unread(reader.root, _URDF)))
+    return list(_findings(reader, (*_unread(reader.root, _URDF), *_about_nothing(reader.root))))
+
+
+def _about_nothing(root: etree._Element) -> Iterator[tuple[etree._Element, str]]:
+    """``<gazebo reference>`` of what the robot does not have."""
+    known = {item.get("name", "").strip() for tag in ("link", "joint") for item in root.iterfind(tag)}
+    for element in root.iterfind("gazebo[@reference]"):
+        reference = element.get("reference", "").strip()
+        if reference and reference not in known and len(element):
+            yield element, f"<gazebo reference={reference!r}>: the robot has no such link or joint"
 
 
 def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:

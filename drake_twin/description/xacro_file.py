@@ -71,8 +71,7 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     # xacro's warnings are followed by lines with the chain of files.
     warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
     text = document.toxml()
-    tags = (element.tagName for element in document.getElementsByTagName("*"))
-    places = tuple(tag.place if isinstance(tag, _Tag) else Place(str(file)) for tag in tags)
+    places = tuple(_place(element, file) for element in document.getElementsByTagName("*"))
     document.unlink()  # its nodes refer to each other: the collector would find them only after many more robots
     _known_places[_digest(text)] = places
     while len(_known_places) > _MOST_KNOWN:
@@ -146,6 +145,13 @@ def _included(name: str, includer: Path, packages: PackageIndex) -> Iterator[Pat
             return
     if "$" not in name:
         yield (includer.parent / name).absolute()
+
+
+def _place(element: Any, file: Path) -> Place:
+    """Where an element was written: what ``xacro:element`` names anew stands in the one around it."""
+    while element is not None and not isinstance(getattr(element, "tagName", None), _Tag):
+        element = element.parentNode
+    return Place(str(file)) if element is None else element.tagName.place
 
 
 class _Tag(str):

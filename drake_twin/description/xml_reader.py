@@ -20,6 +20,9 @@ _PARSER = etree.XMLParser(
 )
 
 
+_MOST_LINES = 65535  # what libxml2 has room for
+
+
 class XmlReader:
     """Reads values out of one XML document.
 
@@ -45,7 +48,8 @@ class XmlReader:
         if places is not None and self._places is not None:
             numbers = {place: number for number, place in enumerate(self._places, start=1)}
             for element, place in zip(self.root.iter(etree.Element), places, strict=True):
-                element.sourceline = numbers[place]  # copies of the element keep it
+                number = numbers[place]
+                element.sourceline = number if number <= _MOST_LINES else 0  # copies of the element keep it
 
     def copy(self) -> "XmlReader":
         """The same document once more, to be changed on its own."""
@@ -59,7 +63,7 @@ class XmlReader:
         if self._places is not None:
             known = line is not None and 0 < line <= len(self._places)
             return self._places[line - 1] if line is not None and known else Place(str(self.file or ""))
-        return Place(str(self.file or ""), line or None)
+        return Place(str(self.file or ""), line if line and line < _MOST_LINES else None)
 
     def error(self, element: etree._Element, message: str) -> InputError:
         """An error that points at an element."""

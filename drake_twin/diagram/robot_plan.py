@@ -151,6 +151,7 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
             for finding in (
                 *model.findings,
                 *drive_findings,
+                *manager.findings,
                 *controller_findings,
                 *(Finding(Kind.WARNING, warning) for warning in warnings),
                 *_unpublished_sensors(description, controllers),
@@ -165,7 +166,7 @@ def _unpublished_sensors(description: RobotDescription, controllers: Sequence[Co
     for sensor in description.sensors:
         if sensor.name.strip("/") not in published and sensor.name not in published:
             what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
-            reason = f"nothing publishes it; an {sensor.kind}_sensor_broadcaster in the controllers' file would"
+            reason = f"nothing publishes it; the controllers' file has no {sensor.kind}_sensor_broadcaster for it"
             yield Finding.at(Kind.IGNORED, f"{what}: {reason}", sensor.place)
 
 

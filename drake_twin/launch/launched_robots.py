@@ -1,5 +1,6 @@
 """The robots that a launch file brings into the world: who describes them, where they stand, who controls them."""
 
+import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.launch.command_line import CommandLine, command_line
 from drake_twin.ros_launch.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.ros_launch.packages import lasting_folder
+from drake_twin.whole_file import write_whole
 
 _SPAWNERS = {
     ("ros_gz_sim", "create"),
@@ -285,9 +287,16 @@ class LaunchedRobots:
         """A description's text as a file of the cache, which has the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_folder(text) / f"robot.{suffix}"
-        if not path.is_file():
-            path.write_text(text, encoding="utf-8")
+        _keep(path, text)
         return _read(str(path), text, path)
+
+
+def _keep(path: Path, text: str) -> None:
+    """Writes a file of the cache, unless it is there with this very text."""
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if path.read_text(encoding="utf-8") == text:
+            return
+    write_whole(path, text)
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:
@@ -303,8 +312,7 @@ def parameter_file(item: Path | ParameterText) -> str:
     """A parameters file's path; a rewritten one gets a place in the cache."""
     if isinstance(item, ParameterText):
         path = lasting_folder(item.text) / item.file.name
-        if not path.is_file():
-            path.write_text(item.text, encoding="utf-8")
+        _keep(path, item.text)
         return str(path)
     return str(item)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.errors import InputError
+from drake_twin.whole_file import write_whole
 
 # Tells the command which folders of packages are looked in first; set while launch files run.
 PACKAGE_FOLDERS = "DRAKE_TWIN_PACKAGE_FOLDERS"
@@ -37,5 +38,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if output is None:
         print(text)
     else:
-        output.write_text(text)
+        write_whole(output, text)
     return 0

@@ -113,7 +113,7 @@ def test_a_finding_says_what_it_is_and_what_to_do(tmp_path):
     (lidar,) = lost(tmp_path, DROPS["lidar"])
     assert lidar.what == "sensor 'lds' of type gpu_lidar on 'base', topic scan: the twin has no lidar"
     (imu,) = lost(tmp_path, DROPS["imu that nobody publishes"])
-    assert "an imu_sensor_broadcaster in the controllers' file would" in imu.what
+    assert "the controllers' file has no imu_sensor_broadcaster for it" in imu.what
 
 
 def test_elements_of_a_drive_that_it_does_not_read_are_findings(tmp_path):
