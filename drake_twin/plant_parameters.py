@@ -1,6 +1,6 @@
 """What somebody has changed in a plant's context besides its state: masses, dampings, motors, frames, friction."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +9,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
+    Joint,
     JointActuator,
     ModelInstanceIndex,
     RigidBody,
@@ -55,7 +56,9 @@ class PlantParameters:
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, root: Context):
         self._plant, self._scene_graph = plant, scene_graph
         self._default: Context | None = None
-        self._numbers = _numbers(plant.GetMyContextFromRoot(root))
+        moving = (plant.get_joint(index) for index in plant.GetJointIndices())
+        self._joints = [joint for joint in moving if joint.num_velocities() > 0]
+        self._numbers = _numbers(plant.GetMyContextFromRoot(root), self._joints)
         inspector = self._inspector(root)
         self._shapes = list(self._named_shapes(inspector))
         self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes}
@@ -68,7 +71,7 @@ class PlantParameters:
         """
         now = self._plant.GetMyContextFromRoot(root)
         found: dict[str, list[Any]] = {}
-        if _numbers(now) != self._numbers:
+        if _numbers(now, self._joints) != self._numbers:
             before = self._as_built()
             for parameter in self._parameters():
                 values = list(map(float, parameter.read(now)))
@@ -150,8 +153,9 @@ class PlantParameters:
                 yield _Parameter(f"inertia of {model}::{body.name()}", *_inertia(body))
             for joint in map(plant.get_joint, plant.GetJointIndices(instance)):
                 if joint.num_velocities() > 0:
-                    name = f"damping of {model}::{joint.name()}"
-                    yield _Parameter(name, joint.GetDampingVector, joint.SetDampingVector)
+                    name = f"{model}::{joint.name()}"
+                    yield _Parameter(f"damping of {name}", joint.GetDampingVector, joint.SetDampingVector)
+                    yield _Parameter(f"lock of {name}", *_lock(joint))
             for motor in map(plant.get_joint_actuator, plant.GetJointActuatorIndices(instance)):
                 yield _Parameter(f"motor {model}::{motor.name()}", *_motor(motor))
             for frame in map(plant.get_frame, plant.GetFrameIndices(instance)):
@@ -159,10 +163,20 @@ class PlantParameters:
                     yield _Parameter(f"frame {model}::{frame.name()}", *_pose(frame))
 
 
-def _numbers(context: Context) -> list[bytes]:
-    """All numeric parameters of a plant, to be compared."""
+def _numbers(context: Context, joints: Iterable[Joint]) -> list[bytes | bool]:
+    """All numeric parameters of a plant, and which joints are locked, to be compared."""
     groups = range(context.num_numeric_parameter_groups())
-    return [context.get_numeric_parameter(index).value().tobytes() for index in groups]
+    numbers = [context.get_numeric_parameter(index).value().tobytes() for index in groups]
+    return [*numbers, *(joint.is_locked(context) for joint in joints)]
+
+
+def _lock(joint: Joint) -> tuple[_Read, _Write]:
+    """1 for a joint that is locked."""
+
+    def write(context: Context, values: Sequence[float]) -> None:
+        joint.Lock(context) if values[0] else joint.Unlock(context)
+
+    return lambda context: [float(joint.is_locked(context))], write
 
 
 def _inertia(body: RigidBody) -> tuple[_Read, _Write]:

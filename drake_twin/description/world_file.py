@@ -6,7 +6,7 @@ model that cannot be had. Poses are in the world frame.
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +53,7 @@ class WorldModel:
         falls: whether gravity acts on it.
         text: SDF of this model alone for Drake's parser, its pose included. A static model's planes and collision
             meshes are as in the file, since Drake's parser would take them for something else.
+        place: where the world asks for it.
     """
 
     name: str
@@ -60,6 +61,7 @@ class WorldModel:
     is_static: bool
     falls: bool
     text: str
+    place: Place = field(default=Place(""))
 
 
 @dataclass(frozen=True)
@@ -226,7 +228,7 @@ class _World:
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text)
+        return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text, place)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place]]:
         """Each model of the world with its SDF version, its pose and where the world asks for it, includes replaced."""

@@ -28,6 +28,7 @@ from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
 from drake_twin.systems.state_layout import StateLayout
@@ -65,7 +66,7 @@ class PlantOfTwin:
     plant: MultibodyPlant
     scene_graph: SceneGraph
     robots: dict[str, RobotInPlant]
-    warnings: tuple[str, ...]
+    findings: tuple[Finding, ...]
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     shapes: tuple[TouchingShape, ...]
 
@@ -104,16 +105,18 @@ def add_plant(
         stiction_tolerance=_STICTION_TOLERANCE,
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
-    warnings: list[str] = []
-    world_models = add_world(plant, scenario, world_file, warnings)
+    findings: list[Finding] = []
+    world_models = add_world(plant, scenario, world_file, findings)
     instances = {}
     for plan in told("adding", plans, lambda plan: plan.name):
         with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
-            instances[plan.name] = _add_robot(plant, plan, warnings)
+            instances[plan.name] = _add_robot(plant, plan, findings)
     layouts = {}
     with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
         models = _contact_models(plans, instances, scenario.world, world_models)
+        warnings: list[str] = []
         shapes = give_contact(plant, scene_graph, models, scenario.world.contact, warnings)
+        findings += [Finding(Kind.WARNING, warning) for warning in warnings]
         brakes = [brake for plan in plans for brake in _add_brakes(plant, plan, instances[plan.name])]
         plant.Finalize()
         isolate_brakes(scene_graph, brakes)
@@ -127,7 +130,7 @@ def add_plant(
         name: RobotInPlant(instance, layout, layout.within(_state_indices(plant, instance)), gains[name])
         for (name, instance), layout in zip(instances.items(), layouts.values(), strict=True)
     }
-    return PlantOfTwin(plant, scene_graph, robots, tuple(warnings), world_models, shapes)
+    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, shapes)
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:
@@ -145,11 +148,10 @@ def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
         raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
 
 
-def _add_robot(plant: MultibodyPlant, plan: RobotPlan, warnings: list[str]) -> ModelInstanceIndex:
+def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) -> ModelInstanceIndex:
     with captured_warnings() as messages:
         (instance,) = _parse(plant, plan)
-    warnings.extend(f"{plan.name}: {without_literal(message)}" for message in messages)
-    warnings.extend(_of_ball_joints(plan))
+    texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
     # Drake's parser actuates an SDF's joints; here only what is commanded has an actuator. (Asked for one instance, the
     # plant lists its actuators only once it is finalized.)
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
@@ -157,7 +159,10 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, warnings: list[str]) -> M
             plant.RemoveJointActuator(actuator)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
-        warnings.append(f"{plan.name}: the robot has no collision shape: it falls through the ground")
+        texts.append("the robot has no collision shape: it falls through the ground")
+    for text in texts:
+        kind = Kind.IGNORED if "will be ignored" in text else Kind.WARNING  # in the words of Drake's parsers
+        findings.append(Finding(kind, text, robot=plan.name, file=str(plan.description.file or "")))
     if plan.description.base_joints:
         add_planar_joints(plant, plant.GetBodyByName(plan.model.root_body, instance), plan.spawn_pose)
     for joint in plan.description.actuated_joints:
@@ -209,10 +214,10 @@ def _of_ball_joints(plan: RobotPlan) -> Iterator[str]:
     balls = [joint.name for joint in plan.description.joints if joint.type == "ball"]
     if plan.model.drake_format != "sdf":
         for name in balls:
-            yield f"{plan.name}: ball joint {name}: the run ends where its pitch comes to 90°, as it is no SDF joint"
+            yield f"ball joint {name}: the run ends where its pitch comes to 90°, as it is no SDF joint"
     for sensor in plan.description.sensors:
         if sensor.joint in balls:
-            yield f"{plan.name}: sensor {sensor.name}: it measures nothing in the ball joint {sensor.joint}"
+            yield f"sensor {sensor.name}: it measures nothing in the ball joint {sensor.joint}"
 
 
 def _contact_models(

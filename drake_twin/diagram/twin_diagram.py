@@ -219,7 +219,7 @@ def _build(
             *scenario.findings,
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
             *(() if world_file is None else world_file.findings),
-            *(Finding(Kind.WARNING, warning) for warning in parts.warnings),
+            *parts.findings,
         ),
     )
 

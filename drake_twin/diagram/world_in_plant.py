@@ -17,6 +17,7 @@ from drake_twin.diagram.static_world import (
     static_shapes,
 )
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.scenario import Scenario, World
 
 _GRAVITY = (0.0, 0.0, -9.81)
@@ -27,17 +28,17 @@ def add_world(
     plant: MultibodyPlant,
     scenario: Scenario,
     world_file: WorldFile | None,
-    warnings: list[str],
+    findings: list[Finding],
 ) -> dict[str, tuple[ModelInstanceIndex, ...]]:
     """Adds gravity, ground and the world file's models to a plant.
 
-    A model that Drake refuses is left out with a warning. What does not move has no model instance and no body.
+    A model that Drake refuses is left out, which is a finding. What does not move has no model instance and no body.
 
     Args:
         plant: the plant; it is changed.
         scenario: its world goes before the file, and no robot may have the name of a model.
         world_file: what the world file says.
-        warnings: is extended by what was left out.
+        findings: is extended by what was left out.
 
     Returns:
         Model name → its model instance and those of the models in it, of the models that move.
@@ -51,7 +52,7 @@ def add_world(
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
     if world_file is not None:
         _check_names(scenario, world_file)
-        shapes, moving = _add_models(plant, world_file, warnings)
+        shapes, moving = _add_models(plant, world_file, findings)
     register_static_shapes(plant, _with_ground(shapes, world))
     return moving
 
@@ -83,15 +84,16 @@ def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
 
 
 def _add_models(
-    plant: MultibodyPlant, world_file: WorldFile, warnings: list[str]
+    plant: MultibodyPlant, world_file: WorldFile, findings: list[Finding]
 ) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]]]:
     detail = bearable_detail(world_file.models)
     if detail > 0:
-        what = f"its meshes have too many faces to touch: for contact they are told apart down to {detail:g} m only"
-        warnings.append(f"{world_file.file.name if world_file.file else 'the world'}: {what}")
+        what = f"the world's meshes have too many faces to touch: for contact they are told apart to {detail:g} m only"
+        findings.append(Finding(Kind.WARNING, what, file=str(world_file.file or "")))
     shapes: list[StaticShape] = []
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
     for model in world_file.models:
+        warnings: list[str] = []
         with captured_warnings() as messages:
             try:
                 if model.is_static:
@@ -101,8 +103,10 @@ def _add_models(
                     moving[model.name] = _add_moving(plant, model)
             except (*DRAKE_RAISES, InputError) as error:
                 reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
-                warnings.append(f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})")
-        warnings.extend(dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages))
+                what = f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})"
+                findings.append(Finding.at(Kind.IGNORED, what, model.place))
+        warnings += dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages)
+        findings += [Finding.at(Kind.WARNING, warning, model.place) for warning in warnings]
     return shapes, moving
 
 

@@ -4,6 +4,7 @@ import trimesh
 from conftest import ROVER
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.findings import Kind
 from drake_twin.launch.builder import TwinBuilder
 from drake_twin.scenario import World
 
@@ -240,7 +241,9 @@ def test_a_robot_cannot_have_the_name_of_a_model(tmp_path):
 def test_a_model_that_drake_refuses_is_left_out_with_the_reason(tmp_path):
     bad = '<model name="bad"><link name="l"/><joint name="j" type="revolute"><child>gone</child></joint></model>'
     twin = twin_in(tmp_path, GROUND + bad + crate())
-    assert [text for text in twin.warnings if text.startswith("bad: the model is left out: Drake refuses it (")]
+    (finding,) = (item for item in twin.findings if "the model is left out" in item.what)
+    assert finding.what.startswith("bad: the model is left out: Drake refuses it (")
+    assert (finding.kind, len(finding.lines)) == (Kind.IGNORED, 1)
     assert height(twin) == 1.0
 
 
