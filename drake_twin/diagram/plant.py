@@ -161,7 +161,8 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         texts.append("the robot has no collision shape: it falls through the ground")
     for text in texts:
-        kind = Kind.IGNORED if "will be ignored" in text else Kind.WARNING  # in the words of Drake's parsers
+        is_lost = plan.model.drake_format == "xml" and "will be ignored" in text  # in the words of Drake's parser
+        kind = Kind.IGNORED if is_lost else Kind.WARNING
         findings.append(Finding(kind, text, robot=plan.name, file=str(plan.description.file or "")))
     if plan.description.base_joints:
         add_planar_joints(plant, plant.GetBodyByName(plan.model.root_body, instance), plan.spawn_pose)

@@ -9,6 +9,7 @@ from drake_twin.description.controllers_yaml import (
     read_controllers,
 )
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 MANAGER = "ros__parameters: {update_rate: 50, arm: {type: position/Arm}}"
 ARM = "ros__parameters: {joints: [elbow]}"
@@ -211,3 +212,35 @@ def test_controllers_come_in_the_order_of_the_file_whatever_the_hash_seed(tmp_pa
         environment = os.environ | {"PYTHONHASHSEED": seed}
         printed = subprocess.run(command, capture_output=True, text=True, check=True, env=environment).stdout
         assert printed.strip() == str(names)
+
+
+def test_parameters_of_one_controller_go_together_however_they_are_nested_and_in_whatever_file(tmp_path):
+    one, other = tmp_path / "one.yaml", tmp_path / "other.yaml"
+    one.write_text(
+        "controller_manager: {ros__parameters: {pid: {type: pid/Pid}}}\n"
+        "pid:\n  ros__parameters:\n    gains.a.p: 1\n    gains: {a: {d: 2}, b: {p: 3}}\n"
+    )
+    other.write_text("pid:\n  ros__parameters:\n    gains: {a: {i: 4}}\n    gains.b.p: 5\n")
+    (controller,) = read_controllers([one, other], "/robot_1", {}).controllers
+    assert controller.parameters == {"gains": {"a": {"p": 1, "d": 2, "i": 4}, "b": {"p": 5}}}
+    places = {name: controller.place("gains", *name.split(".")) for name in ("a.p", "a.d", "a.i", "b.p")}
+    assert places == {
+        "a.p": Place(str(one), 4),
+        "a.d": Place(str(one), 5),
+        "a.i": Place(str(other), 3),
+        "b.p": Place(str(other), 4),
+    }
+
+
+def test_what_the_controller_manager_does_not_read_is_said_with_its_line(read, tmp_path):
+    text = (
+        "controller_manager:\n  ros__parameters:\n    update_rate: 50\n    use_sim_tim: true\n"
+        "    hardware_components_initial_state: {inactive: [arm]}\n    lost: {typ: a/B}\n    thread_priority: 50\n"
+    )
+    said = {finding.lines[0]: finding.what for finding in read(text).findings}
+    assert said == {
+        4: "controller_manager: there is no parameter 'use_sim_tim', it is ignored",
+        5: "controller_manager: hardware_components_initial_state is ignored: all hardware is active",
+        6: "controller_manager: 'lost' has no type: it is no controller",
+        7: "controller_manager: thread_priority is ignored: the twin has no process for it",
+    }

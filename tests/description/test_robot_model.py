@@ -127,6 +127,7 @@ def test_what_is_said_of_a_xacro_file_has_file_and_line_of_macro_include_and_blo
 
     <shiny/>
     <xacro:insert_block name="extra"/>
+    <xacro:element xacro:name="${'gl' + 'ossy'}"/>
   </link>
 </xacro:macro>
 </robot>"""
@@ -150,6 +151,7 @@ def test_what_is_said_of_a_xacro_file_has_file_and_line_of_macro_include_and_blo
     assert places == {
         ("<shiny> in <link>", "part.xacro", (5,)),
         ("<dull> in <link>", "robot.urdf", (7, 9)),
+        ("<glossy> in <link>", "part.xacro", (3,)),
         ("<turnGravityOff> in <gazebo>", "robot.urdf", (5,)),
     }
     assert [(repair.rule, *repair.lines) for repair in of(model, Kind.MENDED)] == [("massless_link", 3)]

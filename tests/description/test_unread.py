@@ -41,6 +41,7 @@ DROPS = {
     "spring": '<gazebo reference="hinge"><springStiffness>3</springStiffness></gazebo>',
     "implicit": '<gazebo reference="hinge"><implicitSpringDamper>1</implicitSpringDamper></gazebo>',
     "stop": '<gazebo reference="hinge"><stopErp>1</stopErp></gazebo>',
+    "gazebo about nothing": '<gazebo reference="bass"><mu1>0.2</mu1></gazebo>',
     "gazebo visual": '<gazebo reference="base"><visual><material/></visual></gazebo>',
     "static": "<gazebo><static>true</static></gazebo>",
     "light": '<gazebo reference="base"><light name="l" type="point"/></gazebo>',

@@ -103,3 +103,10 @@ def test_an_element_is_described_by_its_name_or_by_what_holds_it():
     assert described(root.find("joint")) == '<joint name="elbow">'
     assert described(root.find("joint/limit")) == '<limit> of <joint name="elbow">'
     assert described(root) == "<robot>"
+
+
+def test_places_beyond_what_libxml2_can_number_are_unknown():
+    text = f"<robot>{'<gazebo/>' * 66_000}</robot>"
+    reader = XmlReader(text, "big.urdf", places=[Place("big.xacro", line) for line in range(66_001)])
+    assert reader.place(reader.root[9]) == Place("big.xacro", 10)
+    assert reader.place(reader.root[-1]) == Place("big.urdf")

@@ -1,5 +1,7 @@
 """Launch files as scenarios: worlds, frames, bridges, commands, and what is not started."""
 
+from pathlib import Path
+
 import pytest
 from hinge import command, create, gz, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
 from launch_files import not_started, write, write_python
@@ -274,3 +276,12 @@ def test_a_finding_about_a_robot_that_xacro_made_for_a_launch_file_has_xacros_fi
     (finding,) = (item for item in twin.findings if "transmission" in item.what)
     line = text.splitlines().index("<transmission/></robot>") + 1
     assert (finding.robot, finding.file, finding.lines) == ("arm", str(robot), (line,))
+
+
+def test_a_description_that_was_left_half_written_in_the_cache_is_written_again(tmp_path):
+    launch = launched_hinge(tmp_path)
+    (robot,) = launch.scenario.robots
+    whole = Path(robot.model).read_text()
+    Path(robot.model).write_text(whole[:200])
+    assert launched_hinge(tmp_path).scenario == launch.scenario
+    assert Path(robot.model).read_text() == whole
