@@ -39,6 +39,9 @@ class NotIncludedError(Exception):
     """What an ``<include>`` names cannot be had; Gazebo goes on without it, and so does the twin."""
 
 
+_OF_INCLUDE = ("uri", "name", "pose", "static", "placement_frame")
+
+
 @dataclass
 class SdfIncludes:
     """Replaces the includes of one world by what they name.
@@ -72,6 +75,11 @@ class SdfIncludes:
         self._count += 1
         if self._count > _MOST_INCLUDES:
             raise reader.error(include, f"the world includes more than {_MOST_INCLUDES} models")
+        for child in include:
+            if isinstance(child.tag, str) and child.tag not in _OF_INCLUDE:
+                named = f" {child.get('name') or child.get('filename')}" if child.tag == "plugin" else ""
+                what = f"<{etree.QName(child).localname}>{named} in <include>"
+                self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(child)))
         address = (include.findtext("uri") or "").strip()
         if not address:
             raise reader.error(include, "<uri> is missing")

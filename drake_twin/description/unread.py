@@ -175,6 +175,18 @@ _SENSOR = _part(
     force_torque=_part(frame=_TEXT, measure_direction=_TEXT, force=_NOISES, torque=_NOISES, noise=_SAID),
 )
 
+# Of what is not here, the first one counts.
+_SEVERAL = {
+    *(("robot", tag) for tag in ("link", "joint", "material", "gazebo", "ros2_control")),
+    *(("model", tag) for tag in ("link", "joint", "frame")),
+    *(("link", tag) for tag in ("visual", "collision")),
+    *(("ros2_control", tag) for tag in ("joint", "sensor")),
+    *(("joint", tag) for tag in ("command_interface", "state_interface", "param")),
+    *(("sensor", tag) for tag in ("state_interface", "param")),
+    *((tag, "param") for tag in ("hardware", "command_interface", "state_interface")),
+    ("plugin", "parameters"),
+}
+
 _SENSORS = {
     "camera": "the twin has no cameras",
     "depth": "the twin has no cameras",
@@ -238,6 +250,7 @@ def _findings(reader: XmlReader, unread: Iterable[tuple[etree._Element, str]]) -
 
 def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Element, str]]:
     tag = etree.QName(element).localname
+    seen: set[str] = set()
     for name in map(str, element.attrib):
         if name not in part.attributes and not name.startswith("{"):
             yield element, f"the attribute {name} of <{tag}>"
@@ -245,7 +258,11 @@ def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Elemen
         if not isinstance(child.tag, str) or child.tag.startswith(_DRAKE):
             continue
         name = etree.QName(child).localname
-        known = part.children.get(name)
+        known = part.children.get(child.tag)
+        if known is not None and child.tag in seen and (tag, name) not in _SEVERAL:
+            yield child, f"a second <{name}> in <{tag}>"
+            continue
+        seen.add(child.tag)
         if known is not None and known.names is not None and child.get("name", "") not in known.names:
             yield child, f'<{name} name="{child.get("name", "")}"> in <{tag}>'
         elif known is not None and known is not _SAID:

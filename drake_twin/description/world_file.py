@@ -189,10 +189,10 @@ class _World:
 
     def _models(self) -> Iterator[WorldModel]:
         found = list(self._elements())
-        frames = _Frames(self._reader, self._world, [(model, pose) for model, _, pose, _ in found])
+        frames = _Frames(self._reader, self._world, [(model, pose, reader) for model, _, pose, _, reader in found])
         states = self._states()
         taken: set[str] = set()
-        for model, version, pose, place in found:
+        for model, version, pose, place, reader in found:
             name = model.get("name", "")
             X = states[name] if name in states else frames.of(model, pose)
             own = free_name(name, taken)
@@ -201,11 +201,13 @@ class _World:
                 self._findings.append(Finding.at(Kind.WARNING, what, place))
             taken.add(own)
             if model.find(".//link") is not None:
-                yield self._model(model, own, version, X, place)
+                yield self._model(model, own, version, X, place, reader)
             elif not self._includes.missing:  # which said why
                 self._mended[Finding(Kind.IGNORED, "the model has no link: it is left out")][own] = place
 
-    def _model(self, model: etree._Element, name: str, version: tuple[int, ...], X: Any, place: Place) -> WorldModel:
+    def _model(
+        self, model: etree._Element, name: str, version: tuple[int, ...], X: Any, place: Place, reader: XmlReader
+    ) -> WorldModel:
         from pydrake.math import RollPitchYaw
 
         model.set("name", name)
@@ -222,27 +224,31 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
-        unused = unused_in_sdf(self._reader, model, with_links=False)
-        for finding in (*unused, *mend_model(model, self._reader, self._includes.find)):
+        unused = unused_in_sdf(reader, model, with_links=False)
+        for finding in (*unused, *mend_model(model, reader, self._includes.find)):
             self._mended[Finding(finding.kind, finding.what)][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
         return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text, place)
 
-    def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place]]:
-        """Each model of the world with its SDF version, its pose and where the world asks for it, includes replaced."""
+    def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
+        """Each model of the world, includes replaced.
+
+        With it come its SDF version, its pose, where the world asks for it and the document that it is in.
+        """
         file = self._reader.file
         above = () if file is None else (file,)
         for child in list(self._world):
             if child.tag == "include":
                 found = self._includes.model(child, self._reader, above)
                 if found is not None:
-                    yield found.element, found.version, found.element.find("pose"), self._reader.place(child)
+                    pose = child.find("pose") if child.find("pose") is not None else found.element.find("pose")
+                    yield found.element, found.version, pose, self._reader.place(child), found.reader
             elif child.tag == "model":
                 self._reader.text(child, "name")
                 self._includes.expand(child, self._reader, self._version, above)
-                yield child, self._version, child.find("pose"), self._reader.place(child)
+                yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
 
     def _states(self) -> dict[str, Any]:
         """Poses of models where Gazebo classic saved the world's state; it goes before what the models say."""
@@ -275,6 +281,10 @@ class _World:
         yield from at_places(Kind.IGNORED, self._dropped(is_window=False))
 
     def _dropped(self, *, is_window: bool) -> Iterator[tuple[str, Place]]:
+        beside = [child for child in self._reader.root if child is not self._world and isinstance(child.tag, str)]
+        beside += self._world.findall("gravity")[1:]
+        for child in beside if not is_window else ():
+            yield f"<{etree.QName(child).localname}> beside the first of the world", self._reader.place(child)
         for child in self._world:
             if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
                 continue
@@ -293,10 +303,14 @@ class _Frames:
     """Poses of a world's models, which may be relative to each other and to ``<frame>``s."""
 
     def __init__(
-        self, reader: XmlReader, world: etree._Element, models: list[tuple[etree._Element, etree._Element | None]]
+        self,
+        reader: XmlReader,
+        world: etree._Element,
+        models: list[tuple[etree._Element, etree._Element | None, XmlReader]],
     ):
         self._reader = reader
-        self._poses = {model.get("name", ""): pose for model, pose in models}
+        self._poses = {model.get("name", ""): pose for model, pose, _ in models}
+        self._readers = {model.get("name", ""): own for model, _, own in models}
         self._attached: dict[str, str] = {}
         for frame in world.findall("frame"):
             self._poses[frame.get("name", "")] = frame.find("pose")
@@ -310,8 +324,8 @@ class _Frames:
         """
         from pydrake.math import RigidTransform
 
-        X = RigidTransform() if pose is None else transform_of(pose, self._reader)
         name = model.get("name", "")
+        X = RigidTransform() if pose is None else transform_of(pose, self._reader_of(pose, name))
         to = "" if pose is None else pose.get("relative_to", "")
         to = to or self._attached.get(name, "")
         to = to.partition("::")[0]  # a frame inside a model: the model stands for it
@@ -323,6 +337,11 @@ class _Frames:
             raise self._reader.error(model, f"its pose is relative to {to!r}, which is no model or frame of the world")
         above = etree.Element("frame", name=to)
         return self.of(above, self._poses[to], (*seen, name)) @ X
+
+    def _reader_of(self, pose: etree._Element, name: str) -> XmlReader:
+        """The document of a model's pose: the world's, or that of the file that it includes."""
+        in_world = pose.getroottree().getroot() is self._reader.root
+        return self._reader if in_world else self._readers.get(name, self._reader)
 
 
 def transform_of(pose: etree._Element, reader: XmlReader) -> Any:

@@ -158,3 +158,20 @@ def test_what_gazebos_reader_lets_pass_is_let_pass_and_lines_stay(tmp_path):
     )
     file.write_text(f'\n\n<?xml version="1.0"?>\n{text}')
     assert f"{file}:6: <gravity>" in refusal(read_world, str(file), PackageIndex((), {}))
+
+
+def test_an_error_in_an_included_model_names_its_own_file_and_line(tmp_path):
+    file = model_file(tmp_path, "bad", "\n\n<pose>a b c</pose>" + BOX) / "bad" / "model.sdf"
+    text = refusal(world_of, tmp_path, f"<include><uri>{file}</uri></include>")
+    line = file.read_text().partition("<pose>")[0].count("\n") + 1
+    assert text.startswith(f"{file}:{line}: <pose>")
+    file = model_file(tmp_path, "good", BOX) / "good" / "model.sdf"
+    text = refusal(world_of, tmp_path, f"<include><uri>{file}</uri>\n<pose>a b c</pose></include>")
+    assert text.startswith(f"{tmp_path}/test.world:5: <pose>")
+
+
+def test_what_an_include_says_besides_is_a_finding(tmp_path):
+    file = model_file(tmp_path, "crate", BOX) / "crate" / "model.sdf"
+    world = world_of(tmp_path, f'<include><uri>{file}</uri>\n<plugin name="drive" filename="d.so"/></include>')
+    (finding,) = world.findings
+    assert (str(finding), finding.kind) == ("<plugin> drive in <include> (test.world:5)", Kind.IGNORED)

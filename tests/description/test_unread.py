@@ -41,6 +41,10 @@ DROPS = {
     "spring": '<gazebo reference="hinge"><springStiffness>3</springStiffness></gazebo>',
     "implicit": '<gazebo reference="hinge"><implicitSpringDamper>1</implicitSpringDamper></gazebo>',
     "stop": '<gazebo reference="hinge"><stopErp>1</stopErp></gazebo>',
+    "second mass": '<link name="b5"><inertial><mass value="1"/><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/>'
+    '</inertial></link><joint name="j5" type="fixed"><parent link="base"/><child link="b5"/></joint>',
+    "element of another namespace": '<link name="b6"><x:collision xmlns:x="http://x.org"/></link><joint name="j6"'
+    ' type="fixed"><parent link="base"/><child link="b6"/></joint>',
     "gazebo about nothing": '<gazebo reference="bass"><mu1>0.2</mu1></gazebo>',
     "gazebo visual": '<gazebo reference="base"><visual><material/></visual></gazebo>',
     "static": "<gazebo><static>true</static></gazebo>",

@@ -191,3 +191,13 @@ def test_the_worlds_that_others_wrote_are_read(corpus):
     models = worlds["playground"].models
     assert (len(models), len({model.name for model in models})) == (21, 21)
     assert models[0].name == "ground_plane"
+
+
+def test_what_stands_beside_the_world_is_a_finding(tmp_path):
+    body = "<gravity>0 0 -1</gravity>\n<gravity>0 0 -2</gravity></world>\n<world name='other'>"
+    world = world_of(tmp_path, body)
+    assert world.gravity == (0, 0, -1)
+    assert sorted(map(str, world.findings)) == [
+        "<gravity> beside the first of the world (test.world:5)",
+        "<world> beside the first of the world (test.world:6)",
+    ]
