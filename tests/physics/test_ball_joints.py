@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
+from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
 from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
 
@@ -211,8 +212,9 @@ def test_cenic_refuses_a_robot_with_a_ball_joint_in_words(tmp_path):
 
 def test_cenic_leaves_out_a_model_of_the_world_with_a_ball_joint(tmp_path):
     twin = twin_in_world(tmp_path, "cenic", pendulum("world"))
-    (warning,) = twin.warnings
-    assert warning == (
+    (finding,) = twin.findings
+    assert finding.kind is Kind.IGNORED
+    assert finding.what == (
         "m: the model is left out: Drake refuses it (the engine cenic has no ball joints, and 'joint' is one: use the"
         " engine discrete, or make the joint fixed, revolute or universal)"
     )
