@@ -846,7 +846,7 @@ class Twin:
 
         Two runs of a scenario with the same hash are in the same state to the last bit, and go on alike. What somebody
         has changed with Drake's own means counts as far as it is a plant's parameter, a locked joint or a shape's
-        material; other shapes, collision filters and values fixed on Drake's ports do not, and no `restore` undoes them.
+        material; other shapes, collision filters and values fixed on ports do not, and no `restore` undoes them.
         """
         return hash_plain({name: value for name, value in vars(self._snapshot()).items() if name != "scenario"})
 
