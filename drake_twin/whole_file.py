@@ -39,7 +39,7 @@ def _open_part(part: Path) -> tuple[int, bool]:
 
     Where the system can, it has none until it is finished: then nothing is left of it, even after SIGKILL.
     """
-    if hasattr(os, "O_TMPFILE"):
+    if hasattr(os, "O_TMPFILE") and os.path.isdir("/proc/self/fd"):  # by which it gets its name
         with contextlib.suppress(OSError):
             return os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666), False
     return os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666), True

@@ -166,6 +166,7 @@ _SENSOR = _part(
     always_on=_TEXT,
     visualize=_TEXT,
     enable_metrics=_TEXT,
+    noise=_SAID,
     imu=_part(
         orientation_reference_frame=_part(localization=_TEXT, custom_rpy=_part("parent_frame")),
         angular_velocity=_NOISES,

@@ -121,6 +121,14 @@ def test_a_finding_says_what_it_is_and_what_to_do(tmp_path):
     assert "the controllers' file has no imu_sensor_broadcaster for it" in imu.what
 
 
+def test_noise_is_said_once_wherever_it_stands(tmp_path):
+    sensor = '<sensor name="imu" type="imu"><noise/><imu><angular_velocity><x><noise/></x></angular_velocity></imu>'
+    found = lost(tmp_path, f'<gazebo reference="base">{sensor}</sensor></gazebo>')
+    assert [item.what for item in found if "noise" in item.what] == [
+        "<noise> of sensor imu: the twin's sensors are exact"
+    ]
+
+
 def test_elements_of_a_drive_that_it_does_not_read_are_findings(tmp_path):
     wheel = (
         """<link name="w{0}"/><joint name="j{0}" type="continuous"><parent link="base"/><child link="w{0}"/></joint>"""
