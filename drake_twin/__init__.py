@@ -1,6 +1,6 @@
 """Digital twins of ROS 2 robots in one Drake simulation, with no ROS installed.
 
-The main parts, imported when they are first used::
+The public names, imported when they are first used::
 
     from drake_twin import TwinBuilder, Scenario, Twin
 """
@@ -8,18 +8,62 @@ The main parts, imported when they are first used::
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drake_twin.launch.builder import TwinBuilder
-    from drake_twin.scenario import Scenario
-    from drake_twin.twin import Twin
+    from drake_twin.builder.twin_builder import TwinBuilder
+    from drake_twin.errors import CommandError, InputError, RunError, TwinError
+    from drake_twin.findings import Finding, Kind
+    from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
+    from drake_twin.twin.action import ActionGoal
+    from drake_twin.twin.entities import EntityState
+    from drake_twin.twin.recording import Recording, replay
+    from drake_twin.twin.snapshot import Snapshot
+    from drake_twin.twin.state import RobotState
+    from drake_twin.twin.twin import Twin
 
-__all__ = ["Scenario", "Twin", "TwinBuilder"]
+_HOMES = {
+    "builder.twin_builder": ("TwinBuilder",),
+    "errors": ("CommandError", "InputError", "RunError", "TwinError"),
+    "findings": ("Finding", "Kind"),
+    "scenario": ("Command", "Robot", "Scenario", "StaticTransform", "World"),
+    "twin.action": ("ActionGoal",),
+    "twin.entities": ("EntityState",),
+    "twin.recording": ("Recording", "replay"),
+    "twin.snapshot": ("Snapshot",),
+    "twin.state": ("RobotState",),
+    "twin.twin": ("Twin",),
+}
 
-_HOMES = {"Scenario": "drake_twin.scenario", "Twin": "drake_twin.twin", "TwinBuilder": "drake_twin.launch.builder"}
+__all__ = [
+    "ActionGoal",
+    "Command",
+    "CommandError",
+    "EntityState",
+    "Finding",
+    "InputError",
+    "Kind",
+    "Recording",
+    "Robot",
+    "RobotState",
+    "RunError",
+    "Scenario",
+    "Snapshot",
+    "StaticTransform",
+    "Twin",
+    "TwinBuilder",
+    "TwinError",
+    "World",
+    "__version__",
+    "replay",
+]
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("drake_twin")
     from importlib import import_module
 
-    if name not in _HOMES:
-        raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"drake_twin.{module}"), name)
+    raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")

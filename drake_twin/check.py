@@ -3,8 +3,9 @@
 import argparse
 import json
 import sys
+import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Finding, Kind, counted
-from drake_twin.program import ArgumentParser, add_strict, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, add_strict, announce_page, run_program, say, stop_signals
 
 _DESCRIPTION = """\
 Reads a robot file (xacro, URDF, SDF or MJCF), builds it, steps it for a moment, and reports what it is, what was mended
@@ -20,6 +21,7 @@ in it and what the twin makes no use of. Exit code 0: it runs; 1: it does not, o
 2: the arguments cannot be used. Made for a package's own CI."""
 
 _STEPS = 100
+_FRAME = 1 / 30  # s
 _TOUCHES = {
     "faces": "touches with its faces",
     "wheel": "rolls as an ellipsoid in place of a cylinder",
@@ -57,9 +59,9 @@ def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = 
     Raises:
         InputError: a package folder that does not exist.
     """
+    from drake_twin.builder.robot_file import robot_file_scenario
     from drake_twin.description.package_index import PackageIndex
-    from drake_twin.launch.robot_file import robot_file_scenario
-    from drake_twin.twin import Twin
+    from drake_twin.twin.twin import Twin
 
     packages = PackageIndex(package_paths)
     try:
@@ -188,10 +190,31 @@ def _program(arguments: Sequence[str]) -> int:
         report = check(options.file, xacro_args, paths)
         say(json.dumps(report.as_plain, indent=2) if options.json else "\n".join(_lines(report)))
         if options.view and report.ok:
-            from drake_twin.cockpit.served_page import view_joints
-
-            view_joints(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
+            _view(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
     return 0 if report.ok and not counted(report.findings, options.strict) else 1
+
+
+def _view(
+    file: Path,
+    xacro_args: Mapping[str, str],
+    package_paths: Sequence[str],
+    stopped: Sequence[int],
+    *,
+    open_browser: bool,
+) -> None:
+    """Show a robot file with a slider for each joint, without physics, until a signal arrives."""
+    from drake_twin.builder.robot_file import robot_file_scenario
+    from drake_twin.cockpit.served_page import ServedPage
+    from drake_twin.twin.twin import Twin
+
+    page = ServedPage()
+    twin = Twin(robot_file_scenario(file, xacro_args=xacro_args, package_paths=package_paths))
+    cockpit = page.show(twin, only_displayed=True)
+    announce_page(page.url, open_browser=open_browser)
+    while not stopped:
+        cockpit.obey()
+        time.sleep(_FRAME)
+    page.close()
 
 
 if __name__ == "__main__":

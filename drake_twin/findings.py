@@ -7,6 +7,8 @@ from enum import StrEnum
 from pathlib import PurePath
 from typing import Any
 
+from drake_twin.saved import saved
+
 
 class Kind(StrEnum):
     """What became of it, in the order in which it is told."""
@@ -18,6 +20,7 @@ class Kind(StrEnum):
     WINDOW = "window"  # of a program for people, such as RViz: the page is in its place, and nothing is missing
 
 
+@saved("Place")
 @dataclass(frozen=True)
 class Place:
     """Where something was written: a file and a line (from 1) where it is known."""
@@ -34,6 +37,7 @@ LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # what a file asks for and the twin doe
 _MOST_LINES = 8  # in a sentence
 
 
+@saved("Finding")
 @dataclass(frozen=True)
 class Finding:
     """What became of one thing that a file says.

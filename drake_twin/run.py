@@ -16,14 +16,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from drake_twin.cli.options import check, parser
+from drake_twin.cli.target import Target, build_twin, find_launch_file, find_target, package_paths, target_name
+from drake_twin.cli.watched_files import Watch, files_read
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import counted, grouped, strict_text
 from drake_twin.program import announce_page, collecting_later, leave, run_program, say, stop_signals
 from drake_twin.progress import heard
-from drake_twin.run_options import check, parser
-from drake_twin.scenario_file import scenario_to_yaml
-from drake_twin.target import Target, build_twin, find_launch_file, find_target, package_paths, target_name
-from drake_twin.watched_files import Watch, files_read
+from drake_twin.scenario.scenario_file import scenario_to_yaml
 from drake_twin.whole_file import write_whole
 
 _STATUS_PERIOD = 0.2  # s
@@ -169,8 +169,8 @@ def _again(twin: Any, target: Target, options: argparse.Namespace, watch: Watch)
 
 def _show_arguments(options: argparse.Namespace) -> int:
     from drake_twin.description.package_index import PackageIndex
-    from drake_twin.ros_launch.evaluate import declared_arguments
-    from drake_twin.ros_launch.show_arguments import arguments_text
+    from drake_twin.ros2.evaluate import declared_arguments
+    from drake_twin.ros2.show_arguments import arguments_text
 
     words = [item for item in options.target if ":=" not in item]
     file = find_launch_file(words, package_paths(options))
@@ -193,14 +193,14 @@ def _announce(twin: Any, target: Target, options: argparse.Namespace) -> None:
         what = "it runs all the same" if options.headless else "press Play"
         say(f"launch: the simulator starts paused there (gz without -r): {what}", sys.stderr)
     if options.topics or options.controllers:
-        from drake_twin.ros2_text import controllers_text, topics_text
+        from drake_twin.cli.ros2_text import controllers_text, topics_text
 
         asked = [
             text for text, wanted in ((topics_text, options.topics), (controllers_text, options.controllers)) if wanted
         ]
         say("\n".join(text(twin) for text in asked))
     for topic in options.echo:
-        from drake_twin.ros2_text import message_text
+        from drake_twin.cli.ros2_text import message_text
 
         twin.subscribe(topic, lambda message: say(message_text(message)))
 
@@ -277,14 +277,14 @@ class _Observers:
     def __enter__(self) -> "_Observers":
         options = self._options
         if options.viewer is not None:
-            from drake_twin.cockpit.shared_viewer import SharedViewer
+            from drake_twin.shared_viewer.shared_viewer import SharedViewer
 
             name = options.viewer_name or f"{target_name(options)}-{os.getpid()}"
             self._viewer = SharedViewer(
                 options.viewer, name, lambda url: say(f"shared page: {url} (folder twins/{name})")
             )
         if options.plot is not None:
-            from drake_twin.run_history import HistoryRecorder
+            from drake_twin.cli.history import HistoryRecorder
 
             self._recorder = HistoryRecorder()
         return self
@@ -302,7 +302,7 @@ class _Observers:
                 self._viewer.flush(_STATUS_PERIOD)
             self._viewer.close(_STOPPED_WAIT)
         if self._recorder is not None:
-            from drake_twin.plot import write_plot
+            from drake_twin.cli.plot import write_plot
 
             write_plot(self._recorder.history(), self._options.plot)
 
@@ -353,7 +353,7 @@ def _save(twin: Any, wall_time: float, options: argparse.Namespace, failure: Run
 
 
 def _report(twin: Any, wall_time: float, file: Path | None, failure: RunError | None) -> None:
-    from drake_twin.summary import summary
+    from drake_twin.cli.summary import summary
 
     result = summary(twin, wall_time, failure)
     count = len(result["robots"])

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tests in physics
 
-from drake_twin.launch.builder import TwinBuilder
+from drake_twin.builder.twin_builder import TwinBuilder
 
 ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"

@@ -6,8 +6,8 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.controllers.controller import ControllerSetup, Interface
 from drake_twin.description.robot_description import Joint, RobotDescription
-from drake_twin.systems.controller import ControllerSetup, Interface
 from drake_twin.systems.state_layout import StateLayout
 
 JOINTS = ("finger", "thumb")

@@ -6,11 +6,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from drake_twin import messages
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.types import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
-from drake_twin.diagram.controller_types import controller_class
-from drake_twin.systems.controller import ControllerSetup
 from drake_twin.systems.state_layout import StateLayout
 
 STEP = 0.001  # s, of the joints

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.findings import Kind
-from drake_twin.ros_launch.evaluate import evaluate
-from drake_twin.ros_launch.launched import Launched
+from drake_twin.ros2.evaluate import evaluate
+from drake_twin.ros2.launched import Launched
 from drake_twin.scenario import Scenario
 
 _PYTHON = """\

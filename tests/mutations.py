@@ -126,11 +126,11 @@ class Kinds:
 
     def attempt(self, name):
         from drake_twin import Twin, TwinBuilder
-        from drake_twin.launch.launch_file import launch_file_scenario
-        from drake_twin.recording import Recording, replay
+        from drake_twin.from_launch.launch_file import launch_file_scenario
         from drake_twin.scenario import World
-        from drake_twin.scenario_file import ScenarioFile
-        from drake_twin.snapshot import Snapshot
+        from drake_twin.scenario.scenario_file import ScenarioFile
+        from drake_twin.twin.recording import Recording, replay
+        from drake_twin.twin.snapshot import Snapshot
 
         file, builder = self.folder / name, TwinBuilder()
         match name:

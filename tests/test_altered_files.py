@@ -8,8 +8,8 @@ import pytest
 from conftest import ARM, rovers
 
 from drake_twin.errors import TwinError
-from drake_twin.recording import Recording, replay
-from drake_twin.snapshot import Snapshot
+from drake_twin.twin.recording import Recording, replay
+from drake_twin.twin.snapshot import Snapshot
 
 VALUES = [
     *(None, True, -1, 0, 1e308, -1e-320, "x", "", [], {}, [1, 2], {"a": 1}, "0" * 50, 10**400),

@@ -7,7 +7,7 @@ from conftest import ARM, ROVER, rovers
 from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot, World
-from drake_twin.snapshot import Snapshot
+from drake_twin.twin.snapshot import Snapshot
 
 WHEELS = "/robot_1/forward_velocity_controller/commands"
 

@@ -14,10 +14,10 @@ from conftest import CORPUS
 from ledger import Robot, misspelt_in_silence, used_for_nothing
 
 from drake_twin import Twin
+from drake_twin.builder.robot_file import robot_file_scenario
 from drake_twin.cockpit.scene import TWIN, Scene
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
-from drake_twin.launch.robot_file import robot_file_scenario
 from drake_twin.run import main as run
 
 SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"

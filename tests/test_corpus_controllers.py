@@ -8,14 +8,14 @@ import yaml
 from conftest import CORPUS
 from test_corpus import whole_robots
 
+from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.controllers.joint_state_publisher import JointStateBroadcasterParameters
+from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
-from drake_twin.diagram.controller_types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER, controller_class
-from drake_twin.diagram.robot_plan import plan_robot
 from drake_twin.errors import InputError
-from drake_twin.launch.robot_file import robot_file_scenario
-from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters
+from drake_twin.planning.robot_plan import plan_robot
 
 needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason="the folder shared/corpus is not here")
 

@@ -88,7 +88,7 @@ def test_a_full_disk(tmp_path, size):
 def test_a_file_that_cannot_be_written_keeps_no_other_from_it(tmp_path, monkeypatch, capsys):
     from drake_twin import run
     from drake_twin.errors import RunError
-    from drake_twin.snapshot import Snapshot
+    from drake_twin.twin.snapshot import Snapshot
 
     def full(self, file):
         raise RunError("the disk is full")

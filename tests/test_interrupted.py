@@ -6,8 +6,8 @@ import pytest
 from conftest import ARM
 
 from drake_twin import TwinBuilder
+from drake_twin.controllers.joint_trajectory_controller import JointTrajectoryController
 from drake_twin.errors import InputError
-from drake_twin.systems.joint_trajectory_controller import JointTrajectoryController
 
 ENGINES = {
     "1ms": {"time_step": 0.001},

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder
-from drake_twin.controller_manager import BEST_EFFORT, FORCE_AUTO, STRICT
-from drake_twin.diagram import controller_types
+from drake_twin.controllers import types as controller_types
+from drake_twin.controllers.controller import Interface, PeriodicController, Update
 from drake_twin.errors import CommandError, InputError
-from drake_twin.systems.controller import Interface, PeriodicController, Update
+from drake_twin.twin.controller_manager import BEST_EFFORT, FORCE_AUTO, STRICT
 
 ROBOT = """<robot name="robot">
   <link name="base"/>
@@ -311,7 +311,7 @@ def ramp(monkeypatch):
 
     original = controller_types.controller_class
     monkeypatch.setattr("drake_twin.diagram.robot_diagram.controller_class", controller_class)
-    monkeypatch.setattr("drake_twin.diagram.controller_plan.controller_class", controller_class)
+    monkeypatch.setattr("drake_twin.planning.controller_plan.controller_class", controller_class)
     return {"more_types": "ramp: {type: test/Ramp}"}
 
 

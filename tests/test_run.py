@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from drake_twin.cli.watched_files import Watch
 from drake_twin.description.package_index import share_folder
 from drake_twin.run import main
-from drake_twin.watched_files import Watch
 
 MODELS = share_folder("models")
 ROVER = MODELS / "rover_description" / "urdf" / "rover.urdf.xacro"
@@ -396,7 +396,7 @@ def test_a_robot_named_like_a_part_of_the_twin(capsys, tmp_path, name):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("module", ["pydrake.multibody.plant", "drake_twin.twin"])
+@pytest.mark.parametrize("module", ["pydrake.multibody.plant", "drake_twin.twin.twin"])
 def test_ctrl_c_while_it_starts_ends_without_a_traceback(tmp_path, number, module):
     """The signal arrives in the middle of an import, wherever that is."""
     program = f"""
@@ -793,8 +793,8 @@ def test_a_new_twin_echoes_the_topic_again(watching, capsys):
 
 def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(tmp_path):
     from drake_twin import run as program
-    from drake_twin import run_options
-    from drake_twin.target import build_twin, find_target
+    from drake_twin.cli import options as run_options
+    from drake_twin.cli.target import build_twin, find_target
 
     options = run_options.parser().parse_args([str(LAUNCH_ARM), "--headless"])
     mesh = tmp_path / "read_once_and_cached.stl"

@@ -5,8 +5,8 @@ import pytest
 from conftest import rovers
 
 from drake_twin import TwinBuilder, messages
-from drake_twin.controller_manager import STRICT
 from drake_twin.errors import CommandError, InputError
+from drake_twin.twin.controller_manager import STRICT
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
 JOINTS = "".join(

@@ -12,7 +12,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.world_file import read_world
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
-from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 
 FRICTION = 0.9  # of tyres on the ground: the smaller one, as in Gazebo
 

@@ -139,7 +139,7 @@ def features(size: Size) -> list[Table]:
 
 
 def _twin(size: Size, count: int) -> Any:
-    from drake_twin.twin import Twin
+    from drake_twin.twin.twin import Twin
 
     scenario = ROVERS.scheduled(ROVERS.scenario(count, size.folder, time_step=0.001), 0.0)
     twin = Twin(scenario)

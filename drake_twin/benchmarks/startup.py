@@ -31,17 +31,17 @@ def phase(name):
     times[name], begin = now - begin, now
 import pydrake.multibody.plant, pydrake.geometry, pydrake.systems.analysis
 phase("import pydrake's three modules")
-import drake_twin.run, drake_twin.twin
-from drake_twin.launch.demo import demo_scenario
+import drake_twin.run, drake_twin.twin.twin
+from drake_twin.builder.demo import demo_scenario
 phase("import drake_twin")
 scenario = demo_scenario("rover", 2)
 phase("the scenario")
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.diagram.robot_plan import plan_robot
+from drake_twin.planning.robot_plan import plan_robot
 packages = PackageIndex(())
 plans = [plan_robot(robot, packages) for robot in scenario.robots]
 phase("xacro, URDF and parameters of two rovers")
-twin = drake_twin.twin.Twin(scenario)
+twin = drake_twin.twin.twin.Twin(scenario)
 phase("the same again, the diagram and its first state")
 twin.step()
 phase("commands and the first step")
@@ -50,8 +50,8 @@ print(json.dumps(times))
 _MEMORY = """
 import sys
 from pathlib import Path
-from drake_twin.launch.demo import demo_scenario
-from drake_twin.twin import Twin
+from drake_twin.builder.demo import demo_scenario
+from drake_twin.twin.twin import Twin
 def resident():
     return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
 kept = Twin(demo_scenario("rover", 1))

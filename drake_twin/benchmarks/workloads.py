@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drake_twin.launch.demo import demo_scenario
+from drake_twin.builder.demo import demo_scenario
 from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, World
 
 
@@ -34,7 +34,7 @@ class Workload:
 
     Attributes:
         name: what tables call it.
-        robot: one of `drake_twin.launch.demo.DEMOS`; all its joints are commanded velocities.
+        robot: one of `drake_twin.builder.demo.DEMOS`; all its joints are commanded velocities.
         velocities: (number of the robot, time in s) → the velocity of each commanded joint (rad/s).
         period: how often the command changes (s); None when it never does.
         boxes: what lies around each robot.

@@ -18,11 +18,11 @@ from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import state, structure
 from drake_twin.cockpit.teleop import Teleop
-from drake_twin.controller_manager import STRICT
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind, grouped
 from drake_twin.scenario import LONGEST_TIME, Robot
-from drake_twin.twin import Twin
+from drake_twin.twin.controller_manager import STRICT
+from drake_twin.twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
 _RECORDING = "run.html"

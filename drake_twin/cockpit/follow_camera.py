@@ -10,7 +10,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _MOVED = (TWIN, OVERLAYS, "/Grid")
 _FROM = np.array([1.1, -1.0, 0.9])  # m: where the camera begins, seen from the robot

@@ -13,8 +13,8 @@ from pydrake.math import RotationMatrix
 
 from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
 from drake_twin.cockpit.server import meshcat_script
-from drake_twin.cockpit.shared_scene import SharedScene
-from drake_twin.twin import Twin
+from drake_twin.shared_viewer.shared_scene import SharedScene
+from drake_twin.twin.twin import Twin
 
 _DRAWN = 32.0  # pictures a second of simulation time
 _FRAMES_PER_SECOND = 64.0  # of the recording: what the run loop draws in between finds a frame of its own

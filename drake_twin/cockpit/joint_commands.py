@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from drake_twin.description.robot_description import Joint
-from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.errors import InputError
-from drake_twin.twin import Twin
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.twin.twin import Twin
 
 _NUMBERS, _TRAJECTORY = "std_msgs/msg/Float64MultiArray", "trajectory_msgs/msg/JointTrajectory"
 _GRIPPER, _PARALLEL_GRIPPER = "control_msgs/action/GripperCommand", "control_msgs/action/ParallelGripperCommand"

@@ -1,7 +1,7 @@
 """Joints that go where the page puts them, without physics: for robots that are only displayed."""
 
 from drake_twin.errors import InputError
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 
 class PosedJoints:

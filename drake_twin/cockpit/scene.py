@@ -13,11 +13,11 @@ import umsgpack
 from pydrake.geometry import Rgba, Shape
 from pydrake.math import RigidTransform
 
-from drake_twin.cockpit.frame_sender import Frame, FrameSender
-from drake_twin.cockpit.meshcat_protocol import Command, delete, set_object, set_property, set_transform
-from drake_twin.cockpit.shared_scene import DrawnGeometry, SharedScene, place_of_robots
-from drake_twin.cockpit.three_js import three_js_object
-from drake_twin.twin import Twin
+from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
+from drake_twin.shared_viewer.meshcat_protocol import Command, delete, set_object, set_property, set_transform
+from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene, place_of_robots
+from drake_twin.shared_viewer.three_js import three_js_object
+from drake_twin.twin.twin import Twin
 
 TWIN = "/twin"  # the folder of the twin's bodies
 OVERLAYS = "/overlays"  # of what is drawn besides them

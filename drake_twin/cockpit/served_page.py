@@ -1,20 +1,13 @@
 """The page of a program: its server and its scene, which outlive a twin that is made anew."""
 
-import time
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 
 from drake_twin.cockpit.access import Access, kept_token
 from drake_twin.cockpit.cockpit import Cockpit
 from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.server import PageServer, bind
 from drake_twin.description.mesh_cache import cache_folder
-from drake_twin.launch.robot_file import robot_file_scenario
-from drake_twin.program import announce_page
-from drake_twin.twin import Twin
-
-_FRAME = 1 / 30  # s
+from drake_twin.twin.twin import Twin
 
 
 class ServedPage:
@@ -73,31 +66,3 @@ def _access(host: str, port: int) -> Access:
     """The token that the page had before, unless other machines can reach it."""
     access = Access(host, port)
     return replace(access, token=kept_token(cache_folder("page"), port)) if access.is_local else access
-
-
-def view_joints(
-    file: Path,
-    xacro_args: Mapping[str, str],
-    package_paths: Sequence[str],
-    stopped: Sequence[int],
-    *,
-    open_browser: bool,
-) -> None:
-    """Shows a robot file with a slider for each joint, without physics, until a signal arrives.
-
-    Args:
-        file: the robot file.
-        xacro_args: values for its ``<xacro:arg>``s.
-        package_paths: folders of ROS packages to look in first.
-        stopped: not empty once the program is to end.
-        open_browser: whether to open the page.
-    """
-    page = ServedPage()
-    scenario = robot_file_scenario(file, xacro_args=xacro_args, package_paths=package_paths)
-    twin = Twin(scenario)
-    cockpit = page.show(twin, only_displayed=True)
-    announce_page(page.url, open_browser=open_browser)
-    while not stopped:
-        cockpit.obey()
-        time.sleep(_FRAME)
-    page.close()

@@ -17,10 +17,10 @@ from typing import Any
 from aiohttp import WSMsgType, web
 
 from drake_twin.cockpit.access import Access
-from drake_twin.cockpit.meshcat_protocol import Command
 from drake_twin.cockpit.protocol import Gone, Request, parse
 from drake_twin.cockpit.scene import Commands, Scene
 from drake_twin.errors import InputError
+from drake_twin.shared_viewer.meshcat_protocol import Command
 
 _FIRST_PORT, _LAST_PORT = 7000, 7099
 _LONGEST_MESSAGE = 1 << 16  # bytes

@@ -6,7 +6,7 @@ from typing import Any
 
 from drake_twin.cockpit.joint_commands import JointCommands, joint_slider
 from drake_twin.cockpit.teleop import Teleop
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _DIGITS = 6
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_twin.errors import InputError
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
 _FRAMES_WITHOUT_WORD = 15  # after half a second without a word from the browser the base is stopped

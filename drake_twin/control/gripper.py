@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass, replace
 
+from drake_twin.saved import saved
 
+
+@saved("GripperGoal")
 @dataclass(frozen=True)
 class GripperGoal:
     """What a gripper is told.
@@ -22,6 +25,7 @@ class GripperGoal:
     time: float
 
 
+@saved("GripperRun")
 @dataclass(frozen=True)
 class GripperRun:
     """How a goal is getting on.

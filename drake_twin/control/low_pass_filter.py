@@ -5,7 +5,10 @@ from math import exp, pi
 
 import numpy as np
 
+from drake_twin.saved import saved
 
+
+@saved("LowPassMemory")
 @dataclass(frozen=True)
 class LowPassMemory:
     """What a filter keeps from one sample to the next: the last value that came in and the last that went out."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, isnan, nan, sqrt
 
 from drake_twin.errors import InputError
+from drake_twin.saved import saved
 
 ANTIWINDUP_STRATEGIES = ("back_calculation", "conditional_integration", "legacy", "none")
 
@@ -43,6 +44,7 @@ class PidGains:
     error_deadband: float = _EPSILON
 
 
+@saved("PidMemory")
 @dataclass(frozen=True)
 class PidMemory:
     """What a PID keeps from one call to the next.

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 from drake_twin.control.trajectory import TrajectoryPoint
 from drake_twin.errors import CommandError
+from drake_twin.saved import saved
 
 _ERASED = -1.0  # control_msgs/msg/JointTolerance: the joint may move without restriction
 _FLOAT32_EPSILON = 2.0**-23
 
 
+@saved("StateTolerance")
 @dataclass(frozen=True)
 class StateTolerance:
     """The largest errors of one joint (rad, rad/s, rad/s², or with m); 0 for any error."""
@@ -19,6 +21,7 @@ class StateTolerance:
     acceleration: float = 0.0
 
 
+@saved("Tolerances")
 @dataclass(frozen=True)
 class Tolerances:
     """The tolerances of a trajectory.

@@ -7,12 +7,15 @@ from math import isnan, pi
 
 import numpy as np
 
+from drake_twin.saved import saved
+
 INTERPOLATION_METHODS = ("splines", "none")
 
 # ROS counts nanoseconds: a time this close before a point is at the point (s).
 SAME_TIME = 0.5e-9
 
 
+@saved("TrajectoryPoint")
 @dataclass(frozen=True)
 class TrajectoryPoint:
     """Positions (rad or m) and their derivatives, and efforts (N·m or N); each empty where nothing is said of it."""
@@ -23,6 +26,7 @@ class TrajectoryPoint:
     effort: tuple[float, ...] = ()
 
 
+@saved("Trajectory")
 @dataclass(frozen=True)
 class Trajectory:
     """What a ``trajectory_msgs/msg/JointTrajectory`` says, in the controller's order of joints.
@@ -69,6 +73,7 @@ class TrajectorySample:
     time_since_point: float
 
 
+@saved("RunningTrajectory")
 @dataclass(frozen=True)
 class RunningTrajectory:
     """A trajectory that has been taken up: its points are complete, and it has a state before its first point.

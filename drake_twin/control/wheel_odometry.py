@@ -3,9 +3,12 @@
 from dataclasses import dataclass, replace
 from math import cos, sin
 
+from drake_twin.saved import saved
+
 _SHORTEST_INTERVAL = 1e-4  # s; as upstream: no speed is estimated over less
 
 
+@saved("WheelOdometry")
 @dataclass(frozen=True)
 class WheelOdometry:
     """A base's pose and velocity in its odometry frame; values do not change, each step makes a new one.

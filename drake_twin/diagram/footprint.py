@@ -19,7 +19,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.plant import add_plant
-from drake_twin.diagram.robot_plan import RobotPlan
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import POINT, Scenario, World
 
 _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])

@@ -24,11 +24,11 @@ from drake_twin.diagram.contact import TouchingShape, give_contact
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake, can_have_brake, isolate_brakes
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
-from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
 from drake_twin.systems.state_layout import StateLayout

@@ -10,20 +10,20 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import ConstantVectorSource
 
+from drake_twin.controllers.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
+from drake_twin.controllers.joint_state_publisher import JointStateBroadcasterParameters, JointStatePublisher
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.controllers.types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.diagram.controller_plan import ACTIVE, UNLOADED, ControllerPlan
-from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.diagram.plant import RobotInPlant
-from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
 from drake_twin.diagram.servo_modes import velocity_limits
-from drake_twin.systems.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
-from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
-from drake_twin.systems.imu_sensor import ImuSensor
+from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor
+from drake_twin.sensors.imu_sensor import ImuSensor
 from drake_twin.systems.joint_servo import JointServo
-from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters, JointStatePublisher
-from drake_twin.systems.sensor_broadcaster import SensorBroadcaster
 from drake_twin.systems.state_layout import StateLayout
 
 # Output port → message type. The topic is the port's name below the robot's namespace.

@@ -2,8 +2,8 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
+from drake_twin.controllers.controller import Controller, Interface
 from drake_twin.diagram.servo_gains import EFFORT, FREE, HOLD, POSITION, VELOCITY
-from drake_twin.systems.controller import Controller, Interface
 from drake_twin.systems.joint_servo import ServoAssignment
 
 # As in gz_ros2_control, when controllers have claimed several interfaces of one joint.

@@ -12,8 +12,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
 
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
-from drake_twin.diagram.robot_plan import RobotPlan
 from drake_twin.errors import InputError
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.state_layout import StateLayout
 
 # A velocity servo reaches its command with this time constant where nothing but inertia resists (s).

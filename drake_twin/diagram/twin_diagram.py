@@ -10,20 +10,20 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, OutputPort
 
+from drake_twin.controllers.types import JOINT_STATE_BROADCASTER
 from drake_twin.description.drake_urdf import drake_link_name, urdf_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import POSED_JOINT_TYPES, Pose
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
-from drake_twin.diagram.controller_plan import ControllerPlan
-from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER
 from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_diagram import PUBLISHED, RobotDiagram, build_robot_diagram
-from drake_twin.diagram.robot_plan import RobotPlan, plan_robot
 from drake_twin.diagram.servo_gains import ServoGains
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.controller_plan import ControllerPlan
+from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
 from drake_twin.systems.clock_publisher import ClockPublisher

@@ -15,10 +15,12 @@ from pydrake.systems.framework import (
 )
 
 from drake_twin.frozen import Frozen
+from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
+@saved("ServoAssignment")
 @dataclass(frozen=True)
 class ServoAssignment(Frozen):
     """Where each actuator's set-points come from.

@@ -14,9 +14,9 @@ from PIL import Image
 from robots_to_steer import CMD_VEL, TRAJECTORY, WHEELS_1, arm_with_trajectories, driven_rovers
 
 from drake_twin import Twin, TwinBuilder
+from drake_twin.builder.demo import demo_scenario
 from drake_twin.cockpit.scene import OVERLAYS
 from drake_twin.cockpit.served_page import ServedPage
-from drake_twin.launch.demo import demo_scenario
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

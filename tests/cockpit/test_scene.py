@@ -6,8 +6,8 @@ from conftest import rovers
 from pydrake.geometry import Box, Rgba
 from pydrake.math import RigidTransform
 
-from drake_twin.cockpit.meshcat_protocol import delete, set_property, set_transform
 from drake_twin.cockpit.scene import TWIN, Commands, Scene
+from drake_twin.shared_viewer.meshcat_protocol import delete, set_property, set_transform
 
 RED = Rgba(1, 0, 0)
 

@@ -2,12 +2,12 @@
 
 import pytest
 
+from drake_twin.controllers.joint_state_publisher import JointStateBroadcasterParameters
+from drake_twin.controllers.pid_controller import PidControllerGains
+from drake_twin.controllers.types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters, read_controllers
 from drake_twin.description.parameters import read_parameters
-from drake_twin.diagram.controller_types import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.errors import InputError
-from drake_twin.systems.joint_state_publisher import JointStateBroadcasterParameters
-from drake_twin.systems.pid_controller import PidControllerGains
 
 FILES = {
     "gz_ros2_control/gz_ros2_control_demos/config/cart_controller_velocity.yaml": {

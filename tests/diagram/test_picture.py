@@ -9,8 +9,8 @@ from drake_twin import Twin
 from drake_twin.description.package_index import share_folder
 from drake_twin.diagram.picture import dot_text, dot_text_of_svg, write_picture
 from drake_twin.errors import InputError
-from drake_twin.launch.launch_file import launch_file_scenario
-from drake_twin.scenario_file import ScenarioFile
+from drake_twin.from_launch.launch_file import launch_file_scenario
+from drake_twin.scenario.scenario_file import ScenarioFile
 
 needs_graphviz = pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz's program dot is not installed")
 
@@ -73,6 +73,6 @@ def test_another_process_draws_the_same_text(tmp_path):
 
 
 def _demo():
-    from drake_twin.launch.demo import demo_scenario
+    from drake_twin.builder.demo import demo_scenario
 
     return Twin(demo_scenario("rover", 2))

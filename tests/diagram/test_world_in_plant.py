@@ -3,9 +3,9 @@ import pytest
 import trimesh
 from conftest import ROVER
 
+from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.errors import InputError, RunError
 from drake_twin.findings import Kind
-from drake_twin.launch.builder import TwinBuilder
 from drake_twin.scenario import World
 
 PLANE = "<collision name='c'><geometry><plane><normal>0 0 1</normal></plane></geometry></collision>"

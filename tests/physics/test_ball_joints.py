@@ -14,7 +14,7 @@ from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
-from drake_twin.systems.force_torque_sensor import ForceTorqueSensor
+from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor
 
 discrete_engines = pytest.mark.parametrize("engine", ["1ms", "10ms"])
 

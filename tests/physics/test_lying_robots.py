@@ -9,7 +9,7 @@ import pytest
 from scenes import ENGINES, Scene, every_engine, position, static_box
 
 from drake_twin import Twin
-from drake_twin.launch.robot_file import robot_file_scenario
+from drake_twin.builder.robot_file import robot_file_scenario
 
 SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
 DATA = SHARE / "example-robot-data" / "robots"

@@ -11,7 +11,7 @@ from pydrake.systems.analysis import SimulatorStatus
 from drake_twin.benchmarks.engine import Setting
 from drake_twin.benchmarks.workloads import Workload
 from drake_twin.scenario import CENIC, CONTACT_APPROXIMATIONS, DISCRETE
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 
 class TwinEngine:

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from drake_twin.cockpit.scene import Scene
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 
 class Overlay(Protocol):

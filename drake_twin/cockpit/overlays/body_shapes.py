@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.tree import BodyIndex
 
 from drake_twin.cockpit.scene import Scene
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 
 class BodyShape(NamedTuple):

@@ -7,7 +7,7 @@ from pydrake.geometry import HalfSpace, Rgba
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.contact import FACES, IN_A_POINT, WHEEL
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _COLORS = {
     FACES: Rgba(0.16, 0.62, 0.56, 0.45),

@@ -8,7 +8,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.joint_friction import is_brake
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _PATH = f"{OVERLAYS}/contact"
 _NEWTONS_PER_METER = 100.0  # a rover's wheel that carries 20 N has an arrow of 0.2 m

@@ -8,7 +8,7 @@ from pydrake.geometry import Cylinder, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
 from drake_twin.cockpit.scene import OVERLAYS, Scene
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _LENGTH, _RADIUS = 0.15, 0.004  # m
 _COLORS = (Rgba(0.86, 0.2, 0.2), Rgba(0.2, 0.66, 0.26), Rgba(0.2, 0.4, 0.88))

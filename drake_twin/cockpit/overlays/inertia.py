@@ -8,7 +8,7 @@ from pydrake.multibody.tree import BodyIndex
 
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
 from drake_twin.cockpit.scene import OVERLAYS, Scene
-from drake_twin.twin import Twin
+from drake_twin.twin.twin import Twin
 
 _COLOR = Rgba(0.53, 0.33, 0.74, 0.5)
 _THINNEST = 2e-3  # m

@@ -1,0 +1,57 @@
+"""The scenarios of ``--robots N``: rovers that drive about, arms that wave."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+from drake_twin.builder.twin_builder import TwinBuilder
+from drake_twin.scenario import Scenario
+
+
+def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
+    """Rovers in rows, each driving a circle of its own to its left, faster and slower."""
+    model = "package://rover_description/urdf/rover.urdf.xacro"
+    for name, x, y in _in_rows(count, spacing=2.5):
+        builder.robot(name, model, xyz=(x, y, 0.13))
+        builder.static_transform("world", f"{name}_odom")
+        if drive:
+            topic = f"/{name}/forward_velocity_controller/commands"
+            for time, left, right in ((0.0, 3.0, 8.0), (6.0, 1.5, 4.0)):
+                builder.command(topic, (left, right, left, right), time=time, period=9.0)
+
+
+def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
+    """Arms in rows that turn, bend and open their gripper, and come back."""
+    model = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
+    side = -1.0
+    for name, x, y in _in_rows(count, spacing=1.5):
+        builder.robot(name, model, xyz=(x, y, 0.0))
+        side = -side  # neighbours turn opposite ways
+        if drive:
+            topic = f"/{name}/forward_velocity_controller/commands"
+            there = (0.5 * side, 0.25, -0.35, 0.3)
+            back = tuple(-velocity for velocity in there)
+            for time, velocities in enumerate((there, back, (-0.5 * side, 0, 0, 0), (0.5 * side, 0, 0, 0))):
+                builder.command(topic, velocities, time=2.0 * time, period=8.0)
+
+
+def _in_rows(count: int, spacing: float) -> Iterator[tuple[str, float, float]]:
+    """Names and places (m) of robots that stand eight abreast."""
+    for index in range(count):
+        row, column = divmod(index, 8)
+        yield f"robot_{index + 1}", spacing * row, spacing * column
+
+
+DEMOS: Mapping[str, Callable[..., None]] = {"rover": add_rovers, "arduinobot": add_arms}
+
+
+def demo_scenario(robot: str, count: int, *, drive: bool = True, time_step: float = 0.001) -> Scenario:
+    """A scenario of the twin's own robots.
+
+    Args:
+        robot: one of `DEMOS`.
+        count: how many.
+        drive: whether they are commanded to move.
+        time_step: the physics step (s).
+    """
+    builder = TwinBuilder(time_step=time_step)
+    DEMOS[robot](builder, count, drive=drive)
+    return builder.scenario()

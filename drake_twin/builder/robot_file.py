@@ -1,0 +1,87 @@
+"""The scenario of ``drake_twin.run path/to/robot.urdf.xacro``: one robot file, once or several times in a row."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import robot_name_in_file
+from drake_twin.description.xacro_file import xacro_arguments
+from drake_twin.diagram.footprint import Footprint, footprint
+from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.scenario import RESERVED_NAMES, Robot, Scenario
+
+_NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
+
+_CLEARANCE = 1e-4  # robots start this far above the ground (m): none is pushed out of it, none is seen to fall
+
+
+def robot_file_scenario(
+    file: Path,
+    count: int | None = None,
+    *,
+    xacro_args: Mapping[str, str],
+    package_paths: Sequence[str] = (),
+    time_step: float = 0.001,
+) -> Scenario:
+    """Robots of one file, standing side by side on the ground.
+
+    A single robot keeps the name that its file gives it. Several are named ``robot_1``, ``robot_2``, …; where the
+    xacro file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
+
+    Args:
+        file: a xacro, URDF, SDF or MJCF file.
+        count: how many robots; None for one under its own name.
+        xacro_args: values for the file's ``<xacro:arg>``s.
+        package_paths: folders of ROS packages to look in first.
+        time_step: the physics step (s).
+
+    Raises:
+        InputError: the file cannot be used.
+    """
+    packages = PackageIndex(package_paths)
+    if count is None:
+        names = [_own_name(file, xacro_args, packages)]
+    else:
+        names = [f"robot_{index + 1}" for index in range(count)]
+    naming = None if count is None else _naming_argument(file, xacro_args, packages)
+    robots = []
+    for name in names:
+        own = dict(xacro_args)
+        if naming is not None:
+            own[naming] = f"{name}_" if naming == "prefix" else name
+        robots.append(Robot(name=name, model=str(file.absolute()), xacro_args=own))
+    plan = plan_robot(robots[0], packages)
+    height = height_on_ground(plan)
+    spacing = _spacing(footprint(plan))
+    placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
+    return Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
+
+
+def height_on_ground(plan: RobotPlan) -> float:
+    """How high a robot's root link starts so that the robot stands on the ground (m); zero for one that is fixed."""
+    return 0.0 if plan.model.is_fixed else round(_CLEARANCE - footprint(plan).lower[2], 6)
+
+
+def name_in_twin(name: str) -> str:
+    """A robot's name as one that the twin can take: letters, digits, ``_`` and ``-``, and no other part's name."""
+    name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
+    return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
+
+
+def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
+    """The name that the file gives the robot, as a name in the twin."""
+    return name_in_twin(robot_name_in_file(file, packages, xacro_args))
+
+
+def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str | None:
+    if any(name in xacro_args for name in _NAMING_ARGUMENTS):
+        return None
+    declared = xacro_arguments(file, packages)
+    return next((name for name in _NAMING_ARGUMENTS if name in declared), None)
+
+
+def _spacing(room: Footprint) -> float:
+    """Twice the robot's larger side, so that each has room to turn, in steps of a decimetre (m)."""
+    larger = max(room.upper[0] - room.lower[0], room.upper[1] - room.lower[1])
+    return max(0.5, round(2.0 * larger, 1))

@@ -1,0 +1,232 @@
+"""The launch-like builder: a twin in plain Python, one call for each robot, frame and command."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.description.package_index import absolute_path
+from drake_twin.description.robot_description import Vector3
+from drake_twin.errors import InputError
+from drake_twin.findings import Finding
+from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.entity import LaunchDescription
+    from drake_twin.twin.twin import Twin
+
+_log = logging.getLogger(__name__)
+
+
+class TwinBuilder:
+    """Collects what a launch file would say, and builds a `Scenario` or a running `Twin` of it.
+
+    Every call returns the builder, so calls can be chained::
+
+        twin = (
+            TwinBuilder(time_step=0.001)
+            .robot("robot_1", "package://rover_description/urdf/rover.urdf.xacro", xyz=(0, 0, 0.13))
+            .robot("robot_2", "package://rover_description/urdf/rover.urdf.xacro", xyz=(0, 2, 0.13))
+            .static_transform("world", "robot_1_odom")
+            .build()
+        )
+
+    Args:
+        time_step: the physics step (s); by default the one that a launched world asks for, or 0.001.
+        contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
+        engine: ``discrete``, or ``cenic`` for Drake's convex integrator with error control.
+        accuracy: what ``cenic`` is asked for.
+        world: gravity, ground, and a world file.
+    """
+
+    def __init__(
+        self,
+        time_step: float | None = None,
+        contact_approximation: str = "lagged",
+        world: World | None = None,
+        engine: str = DISCRETE,
+        accuracy: float = 1e-3,
+    ):
+        self._engine, self._accuracy = engine, float(accuracy)
+        self._time_step = None if time_step is None else float(time_step)
+        self._launched_step = 0.001
+        self._contact_approximation = contact_approximation
+        self._world = world or World()
+        if self._world.file is not None:
+            self._world = replace(self._world, file=_address(self._world.file))
+        self._package_paths: list[str] = []
+        self._robots: list[Robot] = []
+        self._static_transforms: list[StaticTransform] = []
+        self._commands: list[Command] = []
+        self._findings: list[Finding] = []
+
+    def package_path(self, folder: str | Path) -> TwinBuilder:
+        """Looks for ROS packages in a folder first."""
+        self._package_paths.append(absolute_path(folder))
+        return self
+
+    def robot(
+        self,
+        name: str,
+        model: str | Path,
+        *,
+        xyz: Iterable[float] = (0.0, 0.0, 0.0),
+        rpy: Iterable[float] = (0.0, 0.0, 0.0),
+        controllers: str | Path | Iterable[str | Path] = (),
+        active_controllers: Iterable[str] | None = None,
+        inactive_controllers: Iterable[str] = (),
+        xacro_args: Mapping[str, object] | None = None,
+        namespace: str | None = None,
+        frame_prefix: str | None = None,
+        initial_positions: Mapping[str, float] | None = None,
+        self_collision: bool = False,
+        collision: str = "hull",
+        contact: str = HYDROELASTIC,
+        remappings: Mapping[str, str] | None = None,
+        without_repairs: Iterable[str] = (),
+    ) -> TwinBuilder:
+        """Adds a robot; see `drake_twin.scenario.Robot` for what each argument means."""
+        files = [controllers] if isinstance(controllers, str | Path) else list(controllers)
+        self._robots.append(
+            Robot(
+                name=name,
+                model=_address(model),
+                xacro_args={key: _xacro_text(value) for key, value in (xacro_args or {}).items()},
+                xyz=_vector3(xyz, f"xyz of robot {name!r}"),
+                rpy=_vector3(rpy, f"rpy of robot {name!r}"),
+                namespace=namespace,
+                frame_prefix=frame_prefix,
+                controllers=tuple(_address(file) for file in files),
+                active_controllers=None if active_controllers is None else tuple(active_controllers),
+                inactive_controllers=tuple(inactive_controllers),
+                initial_positions={key: float(value) for key, value in (initial_positions or {}).items()},
+                self_collision=self_collision,
+                collision=collision,
+                contact=contact,
+                remappings=dict(remappings or {}),
+                without_repairs=tuple(without_repairs),
+            )
+        )
+        return self
+
+    def launch(self, what: LaunchDescription | str | Path, **arguments: object) -> TwinBuilder:
+        """Adds all that a launch description or a launch file starts: robots, frames, commands and its world.
+
+        Args:
+            what: a description made of `drake_twin.launch`'s entities, or a Python, XML or YAML launch file.
+            **arguments: values for its arguments.
+
+        Raises:
+            InputError: it cannot be used, or starts no robot.
+        """
+        from drake_twin.from_launch.launch_file import launch_description_scenario, launch_file_scenario
+
+        given = {name: _xacro_text(value) for name, value in arguments.items()}
+        if isinstance(what, str | Path):
+            launched = launch_file_scenario(what, given, self._package_paths)
+        else:
+            launched = launch_description_scenario(what, given, self._package_paths)
+        scenario = launched.scenario
+        self._robots += scenario.robots
+        self._static_transforms += scenario.static_transforms
+        self._commands += scenario.commands
+        self._findings += scenario.findings
+        for line in launched.log:
+            _log.info("%s", line)
+        if scenario.time_step != 0.001:
+            self._launched_step = scenario.time_step
+        self._package_paths += [folder for folder in scenario.package_paths if folder not in self._package_paths]
+        if scenario.world != World():
+            self._world = scenario.world
+        return self
+
+    def static_transform(
+        self,
+        parent: str,
+        child: str,
+        *,
+        xyz: Iterable[float] = (0.0, 0.0, 0.0),
+        rpy: Iterable[float] = (0.0, 0.0, 0.0),
+    ) -> TwinBuilder:
+        """Fixes the frame ``child`` in the frame ``parent`` (m, rad), as static_transform_publisher does."""
+        what = f"of static transform {parent!r} to {child!r}"
+        self._static_transforms.append(
+            StaticTransform(parent, child, _vector3(xyz, f"xyz {what}"), _vector3(rpy, f"rpy {what}"))
+        )
+        return self
+
+    def command(
+        self,
+        topic: str,
+        data: Iterable[float] | Mapping[str, Any],
+        *,
+        time: float = 0.0,
+        period: float | None = None,
+    ) -> TwinBuilder:
+        """Publishes a command at a simulation time (s), and again every ``period`` seconds if that is given.
+
+        Args:
+            topic: the full topic name.
+            data: the numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
+            time: when (s).
+            period: how often it is published again (s).
+
+        Raises:
+            InputError: the data are neither.
+        """
+        if not isinstance(data, Mapping):
+            try:
+                data = tuple(float(value) for value in data)
+            except (TypeError, ValueError):
+                raise InputError(f"{data!r} for {topic} is neither numbers nor the fields of a message") from None
+        self._commands.append(Command(topic, data, float(time), period))
+        return self
+
+    def scenario(self) -> Scenario:
+        """What was collected, as plain data.
+
+        Raises:
+            InputError: two robots of one name, a step that is not above zero, a frame with two parents, …
+        """
+        return Scenario(
+            robots=tuple(self._robots),
+            time_step=self._launched_step if self._time_step is None else self._time_step,
+            engine=self._engine,
+            accuracy=self._accuracy,
+            contact_approximation=self._contact_approximation,
+            world=self._world,
+            package_paths=tuple(self._package_paths),
+            static_transforms=tuple(self._static_transforms),
+            commands=tuple(self._commands),
+            findings=tuple(self._findings),
+        )
+
+    def build(self) -> Twin:
+        """The running twin.
+
+        Raises:
+            InputError: as `scenario`, or a file that cannot be used.
+        """
+        from drake_twin.twin.twin import Twin
+
+        return Twin(self.scenario())
+
+
+def _address(file: str | Path) -> str:
+    """A file as a scenario names it: an address as it is, a path made absolute."""
+    return str(file) if "://" in str(file) else absolute_path(file)
+
+
+def _xacro_text(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _vector3(values: Iterable[float], what: str) -> Vector3:
+    try:
+        x, y, z = (float(value) for value in values)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: {values!r} is not three numbers") from None
+    return x, y, z

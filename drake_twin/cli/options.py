@@ -1,0 +1,156 @@
+"""The options of ``drake_twin.run``."""
+
+import argparse
+import os
+from pathlib import Path
+
+from drake_twin.errors import InputError
+from drake_twin.program import ArgumentParser, add_strict
+from drake_twin.scenario import LONGEST_TIME
+
+_DESCRIPTION = """\
+Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
+
+TARGET is a ROS 2 launch file (Python, XML or YAML; a path, or PACKAGE FILE), a saved scenario (.yaml) or a robot file
+(xacro, URDF, SDF or MJCF). Without it, --robots N runs robots of the twin's own. Ctrl-C ends the run."""
+
+_EXAMPLES = """\
+examples:
+  python -m drake_twin.run --robots 2
+  python -m drake_twin.run --robots 8 --headless --duration 10 --summary out.json
+  python -m drake_twin.run --robots 2 --pub /robot_1/forward_velocity_controller/commands "[2, 2, 2, 2]"
+  python -m drake_twin.run path/to/main.launch.xml robot_name:=robot_1
+  python -m drake_twin.run PACKAGE gazebo.launch.py --workspace path/to/ws
+  python -m drake_twin.run diagrams/two_rovers.yaml
+  python -m drake_twin.run path/to/robot.urdf.xacro name:=value --robots 3
+  python -m drake_twin.run --robots 2 --world path/to/some.world
+  python -m drake_twin.run --robots 2 --duration 10 --plot run.png
+  python -m drake_twin.run --robots 2 --viewer tcp://127.0.0.1:6000"""
+
+
+def parser() -> ArgumentParser:
+    """The command line."""
+    parser = ArgumentParser(
+        prog="python -m drake_twin.run",
+        description=_DESCRIPTION,
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, see above")
+    robots = parser.add_argument_group("robots")
+    robots.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
+    robots.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
+    robots.add_argument(
+        "--package-path",
+        action="append",
+        default=[],
+        metavar="DIR",
+        help="a folder of ROS packages to look in first (may be repeated)",
+    )
+    robots.add_argument("--workspace", metavar="DIR", help="a colcon workspace to look for packages in first")
+    robots.add_argument(
+        "--pub",
+        nargs=2,
+        action="append",
+        default=[],
+        metavar=("TOPIC", "DATA"),
+        help='publish a command at the start, for example "[2, 2, 2, 2]" (may be repeated; replaces the demo drive)',
+    )
+    robots.add_argument(
+        "--world",
+        metavar="FILE",
+        help="the world they stand in: an SDF file (.world, .sdf), or a built-in one such as empty.sdf",
+    )
+    timing = parser.add_argument_group("time")
+    timing.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
+    timing.add_argument("--time-step", type=float, metavar="S", help="physics step (default: 0.001)")
+    timing.add_argument(
+        "--engine",
+        metavar="NAME",
+        help="discrete (default), or cenic: error control instead of fixed steps, much faster",
+    )
+    timing.add_argument("--accuracy", type=float, metavar="A", help="what cenic is asked for (default: 0.001)")
+    timing.add_argument(
+        "--real-time-rate",
+        type=float,
+        metavar="R",
+        help="simulated seconds a second (default: 1 with a page, as fast as possible without)",
+    )
+    page = parser.add_argument_group("page")
+    page.add_argument("--headless", action="store_true", help="no page")
+    page.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
+    page.add_argument("--host", default="127.0.0.1", help="the address the page is served at (default: 127.0.0.1)")
+    page.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    page.add_argument(
+        "--viewer",
+        metavar="URL",
+        help="show it on the page of a meshcat-server too, which several twins share: its zmq_url, for example"
+        " tcp://127.0.0.1:6000",
+    )
+    page.add_argument(
+        "--viewer-name", metavar="NAME", help="the twin's folder there (default: the target's name and the process id)"
+    )
+    launch = parser.add_argument_group("launch files")
+    launch.add_argument("--show-args", action="store_true", help="print the arguments that the launch file has and end")
+    add_strict(launch, "refuse to run")
+    launch.add_argument("--watch", action="store_true", help="start anew when a file that the twin is made of changes")
+    state = parser.add_argument_group("state")
+    state.add_argument("--save-state", type=Path, metavar="FILE", help="save the state at the end")
+    state.add_argument("--load-state", type=Path, metavar="FILE", help="go on from a saved state, with its robots")
+    state.add_argument("--record", type=Path, metavar="FILE", help="record what is done, to be replayed")
+    state.add_argument("--replay", type=Path, metavar="FILE", help="do again what was recorded, then go on from there")
+    output = parser.add_argument_group("output")
+    output.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
+    output.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
+    output.add_argument(
+        "--echo", action="append", default=[], metavar="TOPIC", help="print a topic's messages (may be repeated)"
+    )
+    output.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
+    output.add_argument(
+        "--plot", type=Path, metavar="FILE", help="draw joints and real-time factor over time (.png, .svg or .pdf)"
+    )
+    output.add_argument(
+        "--save-html", type=Path, metavar="FILE", help="record the run as one page that plays back offline"
+    )
+    output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
+    output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
+    output.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def check(options: argparse.Namespace) -> None:
+    """Refuses option values before any work is done."""
+    if options.robots is not None and options.robots < 1:
+        raise InputError(f"--robots {options.robots}: a twin needs at least one robot")
+    for name in ("duration", "time_step", "real_time_rate"):
+        value = getattr(options, name)
+        if value is not None and not 0 < value <= LONGEST_TIME:
+            bounds = f"the value must be above zero, and {LONGEST_TIME:g} at most"
+            raise InputError(f"--{name.replace('_', '-')} {value:g}: {bounds}")
+    if options.plot is not None:
+        from drake_twin.cli.plot import check_plot_file
+
+        check_plot_file(options.plot)
+    for name in ("summary", "plot", "save_state", "record", "save_html"):
+        file = getattr(options, name)
+        if file is not None and not _is_writable(file):
+            raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
+    if options.viewer is not None:
+        from drake_twin.shared_viewer.viewer_address import check_viewer_address
+
+        check_viewer_address(options.viewer)
+    if options.viewer_name is not None:
+        from drake_twin.shared_viewer.viewer_address import check_viewer_name
+
+        check_viewer_name(options.viewer_name)
+        if options.viewer is None:
+            raise InputError("--viewer-name names the twin on a shared page: --viewer URL says which")
+    if options.save_html is not None and options.watch:
+        raise InputError("--save-html records one run: it does not go with --watch")
+    if options.port is not None and not 1024 <= options.port <= 65535:
+        raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
+
+
+def _is_writable(file: Path) -> bool:
+    folder = file.absolute().parent
+    return folder.is_dir() and not file.is_dir() and os.access(file if file.exists() else folder, os.W_OK)

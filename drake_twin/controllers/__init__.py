@@ -1,0 +1,1 @@
+"""Controllers as ros2_controllers has them: one kind, one file."""

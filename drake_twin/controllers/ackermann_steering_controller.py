@@ -1,0 +1,53 @@
+"""A base with two driven and two steered wheels, as a car has them."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from drake_twin.control.drive_kinematics import SteeringDrive
+from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
+
+
+@dataclass(frozen=True, kw_only=True)
+class AckermannSteeringParameters(SteeringParameters):
+    """Parameters of ``ackermann_steering_controller/AckermannSteeringController``.
+
+    Attributes:
+        front_wheel_track: deprecated.
+        steering_track_width: the distance between the steered wheels (m); 0: that of the driven ones.
+        rear_wheel_track: deprecated.
+        traction_track_width: the distance between the driven wheels (m).
+        wheelbase: the distance between the axles (m).
+        traction_wheels_radius: radius of the driven wheels (m).
+        front_wheels_radius: deprecated.
+        rear_wheels_radius: deprecated.
+    """
+
+    front_wheel_track: float = 0.0
+    steering_track_width: float = 0.0
+    rear_wheel_track: float = 0.0
+    traction_track_width: float = 0.0
+    wheelbase: float = field(metadata={"above": 0.0})
+    traction_wheels_radius: float = 0.0
+    front_wheels_radius: float = 0.0
+    rear_wheels_radius: float = 0.0
+
+    def kinematics(self) -> SteeringDrive:
+        """The drive, with the deprecated names taken into account as upstream does."""
+        driven_track, steered_track = (
+            self.by_axle(self.front_wheel_track, self.rear_wheel_track, kind) or width
+            for kind, width in (("traction", self.traction_track_width), ("steering", self.steering_track_width))
+        )
+        return SteeringDrive(
+            wheelbase=self.wheelbase,
+            wheel_radius=self.rear_wheels_radius or self.front_wheels_radius or self.traction_wheels_radius,
+            driven=2,
+            steered=2,
+            driven_track=driven_track,
+            steered_track=steered_track or driven_track,
+        )
+
+
+class AckermannSteeringController(SteeringController):
+    """``ackermann_steering_controller/AckermannSteeringController``; see `SteeringController`."""
+
+    Parameters: ClassVar[type] = AckermannSteeringParameters

@@ -1,0 +1,35 @@
+"""A base with one driven and one steered wheel."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from drake_twin.control.drive_kinematics import SteeringDrive
+from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
+
+
+@dataclass(frozen=True, kw_only=True)
+class BicycleSteeringParameters(SteeringParameters):
+    """Parameters of ``bicycle_steering_controller/BicycleSteeringController``.
+
+    Attributes:
+        wheelbase: the distance between the axles (m).
+        traction_wheel_radius: radius of the driven wheel (m).
+        front_wheel_radius: deprecated.
+        rear_wheel_radius: deprecated.
+    """
+
+    wheelbase: float = field(metadata={"above": 0.0})
+    traction_wheel_radius: float = 0.0
+    front_wheel_radius: float = 0.0
+    rear_wheel_radius: float = 0.0
+
+    def kinematics(self) -> SteeringDrive:
+        """The drive, with the deprecated names taken into account as upstream does."""
+        radius = self.rear_wheel_radius or self.front_wheel_radius or self.traction_wheel_radius
+        return SteeringDrive(wheelbase=self.wheelbase, wheel_radius=radius)
+
+
+class BicycleSteeringController(SteeringController):
+    """``bicycle_steering_controller/BicycleSteeringController``; see `SteeringController`."""
+
+    Parameters: ClassVar[type] = BicycleSteeringParameters

@@ -1,0 +1,136 @@
+"""The page of all controllers and their parameters, written from the parameters' own classes.
+
+``python -m drake_twin.controllers.docs > drake_twin/docs/controllers.md`` writes it anew; a test compares.
+"""
+
+import dataclasses
+import re
+import typing
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from math import inf, isnan
+from typing import Any
+
+from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.description.parameters import parameter_names
+
+_INTRODUCTION = """\
+# Controllers and their parameters
+
+These are the controller types that the twin has, with the names and defaults of ROS 2 Jazzy; what a controller does is
+in its class's docstring. A parameter that is not listed is ignored with a warning, and so is a value other than the
+default where the table says *ignored*. `<joint>` stands for the name of a joint, or of
+whatever else there may be several of.
+
+This page is written by `python -m drake_twin.controllers.docs`.
+"""
+
+_TYPE_NAMES = {bool: "true or false", int: "whole number", float: "number", str: "text"}
+_LIST_NAMES = {
+    bool: "list of true or false",
+    int: "list of whole numbers",
+    float: "list of numbers",
+    str: "list of texts",
+}
+
+
+def controllers_page() -> str:
+    """The page as Markdown."""
+    sections = [_INTRODUCTION]
+    for parameters, types in _types_by_parameters().items():
+        sections.append("## " + ", ".join(f"`{name}`" for name in types) + "\n")
+        if any(parameters in getattr(other, "dialects", ()) for other in _types_by_parameters()):
+            sections.append(f"{(parameters.__doc__ or '').partition(chr(10))[0]}\n")
+        rows = [
+            f"| `{name}` | {_type_name(annotation)} | {_default(item)} | {_meaning(parameters, name, item)} |"
+            for name, item, annotation in parameter_names(parameters)
+        ]
+        sections.append("\n".join(["| parameter | type | default | meaning |", "|---|---|---|---|", *rows, ""]))
+    return "\n".join(sections)
+
+
+def _types_by_parameters() -> dict[type, list[str]]:
+    """Parameters class → the controller types that have it."""
+    found: dict[type, list[str]] = {}
+    for name in CONTROLLER_TYPES:
+        controller = controller_class(name)
+        assert controller is not None
+        for parameters in (controller.Parameters, *getattr(controller.Parameters, "dialects", ())):
+            found.setdefault(parameters, []).append(name)
+    if JOINT_STATE_BROADCASTER not in CONTROLLER_TYPES:  # it is a publisher, and no controller in the diagram
+        publisher = import_module("drake_twin.controllers.joint_state_publisher")
+        found[publisher.JointStateBroadcasterParameters] = [JOINT_STATE_BROADCASTER]
+    return found
+
+
+def _type_name(annotation: Any) -> str:
+    if typing.get_origin(annotation) is tuple:
+        return _LIST_NAMES[typing.get_args(annotation)[0]]
+    if typing.get_origin(annotation) is Mapping:
+        return f"{_TYPE_NAMES[typing.get_args(annotation)[1]]} for each name"
+    return _TYPE_NAMES[annotation]
+
+
+def _default(item: "dataclasses.Field[Any]") -> str:
+    if item.default_factory is not dataclasses.MISSING:
+        return f"`{_yaml(item.default_factory())}`"
+    return "required" if item.default is dataclasses.MISSING else f"`{_yaml(item.default)}`"
+
+
+def _yaml(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_yaml, value))}]"
+    if isinstance(value, Mapping):
+        return "{}"
+    if isinstance(value, float) and (isnan(value) or value in (inf, -inf)):
+        return ".nan" if isnan(value) else ".inf" if value > 0 else "-.inf"
+    return repr(value) if isinstance(value, float) else str(value) or '""'
+
+
+def _meaning(parameters: type, name: str, item: "dataclasses.Field[Any]") -> str:
+    """What the docstrings say of a parameter and of what it stands in, with its bounds and why it is ignored."""
+    said = [text for kind, attribute in _path(parameters, name) if (text := _attributes(kind).get(attribute))]
+    lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
+    if choices is not None:
+        said.append("one of " + ", ".join(f"`{choice}`" for choice in choices))
+    if lower is not None:
+        said.append(f"at least {lower:g}")
+    if upper is not None:
+        said.append(f"at most {upper:g}")
+    if "unsupported" in item.metadata:
+        said.append(f"*ignored*: {item.metadata['unsupported']}")
+    return "; ".join(text.rstrip(".") for text in said).replace("``", "`").replace("|", "\\|")
+
+
+def _path(parameters: type, name: str) -> Iterator[tuple[type, str]]:
+    """The class and attribute of each part of a parameter's name."""
+    kind: Any = parameters
+    for part in name.split("."):
+        if part == "<joint>":
+            for item in dataclasses.fields(kind):
+                if "of_joints" in item.metadata:
+                    kind = typing.get_args(typing.get_type_hints(kind)[item.name])[1]
+                    break
+            continue
+        yield kind, part
+        kind = typing.get_type_hints(kind)[part]
+        if typing.get_origin(kind) is Mapping:
+            kind = typing.get_args(kind)[1]
+
+
+def _attributes(kind: type) -> dict[str, str]:
+    """Attribute → what the docstrings of a class and of those it derives from say of it."""
+    found: dict[str, str] = {}
+    for each in reversed(kind.__mro__):
+        _, _, section = (each.__doc__ or "").partition("Attributes:\n")
+        for entry in re.split(r"\n(?=        \w+: )", "\n" + section):
+            attribute, colon, text = entry.strip().partition(": ")
+            if colon and attribute.isidentifier():
+                found[attribute] = " ".join(text.split())
+    return found
+
+
+if __name__ == "__main__":
+    print(controllers_page(), end="")

@@ -1,0 +1,310 @@
+"""What the controllers of wheeled bases share: a commanded twist in, odometry and its transform out."""
+
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
+from math import atan2, cos, isinf, isnan, nan, sin
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, InputPort, OutputPort
+
+from drake_twin import messages
+from drake_twin.control.wheel_odometry import WheelOdometry
+from drake_twin.controllers.controller import PeriodicController
+from drake_twin.controllers.odometry_frames import odometry_frames
+from drake_twin.description.parameters import ParameterError
+from drake_twin.errors import CommandError
+from drake_twin.saved import saved
+
+_NANOSECONDS = 1e9
+
+
+@saved("TwistCommand")
+@dataclass(frozen=True)
+class TwistCommand:
+    """A commanded velocity of the base, as its port carries it.
+
+    Attributes:
+        id: 1 for the first message after another one was used, counted on from there.
+        time: its stamp, at most the present time (s).
+        linear_x: forwards (m/s).
+        linear_y: to the left (m/s).
+        angular_z: about z (rad/s).
+    """
+
+    id: int
+    time: float
+    linear_x: float
+    linear_y: float
+    angular_z: float
+
+
+@saved("DriveMemory")
+@dataclass(frozen=True)
+class DriveMemory:
+    """What a drive keeps from one update to the next.
+
+    Attributes:
+        odometry: where the base is reckoned to be.
+        start: the time of the activation (s).
+        wheels: positions of the wheels at the odometry's time (rad), where it is reckoned from positions.
+        used: the id of the last command that was used up.
+        last: what was commanded in the last update, after its limits.
+        second_to_last: what was commanded in the update before it.
+        limited: what was commanded in this update, None when nothing was.
+        published: the odometry that stands on the ports, None before the first.
+        next_publication: when the next one is due (ns), None: with the next update.
+        state: what else stands on a port.
+    """
+
+    odometry: WheelOdometry
+    start: float
+    wheels: tuple[float, ...] = ()
+    used: int = 0
+    last: tuple[float, ...] = (0.0, 0.0, 0.0)
+    second_to_last: tuple[float, ...] = (0.0, 0.0, 0.0)
+    limited: tuple[float, ...] | None = None
+    published: WheelOdometry | None = None
+    next_publication: int | None = None
+    state: tuple[Any, ...] = ()
+
+
+class DriveController(PeriodicController):
+    """The base of the drives' controllers. A subclass declares its ports and gives ``update``.
+
+    Odometry is reckoned and published from the first update on, whether or not a command has come (upstream's
+    diff_drive_controller waits for a command or its timeout), and wheels may stand at any angle at its beginning. When
+    a controller is activated again its odometry goes on where it was, as upstream, and its last commands are forgotten.
+    """
+
+    _odometry_wheels: tuple[str, ...]
+    _limiters: tuple[Any, ...] = ()
+    _nan_stops = False  # whether a command that is not a number stops the base instead of being refused
+
+    def get_command_input_port(self) -> InputPort:
+        """The port of the commanded twist: ``cmd_vel`` or ``reference``, or with ``_unstamped`` behind it."""
+        return self._command
+
+    def get_odometry_output_port(self) -> OutputPort:
+        """The port of the odometry: ``odom`` or ``odometry``."""
+        return self._odometry
+
+    def reset_odometry(self, context: Context) -> None:
+        """Puts the base at the origin of its odometry frame; upstream's service ``~/reset_odometry``."""
+        sample = self.sample(context)
+        if sample.memory is not None:
+            memory = replace(sample.memory, odometry=sample.memory.odometry.reset())
+            context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
+
+    def start(self, context: Context) -> DriveMemory:
+        """Without commands; the odometry goes on from the last activation."""
+        time = context.get_time()
+        before: DriveMemory | None = self.sample(context).memory
+        if before is not None:
+            return DriveMemory(before.odometry, time, before.wheels, published=before.published)
+        wheels = tuple(map(float, self.positions(context, self._odometry_wheels)))
+        return DriveMemory(WheelOdometry(time=time), time, wheels)
+
+    def read(self, topic: str, message: Any, context: Context) -> TwistCommand:
+        """The message as a `TwistCommand`; a stamp of zero, or one in the future, means now.
+
+        Upstream takes a stamp in the future as it is, and a program that stamps with the wall's time is never timed
+        out.
+
+        Raises:
+            CommandError: the message is older than the timeout allows, or not finite. The command before it stays.
+        """
+        now = context.get_time()
+        stamped = self.subscribed[topic].endswith("Stamped")
+        twist = message.twist if stamped else message
+        stamp = now
+        if stamped and (message.header.stamp.sec or message.header.stamp.nanosec):
+            stamp = min(message.header.stamp.sec + message.header.stamp.nanosec / _NANOSECONDS, now)
+        memory = self.sample(context).memory
+        command = TwistCommand(
+            id=1 if memory is None else memory.used + 1,
+            time=stamp,
+            linear_x=float(twist.linear.x),
+            linear_y=float(twist.linear.y),
+            angular_z=float(twist.angular.z),
+        )
+        timeout = self._command_timeout
+        if timeout and is_older(now, stamp, timeout):
+            raise CommandError(
+                f"the command's stamp is {now - stamp:g} s old, and a command holds for {timeout:g} s only"
+            )
+        refusal = self._refusal(command)
+        if refusal:
+            raise CommandError(refusal)
+        return command
+
+    def _refusal(self, command: TwistCommand) -> str | None:
+        """Why a command is refused; None when it is not."""
+        for name in ("linear_x", "linear_y", "angular_z"):
+            value = getattr(command, name)
+            if isinf(value) or (isnan(value) and not self._nan_stops):
+                return f"the command's {name.replace('_', '.')} is {value}, which is not a finite number"
+        return None
+
+    def _declare_command(self, topic: str, *, stamped: bool, timeout: float) -> None:
+        """The port of the commanded twist, and how long a command holds (s; 0 for ever)."""
+        self._command_timeout = timeout
+        self._command = (
+            self._declare_topic_input(topic, "geometry_msgs/msg/TwistStamped")
+            if stamped
+            else self._declare_topic_input(f"{topic}_unstamped", "geometry_msgs/msg/Twist")
+        )
+
+    def _declare_odometry(self, topic: str, *, with_pose: bool = True) -> None:
+        """The ports of the odometry and, where it is enabled, of its transform ``tf_odometry``."""
+        parameters = self.setup.parameters
+        self._frames = odometry_frames(
+            self.setup,
+            parameters.odom_frame_id,
+            parameters.base_frame_id,
+            prefix_enable=getattr(parameters, "tf_frame_prefix_enable", False),
+            prefix=getattr(parameters, "tf_frame_prefix", ""),
+        )
+        diagonals = (parameters.pose_covariance_diagonal, parameters.twist_covariance_diagonal)
+        self._covariances = tuple(np.diag(diagonal).ravel() for diagonal in diagonals)
+        self._with_pose = with_pose
+        tickets = {self.sample_ticket()}
+        if self.setup.true_odometry:
+            tickets.add(self.input_port_ticket(self.get_state_input_port().get_index()))
+        self._odometry = self._declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
+        if parameters.enable_odom_tf:
+            self.odometry_frames = self._frames
+            self._declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
+
+    def _feedback(
+        self, context: Context, memory: DriveMemory, time: float, *, from_positions: bool
+    ) -> tuple[tuple[float, ...], DriveMemory]:
+        """Velocities of the wheels (rad/s), measured or reckoned from their positions at the last step."""
+        if not from_positions:
+            return tuple(map(float, self.velocities(context, self._odometry_wheels))), memory
+        if not memory.odometry.is_due(time):
+            return (0.0,) * len(self._odometry_wheels), memory
+        positions = tuple(map(float, self.positions(context, self._odometry_wheels)))
+        step = time - memory.odometry.time
+        velocities = tuple((now - before) / step for now, before in zip(positions, memory.wheels, strict=True))
+        return velocities, replace(memory, wheels=positions)
+
+    def _limited(self, values: Sequence[float], memory: DriveMemory) -> tuple[float, ...]:
+        """A command within its limits, given what was commanded at the last two updates."""
+        period = self.setup.update_period
+        return tuple(
+            limiter.limited(value, last, before, period)
+            for limiter, value, last, before in zip(
+                self._limiters, values, memory.last, memory.second_to_last, strict=False
+            )
+        )
+
+    def _present_command(
+        self, context: Context, time: float, memory: DriveMemory
+    ) -> tuple[TwistCommand | None, DriveMemory]:
+        """The command that holds, for the controllers that use one up in an update when their timeout is zero."""
+        command: TwistCommand | None = self._command.Eval(context)
+        if command is None:
+            return None, memory
+        if self._command_timeout:
+            return (None if is_older(time, command.time, self._command_timeout) else command), memory
+        if command.id <= memory.used:
+            return None, memory
+        return command, replace(memory, used=command.id)
+
+    def _seen_odometry(self, context: Context, published: WheelOdometry) -> WheelOdometry:
+        return self.true_odometry(context, published.time) if self.setup.true_odometry else published
+
+    def true_odometry(self, context: Context, time: float) -> WheelOdometry:
+        """The true pose of the root link in the world, seen from above, and its velocity in its own axes."""
+        layout = self.setup.layout
+        if not layout.has_moving_base:
+            return WheelOdometry(time=time)
+        pose, velocity = layout.base_state(self.get_state_input_port().Eval(context))
+        qw, qx, qy, qz, x, y, _ = pose.tolist()
+        *_, angular, along_x, along_y, _ = velocity.tolist()
+        heading = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+        forwards = cos(heading) * along_x + sin(heading) * along_y
+        to_the_left = cos(heading) * along_y - sin(heading) * along_x
+        return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)
+
+    def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
+        memory = self.sample(context).memory
+        if memory is None or memory.published is None:
+            output.set_value(None)
+            return
+        odometry = self._seen_odometry(context, memory.published)
+        seen = odometry if self._with_pose else odometry.reset()
+        pose_covariance, twist_covariance = self._covariances
+        odom_frame, base_frame = self._frames
+        pose = messages.Pose(position=messages.Point(x=seen.x, y=seen.y, z=0.0), orientation=_rotation(seen.heading))
+        output.set_value(
+            messages.Odometry(
+                header=messages.header(odometry.time, odom_frame),
+                child_frame_id=base_frame,
+                pose=messages.PoseWithCovariance(pose=pose, covariance=pose_covariance.copy()),
+                twist=messages.TwistWithCovariance(
+                    twist=twist_message(odometry.linear_x, odometry.linear_y, odometry.angular_z),
+                    covariance=twist_covariance.copy(),
+                ),
+            )
+        )
+
+    def _calc_tf_odometry(self, context: Context, output: AbstractValue) -> None:
+        memory = self.sample(context).memory
+        if memory is None or memory.published is None:
+            output.set_value(None)
+            return
+        odometry = self._seen_odometry(context, memory.published)
+        odom_frame, base_frame = self._frames
+        transform = messages.TransformStamped(
+            header=messages.header(odometry.time, odom_frame),
+            child_frame_id=base_frame,
+            transform=messages.Transform(
+                translation=messages.Vector3(x=odometry.x, y=odometry.y, z=0.0), rotation=_rotation(odometry.heading)
+            ),
+        )
+        output.set_value(messages.TFMessage(transforms=[transform]))
+
+
+def is_older(now: float, stamp: float, timeout: float) -> bool:
+    """Whether a stamp is more than a timeout ago, to the nanosecond, as ROS compares times (all in s)."""
+    return not isinf(timeout) and round(now * _NANOSECONDS) - round(stamp * _NANOSECONDS) > round(
+        timeout * _NANOSECONDS
+    )
+
+
+def publication(memory: DriveMemory, time: float, rate: float) -> DriveMemory:
+    """The memory with its odometry published if that is due at a rate (Hz), as diff_drive_controller counts it."""
+    now = round(time * _NANOSECONDS)
+    due = memory.next_publication
+    if due is None:
+        due = now
+    elif now <= due:
+        return memory
+    period = int(_NANOSECONDS / rate)
+    return replace(memory, published=replace(memory.odometry, time=time), next_publication=due + period)
+
+
+def state_joint(wheel: str, joints: Container[str]) -> str:
+    """The joint whose state belongs to a wheel's name, which may be a reference: ``pid_controller/left_wheel``."""
+    return wheel if wheel in joints else wheel.partition("/")[2]
+
+
+def check_covariances(parameters: Any) -> None:
+    """Refuses diagonals that do not have six elements."""
+    for name in ("pose_covariance_diagonal", "twist_covariance_diagonal"):
+        if len(getattr(parameters, name)) != 6:
+            raise ParameterError(f"{name} has {len(getattr(parameters, name))} elements; it needs six", name)
+
+
+def twist_message(linear_x: float = nan, linear_y: float = nan, angular_z: float = nan) -> Any:
+    """A ``geometry_msgs/msg/Twist`` in the plane (m/s, rad/s)."""
+    return messages.Twist(
+        linear=messages.Vector3(x=linear_x, y=linear_y, z=0.0), angular=messages.Vector3(x=0.0, y=0.0, z=angular_z)
+    )
+
+
+def _rotation(heading: float) -> Any:
+    return messages.Quaternion(x=0.0, y=0.0, z=sin(0.5 * heading), w=cos(0.5 * heading))

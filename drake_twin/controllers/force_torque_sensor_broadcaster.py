@@ -1,0 +1,291 @@
+"""A force/torque sensor's values as messages, as force_torque_sensor_broadcaster publishes them."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, EventStatus, InputPort, OutputPort, State
+
+from drake_twin import messages
+from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.errors import InputError
+from drake_twin.saved import saved
+from drake_twin.systems.weak_callback import weakly
+
+_AXES = tuple((vector, axis) for vector in ("force", "torque") for axis in "xyz")
+
+
+@dataclass(frozen=True)
+class AxisNames:
+    """The full name of a state interface for each axis, ``sensor/force.x``; empty for an axis without one.
+
+    Attributes:
+        x: about or along x.
+        y: about or along y.
+        z: about or along z.
+    """
+
+    x: str = ""
+    y: str = ""
+    z: str = ""
+
+
+@dataclass(frozen=True)
+class WrenchInterfaceNames:
+    """The state interfaces of a sensor that has not all six, or other names for them."""
+
+    force: AxisNames = AxisNames()
+    torque: AxisNames = AxisNames()
+
+
+@dataclass(frozen=True)
+class AxisOffsets:
+    """What is added to each axis (N or N·m).
+
+    Attributes:
+        x: about or along x.
+        y: about or along y.
+        z: about or along z.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(frozen=True)
+class WrenchOffsets:
+    """What is added to a wrench."""
+
+    force: AxisOffsets = AxisOffsets()
+    torque: AxisOffsets = AxisOffsets()
+
+
+@dataclass(frozen=True)
+class AxisMultipliers:
+    """What each axis is multiplied with, after the offset.
+
+    Attributes:
+        x: about or along x.
+        y: about or along y.
+        z: about or along z.
+    """
+
+    x: float = 1.0
+    y: float = 1.0
+    z: float = 1.0
+
+
+@dataclass(frozen=True)
+class WrenchMultipliers:
+    """What a wrench is multiplied with."""
+
+    force: AxisMultipliers = AxisMultipliers()
+    torque: AxisMultipliers = AxisMultipliers()
+
+
+@dataclass(frozen=True)
+class WrenchFilterParameters:
+    """The parameters of ``control_filters/LowPassFilterWrench``.
+
+    Attributes:
+        sampling_frequency: how often a value comes (Hz): the controller's update rate.
+        damping_frequency: the cut-off frequency (Hz).
+        damping_intensity: the intensity (dB).
+    """
+
+    sampling_frequency: float
+    damping_frequency: float
+    damping_intensity: float
+
+
+@dataclass(frozen=True)
+class WrenchFilter:
+    """A filter of the chain, ``filter1``, ``filter2``, …
+
+    Attributes:
+        type: the filter's plugin.
+        name: what the filter is called.
+        params: its parameters.
+    """
+
+    type: str = field(metadata={"choices": ("control_filters/LowPassFilterWrench",)})
+    params: WrenchFilterParameters
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class ForceTorqueSensorBroadcasterParameters:
+    """Parameters of ``force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster``.
+
+    Attributes:
+        frame_id: the frame of the values.
+        sensor_name: the sensor in ``<ros2_control>``; either this or ``interface_names``.
+        interface_names: the state interface of each axis.
+        offset: what is added to each axis.
+        multiplier: what each axis is multiplied with, after the offset.
+        sensor_filter_chain: the filters of ``~/wrench_filtered``.
+    """
+
+    frame_id: str
+    sensor_name: str = ""
+    interface_names: WrenchInterfaceNames = WrenchInterfaceNames()
+    offset: WrenchOffsets = WrenchOffsets()
+    multiplier: WrenchMultipliers = WrenchMultipliers()
+    sensor_filter_chain: Mapping[str, WrenchFilter] = field(default_factory=dict)
+
+    @property
+    def interfaces(self) -> tuple[str, ...]:
+        """The state interface of each axis, forces first; empty for an axis without one."""
+        if self.sensor_name:
+            return tuple(f"{self.sensor_name}/{vector}.{axis}" for vector, axis in _AXES)
+        return tuple(_of_axes(self.interface_names))
+
+
+@saved("FilteredWrench")
+@dataclass(frozen=True)
+class FilteredWrench:
+    """What a filter chain keeps: what came out of it last, and each filter's memory."""
+
+    wrench: tuple[float, ...]
+    filters: tuple[LowPassMemory, ...]
+
+
+class ForceTorqueSensorBroadcaster(SensorBroadcaster):
+    """Puts a force/torque sensor's values into ``WrenchStamped`` messages.
+
+    Behaves as ``force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster`` in ROS 2 Jazzy: an axis without a state
+    interface is NaN, and the filtered wrench is there when there are filters. Only then has it an event, at the
+    controller's update rate.
+
+    .. pydrake_system::
+
+        name: ForceTorqueSensorBroadcaster
+        input_ports:
+        - wrench
+        output_ports:
+        - command_interfaces
+        - wrench
+        - wrench_filtered
+
+    - ``wrench`` (input): vector ``[fx fy fz, tx ty tz]`` (N, N·m), as `ForceTorqueSensor` gives it.
+    - ``command_interfaces``: empty.
+    - ``wrench``: ``geometry_msgs/msg/WrenchStamped`` of the present time, ``None`` while inactive; topic ``~/wrench``.
+    - ``wrench_filtered``: the same of the last update, ``None`` without filters; topic ``~/wrench_filtered``.
+    """
+
+    Parameters: ClassVar[type] = ForceTorqueSensorBroadcasterParameters
+    kind = "force_torque"
+
+    @classmethod
+    def sensor_name(cls, parameters: ForceTorqueSensorBroadcasterParameters) -> str:
+        """The name of the sensor in ``<ros2_control>`` whose values it needs."""
+        return next((name.rpartition("/")[0] for name in parameters.interfaces if name), "")
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup, "wrench", 6)
+        parameters: ForceTorqueSensorBroadcasterParameters = setup.parameters
+        names = [name for name in _of_axes(parameters.interface_names) if name]
+        if bool(parameters.sensor_name) == bool(names):
+            what = "and not both" if names else "and there is neither"
+            raise InputError(f"controller {setup.name!r}: sensor_name or interface_names is needed, {what}")
+        self._elements = _elements(parameters.interfaces, setup.name)
+        self._offset = np.array(list(_of_axes(parameters.offset)))
+        self._multiplier = np.array(list(_of_axes(parameters.multiplier)))
+        self._filters = [
+            LowPassFilter(item.params.sampling_frequency, item.params.damping_frequency, item.params.damping_intensity)
+            for _, item in sorted(parameters.sensor_filter_chain.items(), key=lambda entry: _number(entry[0]))
+        ]
+        kind = "geometry_msgs/msg/WrenchStamped"
+        self._declare_topic_output("wrench", kind, self._calc_wrench, self._present())
+        sample = {self.abstract_state_ticket(self._sample_index)}
+        self._declare_topic_output("wrench_filtered", kind, self._calc_wrench_filtered, sample)
+        if self._filters:
+            self.DeclarePeriodicUnrestrictedUpdateEvent(
+                setup.update_period, setup.update_offset, weakly(self._update_filters)
+            )
+
+    def get_wrench_input_port(self) -> InputPort:
+        """The input port ``wrench``."""
+        return self.get_sensor_input_port()
+
+    def get_wrench_output_port(self) -> OutputPort:
+        """The output port ``wrench``."""
+        return self.GetOutputPort("wrench")
+
+    def get_wrench_filtered_output_port(self) -> OutputPort:
+        """The output port ``wrench_filtered``."""
+        return self.GetOutputPort("wrench_filtered")
+
+    def _wrench(self, context: Context) -> np.ndarray:
+        values = np.append(self._sensor.Eval(context), np.nan)[self._elements]
+        return np.asarray((values + self._offset) * self._multiplier)
+
+    def _update_filters(self, context: Context, state: State) -> EventStatus:
+        sample = self.sample(context)
+        if not sample.active or sample.fault is not None:
+            return EventStatus.DidNothing()
+        try:
+            filtered = self._filtered(self._wrench(context), sample.memory)
+            sample = replace(sample, time=context.get_time(), memory=filtered)
+        except Exception as error:  # whatever a controller raises concerns that controller alone
+            sample = replace(sample, fault=f"{type(error).__name__}: {error}")
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
+        return (
+            EventStatus.Succeeded() if sample.fault is None else EventStatus.ReachedTermination(self, self.setup.name)
+        )
+
+    def _filtered(self, wrench: np.ndarray, kept: FilteredWrench | None) -> FilteredWrench:
+        memories = []
+        before = (LowPassMemory(),) * len(self._filters) if kept is None else kept.filters
+        for item, memory in zip(self._filters, before, strict=True):
+            wrench, memory = item.update(wrench, memory)
+            memories.append(memory)
+        return FilteredWrench(tuple(wrench.tolist()), tuple(memories))
+
+    def _calc_wrench(self, context: Context, output: AbstractValue) -> None:
+        is_active = self.sample(context).active
+        output.set_value(self._message(self._wrench(context), context.get_time()) if is_active else None)
+
+    def _calc_wrench_filtered(self, context: Context, output: AbstractValue) -> None:
+        sample = self.sample(context)
+        is_there = sample.active and sample.memory is not None
+        output.set_value(self._message(np.array(sample.memory.wrench), sample.time) if is_there else None)
+
+    def _message(self, wrench: np.ndarray, time: float) -> Any:
+        fx, fy, fz, tx, ty, tz = wrench.tolist()
+        return messages.WrenchStamped(
+            header=messages.header(time, self._frame(self.setup.parameters.frame_id)),
+            wrench=messages.Wrench(force=messages.Vector3(x=fx, y=fy, z=fz), torque=messages.Vector3(x=tx, y=ty, z=tz)),
+        )
+
+
+def _of_axes(wrench: Any) -> list[Any]:
+    return [getattr(getattr(wrench, vector), axis) for vector, axis in _AXES]
+
+
+def _elements(interfaces: tuple[str, ...], controller: str) -> np.ndarray:
+    """For each axis the element of the sensor's port; 6 where it has no interface."""
+    known = [f"{vector}.{axis}" for vector, axis in _AXES]
+    elements = []
+    for name in interfaces:
+        interface = name.rpartition("/")[2]
+        if name and interface not in known:
+            raise InputError(
+                f"controller {controller!r}: {name!r} is no interface of a force/torque sensor",
+                valid=known,
+                value=interface,
+            )
+        elements.append(known.index(interface) if name else len(known))
+    return np.array(elements)
+
+
+def _number(key: str) -> int:
+    """``filter10`` comes after ``filter9``."""
+    digits = re.search(r"\d+$", key)
+    return int(digits[0]) if digits else 0

@@ -1,0 +1,172 @@
+"""Joint commands from a topic, as ros2_controllers' forward command controllers take them."""
+
+from dataclasses import dataclass, field
+from math import isfinite, nan
+from typing import Any, ClassVar
+
+from pydrake.systems.framework import BasicVector, Context, InputPort
+
+from drake_twin import messages
+from drake_twin.controllers.controller import Controller, ControllerSetup, Interface
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.errors import CommandError
+
+
+@dataclass(frozen=True)
+class ForwardCommandParameters:
+    """Parameters of ``forward_command_controller/ForwardCommandController``.
+
+    Attributes:
+        joints: the joints, in the order of a command's elements.
+        interface_name: the command interface of all of them.
+        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+    """
+
+    joints: tuple[str, ...]
+    interface_name: str
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+@dataclass(frozen=True)
+class JointGroupParameters:
+    """Parameters of the ``velocity_controllers``, ``position_controllers`` and ``effort_controllers`` JointGroups.
+
+    Attributes:
+        joints: the joints, in the order of a command's elements.
+        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+    """
+
+    joints: tuple[str, ...]
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+@dataclass(frozen=True)
+class MultiInterfaceForwardCommandParameters:
+    """Parameters of ``forward_command_controller/MultiInterfaceForwardCommandController``.
+
+    Attributes:
+        joint: the joint.
+        interface_names: its command interfaces, in the order of a command's elements.
+        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+    """
+
+    joint: str
+    interface_names: tuple[str, ...]
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+class ForwardCommandController(Controller):
+    """Forwards commands to command interfaces as they come.
+
+    Behaves as ``forward_command_controller/ForwardCommandController`` does in ROS 2 Jazzy. It has no state and no
+    events: its output is computed once a message.
+
+    .. pydrake_system::
+
+        name: ForwardCommandController
+        input_ports:
+        - commands
+        output_ports:
+        - command_interfaces
+
+    - ``commands``: `messages.Numbers`, those of a ``std_msgs/msg/Float64MultiArray``, one for each claim (rad, rad/s,
+      N·m, or m, m/s, N); topic ``~/commands``. ``None`` before the first message.
+    - ``command_interfaces``: the same as a vector; NaN before the first message: nothing is written.
+    """
+
+    Parameters: ClassVar[type] = ForwardCommandParameters
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: ForwardCommandParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The interface of each joint."""
+        return tuple(Interface(joint, parameters.interface_name) for joint in parameters.joints)
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        self._has_positions = any(claim.name == "position" for claim in self.claims)
+        self._commands = self._declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
+        self._declare_command_interfaces(
+            self._calc_command_interfaces, {self.input_port_ticket(self._commands.get_index())}
+        )
+
+    def get_commands_input_port(self) -> InputPort:
+        """The port ``commands``."""
+        return self._commands
+
+    def timeout(self, topic: str) -> float | None:
+        """The parameter ``command_timeout``."""
+        return self.setup.parameters.command_timeout or None
+
+    def read(self, topic: str, message: Any, context: Context) -> messages.Numbers:
+        """The message's numbers, one for each claim.
+
+        Raises:
+            CommandError: a wrong number of elements, which ros2_control answers by deactivating the controller; or an
+                element that is not a finite number: the message is dropped.
+        """
+        data = tuple(map(float, message.data))
+        if len(data) != len(self.claims):
+            raise CommandError(
+                f"the command has {len(data)} elements, but there are {len(self.claims)} command interfaces:"
+                f" {', '.join(map(str, self.claims))}",
+                deactivates=True,
+            )
+        for claim, number in zip(self.claims, data, strict=True):
+            if not isfinite(number):
+                raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
+        return messages.Numbers(data)
+
+    def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
+        """A new position may be far away, and a velocity of zero brakes."""
+        if before is None or now is None:
+            return True
+        if self._has_positions:
+            return True
+        if before.data == now.data:
+            return False
+        return [value != 0.0 for value in before.data] != [value != 0.0 for value in now.data]
+
+    def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
+        numbers = self._commands.Eval(context)
+        output.SetFromVector([nan] * len(self.claims) if numbers is None else numbers.data)
+
+
+class MultiInterfaceForwardCommandController(ForwardCommandController):
+    """The same for several command interfaces of one joint."""
+
+    Parameters: ClassVar[type] = MultiInterfaceForwardCommandParameters
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """Each interface of the joint."""
+        return tuple(Interface(parameters.joint, name) for name in parameters.interface_names)
+
+
+class _JointGroupController(ForwardCommandController):
+    Parameters: ClassVar[type] = JointGroupParameters
+    interface: str
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """The interface of each joint."""
+        return tuple(Interface(joint, cls.interface) for joint in parameters.joints)
+
+
+class JointGroupVelocityController(_JointGroupController):
+    """``velocity_controllers/JointGroupVelocityController``."""
+
+    interface = "velocity"
+
+
+class JointGroupPositionController(_JointGroupController):
+    """``position_controllers/JointGroupPositionController``."""
+
+    interface = "position"
+
+
+class JointGroupEffortController(_JointGroupController):
+    """``effort_controllers/JointGroupEffortController``."""
+
+    interface = "effort"

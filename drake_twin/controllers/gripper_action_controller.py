@@ -1,0 +1,391 @@
+"""Grippers with one joint, as ros2_controllers' gripper action controllers command them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import isfinite, nan
+from typing import Any, ClassVar
+
+import numpy as np
+from pydrake.systems.framework import Context, InputPort
+
+from drake_twin import messages
+from drake_twin.control.gripper import GripperGoal, GripperRun, StallRule, judged
+from drake_twin.control.pid import Pid, PidGains, PidMemory
+from drake_twin.controllers.controller import ControllerSetup, Interface, PeriodicController, Update
+from drake_twin.controllers.goal_state import GoalState
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.errors import CommandError
+from drake_twin.saved import saved
+
+_NOT_MONITORED = {
+    "lower": 0.1,
+    "unsupported": "the end of a goal is delivered at the very update that finds it",
+}
+
+
+@dataclass(frozen=True)
+class GripperActionParameters:
+    """Parameters of ``position_controllers/GripperActionController``.
+
+    Attributes:
+        joint: the gripper's joint.
+        action_monitor_rate: how often the action's state is looked at (Hz).
+        goal_tolerance: how near the goal is near enough (rad or m).
+        max_effort: the largest effort until a goal brings its own (N·m or N). A position interface makes no use of it.
+        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
+        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
+        stall_timeout: how long it stands still before it has stalled (s).
+    """
+
+    joint: str
+    action_monitor_rate: float = field(default=20.0, metadata=_NOT_MONITORED)
+    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
+    max_effort: float = field(default=0.0, metadata={"lower": 0.0})
+    allow_stalling: bool = False
+    stall_velocity_threshold: float = 0.001
+    stall_timeout: float = 1.0
+
+
+@dataclass(frozen=True)
+class GripperGains:
+    """The gains from a gripper's position error to its effort.
+
+    Attributes:
+        p: proportional gain (N·m/rad or N/m).
+        i: integral gain (per second).
+        d: derivative gain (times second).
+        i_clamp: the largest integral term, either way (N·m or N); 0 for none at all.
+    """
+
+    p: float = 0.0
+    i: float = 0.0
+    d: float = 0.0
+    i_clamp: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+@dataclass(frozen=True)
+class EffortGripperActionParameters(GripperActionParameters):
+    """Parameters of ``effort_controllers/GripperActionController``.
+
+    Attributes:
+        max_effort: the largest effort until a goal brings its own (N·m or N): with 0 the gripper is limp until then.
+        gains: the gains of the joint.
+    """
+
+    gains: Mapping[str, GripperGains] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class ParallelGripperActionParameters:
+    """Parameters of ``parallel_gripper_action_controller/GripperActionController``.
+
+    Attributes:
+        joint: the gripper's joint.
+        action_monitor_rate: how often the action's state is looked at (Hz).
+        state_interfaces: the joint's state interfaces.
+        goal_tolerance: how near the goal is near enough (rad or m).
+        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
+        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
+        stall_timeout: how long it stands still before it has stalled (s).
+        max_effort_interface: the full name of a command interface that takes the largest effort; empty for none.
+        max_effort: the largest effort where a goal gives none (N·m or N).
+        max_velocity_interface: the full name of a command interface that takes the largest velocity; empty for none.
+        max_velocity: the largest velocity where a goal gives none (rad/s or m/s).
+    """
+
+    joint: str
+    action_monitor_rate: float = field(default=20.0, metadata=_NOT_MONITORED)
+    state_interfaces: tuple[str, ...] = field(
+        default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
+    )
+    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
+    allow_stalling: bool = False
+    stall_velocity_threshold: float = 0.001
+    stall_timeout: float = field(default=1.0, metadata={"lower": 0.0})
+    max_effort_interface: str = ""
+    max_effort: float = field(default=10.0, metadata={"lower": 0.0})
+    max_velocity_interface: str = ""
+    max_velocity: float = field(default=0.1, metadata={"lower": 0.0})
+
+
+@saved("GripperMemory")
+@dataclass(frozen=True)
+class GripperMemory:
+    """What a gripper controller keeps: what it was told last, how that is getting on, and its PID."""
+
+    goal: GripperGoal
+    run: GripperRun
+    pid: PidMemory
+
+
+class GripperActionController(PeriodicController):
+    """Moves a gripper to the position of an action's goal; the base of the three controllers of this file.
+
+    Behaves as gripper_controllers and parallel_gripper_controller in ROS 2 Jazzy: on activation and when a goal is
+    cancelled it holds where it is, a newer goal takes the place of an older one, a goal ends within the tolerance or
+    with a stall, and its position stays commanded afterwards. Here a goal that is not a finite number is refused, one
+    that runs when the controller is deactivated ends as cancelled, and the feedback, which upstream never sends, is
+    the present state.
+
+    .. pydrake_system::
+
+        name: GripperActionController
+        input_ports:
+        - state
+        - gripper_cmd
+        output_ports:
+        - command_interfaces
+
+    - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s).
+    - ``gripper_cmd``: the goal as `GripperGoal`, ``None`` before the first; action ``~/gripper_cmd``.
+    - ``command_interfaces``: what the claims say (rad or m, N·m or N).
+    """
+
+    Parameters: ClassVar[type] = GripperActionParameters
+    action = "control_msgs/action/GripperCommand"
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        parameters = setup.parameters
+        self._rule = StallRule(
+            goal_tolerance=parameters.goal_tolerance,
+            stall_velocity_threshold=parameters.stall_velocity_threshold,
+            stall_timeout=parameters.stall_timeout,
+            allow_stalling=parameters.allow_stalling,
+        )
+        self._goal = self._declare_action_input("gripper_cmd", self.action)
+
+    def get_gripper_cmd_input_port(self) -> InputPort:
+        """The port ``gripper_cmd``."""
+        return self._goal
+
+    def read(self, topic: str, message: Any, context: Context) -> GripperGoal:
+        """The goal as plain numbers, with the next number.
+
+        Raises:
+            CommandError: a position, effort or velocity that is not finite, or not one position.
+        """
+        position, effort, velocity = self._wanted(message)
+        for what, value in (("position", position), ("effort", effort), ("velocity", velocity)):
+            if not isfinite(value):
+                raise CommandError(f"the {what} of the goal is {value}, which is not a finite number")
+        waiting = self._goal.Eval(context)
+        memory = self.sample(context).memory
+        last = max(0 if memory is None else memory.run.id, 0 if waiting is None else waiting.id)
+        return GripperGoal(last + 1, position, effort, velocity, context.get_time())
+
+    def start(self, context: Context) -> GripperMemory:
+        """Holds where it is; goals are counted on."""
+        memory = self.sample(context).memory
+        run = GripperRun() if memory is None else memory.run
+        return GripperMemory(self._hold(context, run.id), run, PidMemory())
+
+    def update(self, context: Context, time: float, memory: GripperMemory) -> Update:
+        """Takes a new goal, judges how the present one is getting on, and commands it."""
+        goal: GripperGoal | None = self._goal.Eval(context)
+        if goal is not None and goal.id > memory.run.id:
+            run = GripperRun(goal.id, "executing", last_movement=goal.time)
+            memory = replace(memory, goal=goal, run=run)
+        (position,) = self.positions(context, [self.setup.parameters.joint]).tolist()
+        (velocity,) = self.velocities(context, [self.setup.parameters.joint]).tolist()
+        was_executing = memory.run.is_executing
+        effort = self._effort(context, memory.goal)
+        run = judged(memory.run, self._rule, time, memory.goal.position, position, velocity, effort)
+        commands, pid = self._commands(memory.goal, memory.pid, position, velocity, time - self.sample(context).time)
+        return Update(GripperMemory(memory.goal, run, pid), commands, was_executing and not run.is_executing)
+
+    def deactivate(self, context: Context) -> None:
+        """Ends a goal that runs, as cancelled, and writes nothing from now on."""
+        self._end(context)
+        super().deactivate(context)
+
+    def cancel(self, context: Context) -> None:
+        """Cancels the goal that waits or runs, and holds where the gripper is."""
+        if self._end(context):
+            sample = self.sample(context)
+            hold = self._hold(context, sample.memory.run.id)
+            sample = replace(sample, memory=replace(sample.memory, goal=hold))
+            context.SetAbstractState(int(self._sample_index), sample)
+
+    def goal_state(self, context: Context, id: int | None = None) -> GoalState | None:
+        """The state of a goal.
+
+        Args:
+            context: the controller's own context.
+            id: the goal's number; None for the last one. A goal that had not ended when a newer one came is cancelled.
+
+        Returns:
+            None when there has been no goal.
+        """
+        waiting: GripperGoal | None = self._goal.Eval(context)
+        run = self._run(context)
+        newest = GoalState(run.id, run.status) if run.id else None
+        if waiting is not None and waiting.id > run.id:
+            newest = GoalState(waiting.id, "accepted")
+        if newest is None or id is None or id == newest.id:
+            return newest
+        has_ended = id == run.id and not run.is_executing
+        return GoalState(id, run.status if has_ended else "canceled")
+
+    def feedback(self, context: Context) -> Any:
+        """The present goal's feedback message."""
+        run = self._run(context)
+        return messages.GripperCommand_Feedback(
+            position=run.position, effort=run.effort, stalled=run.stalled, reached_goal=run.reached_goal
+        )
+
+    def result(self, context: Context) -> Any:
+        """The last goal's result message; all zero for one that was cancelled."""
+        run = self._run(context)
+        return messages.GripperCommand_Result(
+            position=run.position, effort=run.effort, stalled=run.stalled, reached_goal=run.reached_goal
+        )
+
+    def _run(self, context: Context) -> GripperRun:
+        memory = self.sample(context).memory
+        return GripperRun() if memory is None else memory.run
+
+    def _hold(self, context: Context, last: int) -> GripperGoal:
+        (position,) = self.positions(context, [self.setup.parameters.joint]).tolist()
+        effort, velocity = self._default_limits()
+        return GripperGoal(last, position, effort, velocity, context.get_time())
+
+    def _end(self, context: Context) -> bool:
+        """Marks the goal that waits or runs as cancelled; false when there is none."""
+        state = self.goal_state(context)
+        sample = self.sample(context)
+        if state is None or state.is_done or sample.memory is None:
+            return False
+        memory = replace(sample.memory, run=GripperRun(state.id, "canceled"))
+        context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
+        return True
+
+    def _default_limits(self) -> tuple[float, float]:
+        """The largest effort and velocity while no goal gives its own."""
+        return self.setup.parameters.max_effort, 0.0
+
+    def _wanted(self, message: Any) -> tuple[float, float, float]:
+        """Position, effort and velocity of a goal message."""
+        return float(message.command.position), float(message.command.max_effort), 0.0
+
+    def _effort(self, context: Context, goal: GripperGoal) -> float:
+        """The effort that a result reports."""
+        return goal.effort
+
+    def _commands(
+        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
+    ) -> tuple[list[float], PidMemory]:
+        raise NotImplementedError
+
+
+class PositionGripperActionController(GripperActionController):
+    """``position_controllers/GripperActionController``: the goal's position goes to the joint's position interface."""
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: GripperActionParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The joint's position."""
+        return (Interface(parameters.joint, "position"),)
+
+    def _commands(
+        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
+    ) -> tuple[list[float], PidMemory]:
+        return [goal.position], pid
+
+
+class EffortGripperActionController(GripperActionController):
+    """``effort_controllers/GripperActionController``: a PID on the position error drives the joint's effort interface.
+
+    The effort stays within the goal's ``max_effort``, either way.
+    """
+
+    Parameters: ClassVar[type] = EffortGripperActionParameters
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: EffortGripperActionParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The joint's effort."""
+        return (Interface(parameters.joint, "effort"),)
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        gains = setup.parameters.gains.get(setup.parameters.joint, GripperGains())
+        self._pid = Pid(
+            PidGains(p=gains.p, i=gains.i, d=gains.d, i_clamp_max=gains.i_clamp, i_clamp_min=-gains.i_clamp)
+        )
+
+    def _effort(self, context: Context, goal: GripperGoal) -> float:
+        (command,) = self.sample(context).commands  # upstream too reports the effort of the update before
+        return command if isfinite(command) else 0.0
+
+    def _commands(
+        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
+    ) -> tuple[list[float], PidMemory]:
+        command, pid = self._pid.compute(goal.position - position, -velocity, dt, pid)
+        return [min(max(command, -abs(goal.effort)), abs(goal.effort))], pid
+
+
+class ParallelGripperActionController(GripperActionController):
+    """``parallel_gripper_action_controller/GripperActionController``: position, and the limits where they are claimed.
+
+    Its claims are the joint's position, then ``max_effort_interface`` and ``max_velocity_interface`` where they are
+    given; these take the goal's limits as they are.
+    """
+
+    Parameters: ClassVar[type] = ParallelGripperActionParameters
+    action = "control_msgs/action/ParallelGripperCommand"
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: ParallelGripperActionParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The joint's position, and the interfaces of the limits."""
+        names = (parameters.max_effort_interface, parameters.max_velocity_interface)
+        limits = [Interface(*name.rpartition("/")[::2]) for name in names if name]
+        return (Interface(parameters.joint, "position"), *limits)
+
+    def feedback(self, context: Context) -> Any:
+        """The present goal's feedback message."""
+        return messages.ParallelGripperCommand_Feedback(state=self._joint_state(context))
+
+    def result(self, context: Context) -> Any:
+        """The last goal's result message; all zero for one that was cancelled."""
+        run = self._run(context)
+        return messages.ParallelGripperCommand_Result(
+            state=self._joint_state(context), stalled=run.stalled, reached_goal=run.reached_goal
+        )
+
+    def _joint_state(self, context: Context) -> Any:
+        run = self._run(context)
+        return messages.JointState(
+            header=messages.header(self.sample(context).time),
+            name=[self.setup.parameters.joint],
+            position=np.array([run.position]),
+            velocity=np.array([]),
+            effort=np.array([run.effort]),
+        )
+
+    def _default_limits(self) -> tuple[float, float]:
+        return self.setup.parameters.max_effort, self.setup.parameters.max_velocity
+
+    def _wanted(self, message: Any) -> tuple[float, float, float]:
+        command, parameters = message.command, self.setup.parameters
+        if len(command.position) != 1:
+            raise CommandError(f"the goal has {len(command.position)} positions, and the gripper has one joint")
+        effort, velocity = parameters.max_effort, parameters.max_velocity
+        if parameters.max_effort_interface and len(command.effort):
+            effort = float(command.effort[0])
+        if parameters.max_velocity_interface and len(command.velocity):
+            velocity = float(command.velocity[0])
+        return float(command.position[0]), effort, velocity
+
+    def _commands(
+        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
+    ) -> tuple[list[float], PidMemory]:
+        limits = {
+            self.setup.parameters.max_effort_interface: goal.effort,
+            self.setup.parameters.max_velocity_interface: goal.velocity,
+        }
+        return [goal.position, *(limits.get(str(claim), nan) for claim in self.claims[1:])], pid

@@ -1,0 +1,96 @@
+"""An IMU's values as messages, as ros2_controllers' imu_sensor_broadcaster publishes them."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, InputPort, OutputPort
+
+from drake_twin import messages
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.errors import InputError
+
+_UNKNOWN_SPREAD = (0.0,) * 9
+_COVARIANCES = (
+    "static_covariance_orientation",
+    "static_covariance_angular_velocity",
+    "static_covariance_linear_acceleration",
+)
+
+
+@dataclass(frozen=True)
+class IMUSensorBroadcasterParameters:
+    """Parameters of ``imu_sensor_broadcaster/IMUSensorBroadcaster``.
+
+    Attributes:
+        sensor_name: the sensor in ``<ros2_control>``.
+        frame_id: the frame of the values.
+        static_covariance_orientation: nine numbers, row by row (rad²).
+        static_covariance_angular_velocity: nine numbers, row by row (rad²/s²).
+        static_covariance_linear_acceleration: nine numbers, row by row (m²/s⁴).
+    """
+
+    sensor_name: str
+    frame_id: str
+    static_covariance_orientation: tuple[float, ...] = _UNKNOWN_SPREAD
+    static_covariance_angular_velocity: tuple[float, ...] = _UNKNOWN_SPREAD
+    static_covariance_linear_acceleration: tuple[float, ...] = _UNKNOWN_SPREAD
+
+
+class IMUSensorBroadcaster(SensorBroadcaster):
+    """Puts an IMU's values into ``Imu`` messages.
+
+    Behaves as ``imu_sensor_broadcaster/IMUSensorBroadcaster`` in ROS 2 Jazzy.
+
+    .. pydrake_system::
+
+        name: IMUSensorBroadcaster
+        input_ports:
+        - spatial
+        output_ports:
+        - command_interfaces
+        - imu
+
+    - ``spatial``: vector ``[qw qx qy qz, wx wy wz, ax ay az]`` (rad/s, m/s²), as `ImuSensor` gives it.
+    - ``command_interfaces``: empty.
+    - ``imu``: ``sensor_msgs/msg/Imu`` of the present time, ``None`` while inactive; topic ``~/imu``.
+    """
+
+    Parameters: ClassVar[type] = IMUSensorBroadcasterParameters
+    kind = "imu"
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup, "spatial", 10)
+        for name in _COVARIANCES:
+            count = len(getattr(setup.parameters, name))
+            if count != 9:
+                raise InputError(f"controller {setup.name!r}: {name} has {count} numbers, where nine are needed")
+        self._declare_topic_output("imu", "sensor_msgs/msg/Imu", self._calc_imu, self._present())
+
+    def get_spatial_input_port(self) -> InputPort:
+        """The port ``spatial``."""
+        return self.get_sensor_input_port()
+
+    def get_imu_output_port(self) -> OutputPort:
+        """The port ``imu``."""
+        return self.GetOutputPort("imu")
+
+    def _calc_imu(self, context: Context, output: AbstractValue) -> None:
+        if not self.sample(context).active:
+            output.set_value(None)
+            return
+        qw, qx, qy, qz, wx, wy, wz, ax, ay, az = self._sensor.Eval(context).tolist()
+        spreads = [np.array(getattr(self.setup.parameters, name)) for name in _COVARIANCES]
+        output.set_value(
+            messages.Imu(
+                header=messages.header(context.get_time(), self._frame(self.setup.parameters.frame_id)),
+                orientation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
+                orientation_covariance=spreads[0],
+                angular_velocity=messages.Vector3(x=wx, y=wy, z=wz),
+                angular_velocity_covariance=spreads[1],
+                linear_acceleration=messages.Vector3(x=ax, y=ay, z=az),
+                linear_acceleration_covariance=spreads[2],
+            )
+        )

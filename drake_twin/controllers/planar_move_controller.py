@@ -1,0 +1,95 @@
+"""A base without driven wheels, moved over the plane by a commanded twist, as Gazebo's planar_move plugin does."""
+
+from dataclasses import dataclass, field, replace
+from math import cos, nan, sin
+from typing import Any, ClassVar
+
+from pydrake.systems.framework import Context
+
+from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, publication
+from drake_twin.description.gazebo_drive import PLANAR_INTERFACES
+from drake_twin.description.planar_joints import ANGULAR_Z
+from drake_twin.description.robot_description import RobotDescription
+
+_COVARIANCE = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanarMoveParameters:
+    """Parameters of ``gazebo_ros/PlanarMove``, after those of ``libgazebo_ros_planar_move.so``.
+
+    Attributes:
+        odom_frame_id: the odometry's frame; ``<odometry_frame>``.
+        base_frame_id: the base's frame; ``<robot_base_frame>``.
+        pose_covariance_diagonal: goes into the odometry as it is.
+        twist_covariance_diagonal: goes into the odometry as it is.
+        enable_odom_tf: whether the odometry's transform is published; ``<publish_odom_tf>``.
+        publish_rate: rate of the odometry (Hz).
+        use_stamped_vel: whether commands come as ``TwistStamped`` on ``~/cmd_vel`` instead of ``Twist`` on
+            ``~/cmd_vel_unstamped``.
+    """
+
+    odom_frame_id: str = "odom"
+    base_frame_id: str = "base_footprint"
+    pose_covariance_diagonal: tuple[float, ...] = _COVARIANCE
+    twist_covariance_diagonal: tuple[float, ...] = _COVARIANCE
+    enable_odom_tf: bool = True
+    publish_rate: float = field(default=20.0, metadata={"above": 0.0})
+    use_stamped_vel: bool = False
+
+    def __post_init__(self) -> None:
+        check_covariances(self)
+
+
+class PlanarMoveController(DriveController):
+    """Commands a base's velocity in the plane; its odometry is the true pose in the world, as the plugin's.
+
+    A command holds until the next one, as with the plugin; one that is not finite is refused.
+
+    .. pydrake_system::
+
+        name: PlanarMoveController
+        input_ports:
+        - state
+        - cmd_vel_unstamped
+        output_ports:
+        - command_interfaces
+        - odom
+        - tf_odometry
+
+    - ``cmd_vel_unstamped``: ``geometry_msgs/msg/Twist`` (m/s, rad/s), or ``cmd_vel``,
+      ``geometry_msgs/msg/TwistStamped``, with ``use_stamped_vel``.
+    - ``command_interfaces``: the velocities of the joints that the base moves on: along x and y of its start (m/s), and
+      about z (rad/s); NaN before the first command.
+    - ``odom``: ``nav_msgs/msg/Odometry`` at ``publish_rate``; None before the first update.
+    - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
+    """
+
+    Parameters: ClassVar[type] = PlanarMoveParameters
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
+        """The velocities of the joints that the base moves on."""
+        return tuple(Interface(*interface) for interface in PLANAR_INTERFACES)
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        parameters: PlanarMoveParameters = setup.parameters
+        self._odometry_wheels = ()
+        self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=0.0)
+        self._declare_odometry("odom")
+
+    def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
+        """Passes the command on and looks where the base is."""
+        memory = replace(memory, odometry=self.true_odometry(context, time))
+        memory = publication(memory, time, self.setup.parameters.publish_rate)
+        command = self.get_command_input_port().Eval(context)
+        if command is None:
+            return Update(memory, (nan, nan, nan))
+        # Until the next update the base goes straight on while it turns: in the direction it has half-way.
+        (turned,) = self.positions(context, [ANGULAR_Z])
+        heading = turned + 0.5 * self.setup.update_period * command.angular_z
+        along_x = cos(heading) * command.linear_x - sin(heading) * command.linear_y
+        along_y = sin(heading) * command.linear_x + cos(heading) * command.linear_y
+        return Update(memory, (along_x, along_y, command.angular_z))

@@ -1,0 +1,234 @@
+"""A base with one wheel in front that is driven and steered."""
+
+from dataclasses import dataclass, field, replace
+from math import cos, nan, pi
+from typing import Any, ClassVar
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context
+
+from drake_twin import messages
+from drake_twin.control.drive_kinematics import SteeredDrivenWheel
+from drake_twin.control.tricycle_limiters import SteeringLimiter, TractionLimiter
+from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.drive_controller import (
+    DriveController,
+    DriveMemory,
+    check_covariances,
+    is_older,
+    state_joint,
+)
+from drake_twin.description.parameters import ParameterError
+from drake_twin.description.robot_description import RobotDescription
+
+_ZEROS = (0.0,) * 6
+
+
+@dataclass(frozen=True)
+class TractionLimits:
+    """Limits of the wheel's speed, each for both directions; NaN: none.
+
+    Attributes:
+        max_velocity: rad/s.
+        min_velocity: rad/s.
+        max_acceleration: rad/s².
+        min_acceleration: rad/s².
+        max_deceleration: rad/s².
+        min_deceleration: rad/s².
+        max_jerk: rad/s³.
+        min_jerk: rad/s³.
+    """
+
+    max_velocity: float = nan
+    min_velocity: float = nan
+    max_acceleration: float = nan
+    min_acceleration: float = nan
+    max_deceleration: float = nan
+    min_deceleration: float = nan
+    max_jerk: float = nan
+    min_jerk: float = nan
+
+    def __post_init__(self) -> None:
+        _checked(self.limiter)
+
+    def limiter(self) -> TractionLimiter:
+        """What applies these limits."""
+        return TractionLimiter(**vars(self))
+
+
+@dataclass(frozen=True)
+class SteeringLimits:
+    """Limits of the steering angle; NaN: none.
+
+    Attributes:
+        max_position: rad.
+        min_position: rad.
+        max_velocity: rad/s, in both directions.
+        min_velocity: rad/s, in both directions.
+        max_acceleration: rad/s², in both directions.
+        min_acceleration: rad/s², in both directions.
+    """
+
+    max_position: float = nan
+    min_position: float = nan
+    max_velocity: float = nan
+    min_velocity: float = nan
+    max_acceleration: float = nan
+    min_acceleration: float = nan
+
+    def __post_init__(self) -> None:
+        _checked(self.limiter)
+
+    def limiter(self) -> SteeringLimiter:
+        """What applies these limits."""
+        return SteeringLimiter(**vars(self))
+
+
+def _checked(limiter: Any) -> None:
+    try:
+        limiter()
+    except ValueError as error:
+        raise ParameterError(str(error)) from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class TricycleParameters:
+    """Parameters of ``tricycle_controller/TricycleController``.
+
+    Attributes:
+        traction_joint_name: the joint of the front wheel.
+        steering_joint_name: the joint that steers it.
+        wheelbase: the distance from the front wheel to the rear axle (m).
+        wheel_radius: radius of the front wheel (m).
+        odom_frame_id: the odometry's frame.
+        base_frame_id: the base's frame.
+        pose_covariance_diagonal: goes into the odometry as it is.
+        twist_covariance_diagonal: goes into the odometry as it is.
+        open_loop: odometry from the commands instead of the joints.
+        enable_odom_tf: whether the odometry's transform is published.
+        odom_only_twist: the odometry's pose stays zero.
+        cmd_vel_timeout: how long a command holds (ms).
+        publish_ackermann_command: whether ``~/cmd_ackermann`` is published.
+        velocity_rolling_window_size: how many velocities are averaged in the odometry.
+        traction: limits of the wheel's speed.
+        steering: limits of the steering angle.
+        use_stamped_vel: Humble's; false: ``~/cmd_vel_unstamped`` with ``Twist`` takes the place of ``~/cmd_vel``.
+    """
+
+    traction_joint_name: str
+    steering_joint_name: str
+    wheelbase: float = field(metadata={"above": 0.0})
+    wheel_radius: float = field(metadata={"above": 0.0})
+    odom_frame_id: str = "odom"
+    base_frame_id: str = "base_link"
+    pose_covariance_diagonal: tuple[float, ...] = _ZEROS
+    twist_covariance_diagonal: tuple[float, ...] = _ZEROS
+    open_loop: bool = False
+    enable_odom_tf: bool = False
+    odom_only_twist: bool = False
+    cmd_vel_timeout: int = field(default=500, metadata={"lower": 0})
+    publish_ackermann_command: bool = False
+    velocity_rolling_window_size: int = field(default=10, metadata={"lower": 1})
+    traction: TractionLimits = TractionLimits()
+    steering: SteeringLimits = SteeringLimits()
+    use_stamped_vel: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("traction_joint_name", "steering_joint_name"):
+            if not getattr(self, name):
+                raise ParameterError(f"{name} is empty", name)
+        check_covariances(self)
+
+
+class TricycleController(DriveController):
+    """Drives a base whose front wheel is driven and steered by a commanded twist, and reckons where it is.
+
+    Behaves as ``tricycle_controller/TricycleController`` does in ROS 2 Jazzy: before the first command and from
+    ``cmd_vel_timeout`` on the command is zero, which the limits follow; the wheel turns slower while its angle is more
+    than 30° off. Safer than upstream: a command that is not finite is refused, and a timeout of zero means that a
+    command holds for ever, as it does with the other drives.
+
+    .. pydrake_system::
+
+        name: TricycleController
+        input_ports:
+        - state
+        - cmd_vel
+        output_ports:
+        - command_interfaces
+        - odom
+        - tf_odometry
+        - cmd_ackermann
+
+    - ``cmd_vel``: ``geometry_msgs/msg/TwistStamped`` (m/s forwards, rad/s), or ``cmd_vel_unstamped``,
+      ``geometry_msgs/msg/Twist``, with ``use_stamped_vel: false``; topic below the controller's name.
+    - ``command_interfaces``: velocity of the wheel (rad/s), position of the steering joint (rad).
+    - ``odom``: ``nav_msgs/msg/Odometry`` at every update; None before the first.
+    - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
+    - ``cmd_ackermann``: ``ackermann_msgs/msg/AckermannDrive``, what is written, its ``speed`` in rad/s as
+      upstream; with ``publish_ackermann_command`` only.
+    """
+
+    Parameters: ClassVar[type] = TricycleParameters
+
+    @classmethod
+    def claimed_interfaces(cls, parameters: TricycleParameters, description: RobotDescription) -> tuple[Interface, ...]:
+        """The velocity of the wheel and the position of its steering joint."""
+        return (
+            Interface(parameters.traction_joint_name, "velocity"),
+            Interface(parameters.steering_joint_name, "position"),
+        )
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        parameters: TricycleParameters = setup.parameters
+        self._drive = SteeredDrivenWheel(parameters.wheelbase, parameters.wheel_radius)
+        self._limiters = (parameters.traction.limiter(), parameters.steering.limiter())
+        self._odometry_wheels = (state_joint(parameters.traction_joint_name, setup.layout.velocities),)
+        self._steering_joint = (state_joint(parameters.steering_joint_name, setup.layout.positions),)
+        timeout = 1e-3 * parameters.cmd_vel_timeout
+        self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=timeout)
+        self._declare_odometry("odom", with_pose=not parameters.odom_only_twist)
+        if parameters.publish_ackermann_command:
+            self._declare_topic_output(
+                "cmd_ackermann", "ackermann_msgs/msg/AckermannDrive", self._calc_cmd_ackermann, {self.sample_ticket()}
+            )
+
+    def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
+        """Reckons the odometry, and turns and steers the wheel."""
+        parameters: TricycleParameters = self.setup.parameters
+        command = self.get_command_input_port().Eval(context)
+        linear, angular = 0.0, 0.0
+        if command is not None and not (self._command_timeout and is_older(time, command.time, self._command_timeout)):
+            linear, angular = command.linear_x, command.angular_z
+        (measured,) = map(float, self.positions(context, self._steering_joint))
+        if parameters.open_loop:
+            odometry = memory.odometry.moved_open_loop(linear, angular, time)
+        else:
+            (wheel,), memory = self._feedback(context, memory, time, from_positions=False)
+            velocity = self._drive.base_velocity(wheel, measured)
+            odometry = memory.odometry.moved(*velocity, time, parameters.velocity_rolling_window_size)
+        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
+        speed, angle = self._drive.wheel_command(linear, angular)
+        speed *= _share_of_speed(abs(angle - measured))
+        limited = self._limited((speed, angle), memory)
+        return Update(replace(memory, last=limited, second_to_last=memory.last, limited=limited), limited)
+
+    def _calc_cmd_ackermann(self, context: Context, output: AbstractValue) -> None:
+        memory: DriveMemory | None = self.sample(context).memory
+        if memory is None or memory.limited is None:
+            output.set_value(None)
+            return
+        speed, angle = memory.limited
+        output.set_value(
+            messages.AckermannDrive(
+                steering_angle=angle, steering_angle_velocity=0.0, speed=speed, acceleration=0.0, jerk=0.0
+            )
+        )
+
+
+def _share_of_speed(off: float) -> float:
+    """How fast the wheel turns while its angle is off (rad), as a share of the commanded speed."""
+    if off < pi / 6.0:
+        return 1.0
+    return 0.01 if off > 0.5 * pi else cos(off)

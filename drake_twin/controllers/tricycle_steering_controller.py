@@ -1,0 +1,43 @@
+"""A base with two driven wheels and one steered one."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from drake_twin.control.drive_kinematics import SteeringDrive
+from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
+
+
+@dataclass(frozen=True, kw_only=True)
+class TricycleSteeringParameters(SteeringParameters):
+    """Parameters of ``tricycle_steering_controller/TricycleSteeringController``.
+
+    Attributes:
+        wheel_track: deprecated.
+        traction_track_width: the distance between the driven wheels (m).
+        wheelbase: the distance between the axles (m).
+        traction_wheels_radius: radius of the driven wheels (m).
+        front_wheels_radius: deprecated.
+        rear_wheels_radius: deprecated.
+    """
+
+    wheel_track: float = 0.0
+    traction_track_width: float = 0.0
+    wheelbase: float = field(metadata={"above": 0.0})
+    traction_wheels_radius: float = 0.0
+    front_wheels_radius: float = 0.0
+    rear_wheels_radius: float = 0.0
+
+    def kinematics(self) -> SteeringDrive:
+        """The drive, with the deprecated names taken into account as upstream does."""
+        return SteeringDrive(
+            wheelbase=self.wheelbase,
+            wheel_radius=self.rear_wheels_radius or self.front_wheels_radius or self.traction_wheels_radius,
+            driven=2,
+            driven_track=self.wheel_track or self.traction_track_width,
+        )
+
+
+class TricycleSteeringController(SteeringController):
+    """``tricycle_steering_controller/TricycleSteeringController``; see `SteeringController`."""
+
+    Parameters: ClassVar[type] = TricycleSteeringParameters

@@ -1,0 +1,1 @@
+"""What an evaluated launch file starts, as a Scenario."""

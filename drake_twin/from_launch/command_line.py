@@ -1,0 +1,114 @@
+"""Command lines of ROS's own executables, taken apart."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+
+from drake_twin.errors import InputError
+from drake_twin.ros2.launched import LaunchedProcess
+
+
+@dataclass(frozen=True)
+class CommandLine:
+    """Words after an executable.
+
+    Attributes:
+        options: option without its dashes → its values in order; ``true`` for one without a value.
+        words: what is no option.
+        process: whose command line it is, for error messages.
+    """
+
+    options: Mapping[str, tuple[str, ...]]
+    words: tuple[str, ...]
+    process: LaunchedProcess
+    defaults: Mapping[str, object] = field(default_factory=dict)
+
+    def text(self, *names: str) -> str | None:
+        """An option's last value under the first of several names that is given; None when none is."""
+        for name in names:
+            if name in self.options:
+                return self.options[name][-1]
+            if str(self.defaults.get(name, "")):
+                return str(self.defaults[name])
+        return None
+
+    def number(self, *names: str) -> float:
+        """An option that is a number; zero when it is not given.
+
+        Raises:
+            InputError: it is no finite number.
+        """
+        text = self.text(*names)
+        try:
+            number = 0.0 if text is None else float(text)
+        except ValueError:
+            raise self.error(f"-{names[0]} is {text!r}, which is not a number") from None
+        if not isfinite(number):
+            raise self.error(f"-{names[0]} is {text!r}, which is not a finite number")
+        return number
+
+    def flag(self, *names: str) -> bool:
+        """Whether an option is given, or is given as true."""
+        text = self.text(*names)
+        return text is not None and text.lower() not in ("false", "0")
+
+    def error(self, message: str) -> InputError:
+        """An error at the place where the process was launched."""
+        place = self.process.place
+        return InputError(message, file=place.file, line=place.line)
+
+
+def command_line(
+    process: LaunchedProcess,
+    words: Sequence[str] | None = None,
+    *,
+    flags: Collection[str] = (),
+    lists: Collection[str] = (),
+    verbatim: Collection[str] = (),
+    defaults: Mapping[str, object] | None = None,
+) -> CommandLine:
+    """Takes a command line apart: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
+
+    Args:
+        process: whose command line it is.
+        words: the words; the process's own arguments by default.
+        flags: options that never take the next word as their value; ``-1`` may be one of them.
+        lists: options that take all words up to the next option.
+        verbatim: options that take the next word as their value, also one that looks like an option.
+        defaults: values from elsewhere, such as the node's parameters.
+    """
+    options: dict[str, list[str]] = {}
+    rest: list[str] = []
+    words = process.arguments if words is None else words
+    position = 0
+    while position < len(words):
+        word = words[position]
+        position += 1
+        if not _is_option(word) and not (word.startswith("-") and word.lstrip("-") in flags):
+            rest.append(word)
+            continue
+        name, equals, value = word.lstrip("-").partition("=")
+        values = options.setdefault(name, [])
+        if equals:
+            values.append(value)
+        elif name in lists:
+            while position < len(words) and not _is_option(words[position]):
+                values.append(words[position])
+                position += 1
+        elif name in flags or position >= len(words) or (_is_option(words[position]) and name not in verbatim):
+            values.append("true")
+        else:
+            values.append(words[position])
+            position += 1
+    known = {name: tuple(values) for name, values in options.items() if values}
+    return CommandLine(known, tuple(rest), process, dict(defaults or {}))
+
+
+def _is_option(word: str) -> bool:
+    if not word.startswith("-") or word == "-":
+        return False
+    try:
+        float(word)
+    except ValueError:
+        return True
+    return False

@@ -1,0 +1,237 @@
+"""The controllers that a launch file loads and activates, and the messages that it publishes."""
+
+import contextlib
+import shlex
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from drake_twin.description.bounded_yaml import load_yaml
+from drake_twin.errors import InputError
+from drake_twin.from_launch.command_line import CommandLine, command_line
+from drake_twin.ros2.launched import NODE, PROCESS, LaunchedProcess, absolute_name, joined_namespace
+from drake_twin.ros2.ros_arguments import split_ros_arguments
+from drake_twin.scenario import Command
+
+_SPAWNER_FLAGS = (
+    *("load-only", "stopped", "inactive", "u", "unload-on-kill", "activate-as-group", "ros-args"),
+    *("switch-asap", "no-switch-asap"),
+)
+_COMMAND_FLAGS = ("strict", "best-effort", "asap", "s", "use-sim-time", "include-hidden-nodes")
+_PUB_FLAGS = ("1", "once", "s", "use-sim-time", "no-daemon")
+
+_MOST_TIMES = 1000
+
+_CONNECTIVES = ("&&", "||", ";", "&", "|")
+_OF_THE_SHELL = ("source", ".", "cd", "export", "echo", "true", "wait", "exit")
+
+
+@dataclass(frozen=True)
+class ControllerRequest:
+    """A controller that is to be loaded.
+
+    Attributes:
+        name: the controller.
+        manager: the full name of the controller manager's node.
+        active: whether it is activated, too.
+        unload: whether it is taken away instead.
+        parameter_files: parameters files given with it.
+        remappings: (from, to) as written, for the controller's own names.
+        process: what asks for it.
+    """
+
+    name: str
+    manager: str
+    active: bool
+    process: LaunchedProcess
+    unload: bool = False
+    parameter_files: tuple[str, ...] = ()
+    remappings: tuple[tuple[str, str], ...] = ()
+
+
+def as_nodes(process: LaunchedProcess) -> Iterator[LaunchedProcess]:
+    """A shell's line as the commands in it, and ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts."""
+    words = words_of(process) if process.kind == PROCESS else []
+    parts: list[list[str]] = [[]]
+    for word in words:
+        if word not in _CONNECTIVES:
+            parts[-1].append(word.rstrip(";") or word)
+        if word in _CONNECTIVES or word.endswith(";"):
+            parts.append([])
+    parts = [part for part in parts if part]
+    if len(parts) < 2:
+        yield _as_node(process)
+        return
+    time = process.start_time
+    for part in parts:
+        if part[0] == "sleep":
+            with contextlib.suppress(ValueError):
+                time += float(part[-1].rstrip("s"))
+        elif part[0] not in _OF_THE_SHELL:
+            yield _as_node(replace(process, executable=part[0], arguments=tuple(part[1:]), start_time=time))
+
+
+def _as_node(process: LaunchedProcess) -> LaunchedProcess:
+    words = words_of(process)
+    if process.kind != PROCESS or words[:2] != ["ros2", "run"] or len(words) < 4:
+        return process
+    said = split_ros_arguments(words[4:])
+    return replace(
+        process,
+        kind=NODE,
+        package=words[2],
+        executable=words[3],
+        name=said.name,
+        namespace=joined_namespace(None, said.namespace),
+        parameters=said.parameters,
+        remappings=said.remappings,
+        arguments=said.arguments,
+    )
+
+
+def words_of(process: LaunchedProcess) -> list[str]:
+    """A command's words, without the shell around them and the full path of the program."""
+    words = [process.executable, *process.arguments]
+    if len(words) == 1 or (Path(words[0]).name in ("bash", "sh") and "-c" in words):
+        try:
+            words = shlex.split(words[-1])
+        except ValueError:
+            words = words[-1].split()
+    return [Path(words[0]).name, *words[1:]] if words else [""]
+
+
+def controller_requests(process: LaunchedProcess) -> list[ControllerRequest] | None:
+    """The controllers that a spawner, an unspawner or a ``ros2 control`` command names; None for anything else.
+
+    Raises:
+        InputError: a command line that names none.
+    """
+    if process.package == "controller_manager" and process.executable.split(".")[0] in ("spawner", "unspawner"):
+        return _of_spawner(process)
+    words = words_of(process)
+    if process.kind == PROCESS and words[:2] == ["ros2", "control"] and len(words) > 2:
+        return _of_command(process, words[2], words[3:])
+    return None
+
+
+def published_commands(process: LaunchedProcess) -> list[Command] | None:
+    """What ``ros2 topic pub`` publishes; None for anything else.
+
+    Raises:
+        InputError: no topic, a rate that is none, or data that is no message.
+    """
+    words = words_of(process)
+    if process.kind != PROCESS or words[:3] != ["ros2", "topic", "pub"]:
+        return None
+    line = command_line(process, words[3:], flags=_PUB_FLAGS)
+    if len(line.words) < 2:
+        raise line.error("`ros2 topic pub` needs a topic and a type")
+    topic = absolute_name(line.words[0], process.namespace)
+    data = _message(line, line.words[2] if len(line.words) > 2 else "{}")
+    rate = line.number("r", "rate") if line.text("r", "rate") is not None else 1.0
+    if not rate > 0:
+        raise line.error(f"a rate of {rate:g} Hz is none: it must be above zero")
+    times = 1 if line.flag("1", "once") else int(line.number("t", "times"))
+    if not 0 < times <= _MOST_TIMES:  # none given, or as good as for ever
+        return [Command(topic, data, process.start_time, 1.0 / rate)]
+    return [Command(topic, data, process.start_time + index / rate) for index in range(times)]
+
+
+def _message(line: CommandLine, text: str) -> tuple[float, ...] | dict[str, Any]:
+    """The numbers of a ``Float64MultiArray``, or any message's fields."""
+    try:
+        data = load_yaml(text)
+    except yaml.YAMLError:
+        raise line.error(f"{text!r} is no YAML") from None
+    if data is None:
+        return {}
+    if not isinstance(data, dict):
+        raise line.error(f"{text!r} is not a message's fields, such as '{{data: [1.0]}}'")
+    if [*data] != ["data"] or not isinstance(data["data"], list):
+        return data
+    try:
+        return tuple(float(item) for item in data["data"])
+    except (TypeError, ValueError, OverflowError):
+        raise line.error(f"{text!r}: data are not all numbers") from None
+
+
+def _of_spawner(process: LaunchedProcess) -> list[ControllerRequest]:
+    line = command_line(process, flags=_SPAWNER_FLAGS, verbatim=("controller-ros-args",))
+    names = line.words
+    if not names:
+        raise line.error("it names no controller")
+    ros_words = [word for text in line.options.get("controller-ros-args", ()) for word in text.split()]
+    return list(
+        _requests(
+            process,
+            names,
+            _manager(line, process),
+            active=not line.flag("load-only", "stopped", "inactive"),
+            unload=process.executable.startswith("unspawner"),
+            files=tuple(value for name in ("p", "param-file") for value in line.options.get(name, ())),
+            remappings=split_ros_arguments(["--ros-args", *ros_words]).remappings,
+        )
+    )
+
+
+def _of_command(process: LaunchedProcess, verb: str, words: list[str]) -> list[ControllerRequest] | None:
+    lists = [f"{verb}{rest}" for verb in ("activate", "deactivate", "start", "stop") for rest in ("", "-controllers")]
+    line = command_line(process, words, flags=_COMMAND_FLAGS, lists=lists)
+    manager, names = _manager(line, process), line.words[:1]
+    if verb == "load_controller":
+        active = (line.text("set-state", "state") or "") in ("active", "start")
+        return list(_requests(process, names, manager, active=active, files=line.words[1:2]))
+    if verb in ("load_start_controller", "load_configure_controller"):  # ROS 2 Foxy's
+        return list(_requests(process, names, manager, active=verb == "load_start_controller"))
+    if verb == "set_controller_state" and len(line.words) >= 2:
+        return list(_requests(process, names, manager, active=line.words[1] in ("active", "start")))
+    if verb in ("switch_controllers", "switch_controller"):
+        started, stopped = (
+            [
+                name
+                for option in options
+                for rest in ("", "-controllers")
+                for name in line.options.get(option + rest, ())
+            ]
+            for options in (("activate", "start"), ("deactivate", "stop"))
+        )
+        return [
+            *_requests(process, stopped, manager, active=False),
+            *_requests(process, started, manager, active=True),
+        ]
+    if verb == "unload_controller":
+        return list(_requests(process, names, manager, active=False, unload=True))
+    return None
+
+
+def _requests(
+    process: LaunchedProcess,
+    names: Iterable[str],
+    manager: str,
+    *,
+    active: bool,
+    unload: bool = False,
+    files: tuple[str, ...] = (),
+    remappings: tuple[tuple[str, str], ...] = (),
+) -> Iterator[ControllerRequest]:
+    for name in names:
+        yield ControllerRequest(name, manager, active, process, unload, files, remappings)
+
+
+def _manager(line: CommandLine, process: LaunchedProcess) -> str:
+    """The controller manager's full name, as the spawner resolves it."""
+    name = line.text("c", "controller-manager") or "controller_manager"
+    namespace = line.text("n", "namespace") or process.namespace
+    return absolute_name(name, "/" + namespace.strip("/"))
+
+
+def check_parameter_files(request: ControllerRequest) -> InputError | None:
+    """The error of a parameters file that is not there; None when all are."""
+    place = request.process.place
+    for file in request.parameter_files:
+        if not Path(file).is_file():
+            return InputError(f"the parameters file {file} does not exist", file=place.file, line=place.line)
+    return None

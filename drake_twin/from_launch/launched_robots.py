@@ -1,0 +1,355 @@
+"""The robots that a launch file brings into the world: who describes them, where they stand, who controls them."""
+
+import contextlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_description import GazeboPlugin, Pose
+from drake_twin.description.source_file import read_xml
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
+from drake_twin.from_launch.command_line import CommandLine, command_line
+from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
+from drake_twin.ros2.packages import lasting_folder
+from drake_twin.whole_file import write_whole
+
+_SPAWNERS = {
+    ("ros_gz_sim", "create"),
+    ("ros_ign_gazebo", "create"),
+    ("gazebo_ros", "spawn_entity.py"),
+    ("gazebo_ros", "spawn_entity"),
+}
+
+
+@dataclass(frozen=True)
+class LaunchedRobot:
+    """A robot that a launch file starts.
+
+    Attributes:
+        name: the entity's name as given.
+        model: its file: the one that was named, or one made of the description's text.
+        process: what started it.
+        pose: where it is spawned; None for on the ground at the origin.
+        namespace: of its controllers and topics; ``/`` for the root.
+        controller_manager: the full name of its controller manager's node; None without ros2_control.
+        parameter_files: its controllers' parameters files, where the launch file and not the description names them.
+        plugin_files: those that its description names.
+        publisher: the robot_state_publisher that publishes its description.
+        links: the names of its links.
+    """
+
+    name: str
+    model: str
+    process: LaunchedProcess
+    pose: Pose | None
+    namespace: str
+    controller_manager: str | None
+    parameter_files: tuple[str, ...] = ()
+    plugin_files: tuple[str, ...] = ()
+    publisher: LaunchedProcess | None = None
+    links: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class _Source:
+    """A description: its file and what matters of it here."""
+
+    model: str
+    text: str
+    plugins: tuple[GazeboPlugin, ...]
+    links: frozenset[str]
+    name: str
+    has_hardware: bool
+
+
+def is_spawner(process: LaunchedProcess) -> bool:
+    """Whether a node puts an entity into the world."""
+    return (process.package, process.executable) in _SPAWNERS
+
+
+def is_state_publisher(process: LaunchedProcess) -> bool:
+    """Whether a node is a robot_state_publisher."""
+    return process.executable == "robot_state_publisher"
+
+
+class LaunchedRobots:
+    """Finds the robots among what a launch file starts.
+
+    Args:
+        processes: what it starts.
+        packages: resolves the files that it names.
+
+    Attributes:
+        robots: the robots, in the order in which they start.
+        findings: what names a robot and cannot bring it, each with the reason.
+        warnings: what was assumed.
+    """
+
+    def __init__(self, processes: Sequence[LaunchedProcess], packages: PackageIndex):
+        self._packages = packages
+        self._publishers = [process for process in processes if is_state_publisher(process)]
+        self.robots: list[LaunchedRobot] = []
+        self.findings: list[Finding] = []
+        self.warnings: list[str] = []
+        for process in processes:
+            if is_spawner(process):
+                self._try(self._spawned, process)
+        for process in processes:
+            if process.executable == "ros2_control_node":
+                self._try(self._without_simulator, process)
+        if not self.robots:
+            for process in self._publishers:
+                self._try(self._displayed, process)
+
+    @property
+    def only_displayed(self) -> bool:
+        """Whether nothing is spawned or controlled, so that the robots are only looked at."""
+        return bool(self.robots) and all(is_state_publisher(robot.process) for robot in self.robots)
+
+    def _try(self, make: Any, process: LaunchedProcess) -> None:
+        try:
+            make(process)
+        except InputError as error:
+            self._drop(f"{process.what}: {error}", process)
+
+    def _spawned(self, process: LaunchedProcess) -> None:
+        line = command_line(process, flags=("allow_renaming", "unpause", "wait", "b"), defaults=parameters(process))
+        source, publisher = self._source(line, process)
+        own_name = source.name if process.package != "gazebo_ros" else ""
+        name = line.text("name", "entity") or own_name
+        if not name:
+            raise line.error("the entity has no name: -entity is missing")
+        if any(robot.name == name for robot in self.robots):
+            own_namespace = line.text("robot_namespace")
+            others = {robot.namespace.strip("/") for robot in self.robots if robot.name == name}
+            apart = own_namespace is not None and own_namespace.strip("/") not in others
+            if not apart and not line.flag("allow_renaming"):
+                raise line.error(f"Entity [{name}] already exists.")
+        pose = Pose(
+            (line.number("x"), line.number("y"), line.number("z")),
+            (line.number("R"), line.number("P"), line.number("Y")),
+        )
+        namespace = line.text("robot_namespace") or ""
+        self._add(name, source, process, pose, publisher, namespace)
+
+    def _without_simulator(self, process: LaunchedProcess) -> None:
+        """A ros2_control_node is a twin of its own for its robot, unless a simulator brings the robot."""
+        source, publisher = self._described(process)
+        if any(robot.publisher is publisher and publisher is not None for robot in self.robots):
+            self._drop(f"{process.what} (the simulated robot has a controller manager of its own)", process)
+            return
+        files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
+        self._add(source.name, source, process, None, publisher, process.namespace)
+        self.robots[-1] = replace(
+            self.robots[-1],
+            namespace=process.namespace,
+            controller_manager=absolute_name(process.name or "controller_manager", process.namespace),
+            parameter_files=files,
+        )
+
+    def _displayed(self, process: LaunchedProcess) -> None:
+        source = self._text_source(_description_of(process, self._packages), process.namespace)
+        if any((robot.model, robot.namespace) == (source.model, process.namespace) for robot in self.robots):
+            return  # the same once more
+        name = process.namespace.strip("/").replace("/", "_") or source.name
+        self._add(name, source, process, None, process, process.namespace)
+        self.robots[-1] = replace(self.robots[-1], controller_manager=None, namespace=process.namespace)
+
+    def _add(
+        self,
+        name: str,
+        source: _Source,
+        process: LaunchedProcess,
+        pose: Pose | None,
+        publisher: LaunchedProcess | None,
+        given_namespace: str,
+    ) -> None:
+        control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
+        wanted = [plugin.namespace for plugin in (*control, *source.plugins) if plugin.namespace]
+        namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
+        manager = None
+        taken = {robot.name for robot in self.robots}
+        name = next(each for each in (name, *(f"{name}_{number}" for number in range(1, 10_000))) if each not in taken)
+        if control or source.has_hardware:
+            names = [_element(plugin, "controller_manager_name", "controller_manager_node_name") for plugin in control]
+            manager = absolute_name(next(filter(None, names), "controller_manager"), namespace)
+        self.robots.append(
+            LaunchedRobot(
+                name=name,
+                model=source.model,
+                process=process,
+                pose=pose,
+                namespace=namespace,
+                controller_manager=manager,
+                plugin_files=tuple(file for plugin in control for file in plugin.parameters),
+                publisher=publisher,
+                links=source.links,
+            )
+        )
+
+    def _source(self, line: CommandLine, process: LaunchedProcess) -> tuple[_Source, LaunchedProcess | None]:
+        """What an entity is made of, and the robot_state_publisher of its description where there is one."""
+        file, text, topic, parameter = (line.text(name) for name in ("file", "string", "topic", "param"))
+        if file is not None:
+            source = self._file_source(file, process)
+            return self._with_controlled_description(source, process)
+        if text is not None:
+            return self._text_source(text, ""), None
+        if parameter is not None:
+            given = parameters(process).get(parameter)
+            if isinstance(given, str) and given.strip():
+                return self._text_source(given, ""), None
+            raise line.error(f"-param {parameter}: the node has no such parameter")
+        if topic is None:
+            raise line.error("it is given neither -topic nor -file, -string or -param")
+        return self._published(line, process, topic)
+
+    def _published(
+        self, line: CommandLine, process: LaunchedProcess, topic: str
+    ) -> tuple[_Source, LaunchedProcess | None]:
+        full = process.resolve(topic)
+        for publisher in self._publishers:
+            if publisher.resolve("robot_description") == full:
+                return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+        if len(self._publishers) == 1:
+            (publisher,) = self._publishers
+            there = publisher.resolve("robot_description")
+            self.warnings.append(f"{process.what} waits for {full}, and the description is on {there}: it is taken")
+            return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+        topics = [publisher.resolve("robot_description") for publisher in self._publishers]
+        raise InputError(
+            f"nobody publishes a description on {full}",
+            file=process.place.file,
+            line=process.place.line,
+            value=full,
+            valid=topics,
+        )
+
+    def _with_controlled_description(
+        self, source: _Source, process: LaunchedProcess
+    ) -> tuple[_Source, LaunchedProcess | None]:
+        """An SDF whose ros2_control plugin takes the description from another node is that node's robot."""
+        control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
+        if source.has_hardware or not control:
+            publisher = next((item for item in self._publishers if item.namespace == process.namespace), None)
+            return source, publisher if len(self._publishers) == 1 else None
+        node = _element(control[0], "robot_param_node") or "robot_state_publisher"
+        for publisher in self._publishers:
+            if publisher.full_name.rpartition("/")[2] == node.rpartition("/")[2]:
+                self.warnings.append(
+                    f"{process.what}: {Path(source.model).name} has no <ros2_control>: the robot of"
+                    f" {publisher.full_name} takes its place"
+                )
+                return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+        return source, None
+
+    def _described(self, process: LaunchedProcess) -> tuple[_Source, LaunchedProcess | None]:
+        """The description of a ros2_control_node."""
+        given = parameters(process).get("robot_description")
+        topics = {process.resolve("~/robot_description"), process.resolve("robot_description")}
+        publisher = next(
+            (item for item in self._publishers if item.resolve("robot_description") in topics),
+            self._publishers[0] if len(self._publishers) == 1 else None,
+        )
+        if isinstance(given, str) and given.strip():
+            return self._text_source(given, process.namespace), publisher
+        if publisher is None:
+            raise InputError(
+                "it has no robot_description, and nobody publishes one",
+                file=process.place.file,
+                line=process.place.line,
+            )
+        return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
+
+    def _drop(self, what: str, process: LaunchedProcess) -> None:
+        self.findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
+
+    def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
+        if file.startswith(("http://", "https://")):
+            raise InputError(f"{file}: nothing is downloaded", file=process.place.file, line=process.place.line)
+        try:
+            path = self._packages.resolve(file, process.place.file)
+            text = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"the file cannot be read ({error})", file=file) from None
+        if path.is_dir():
+            raise InputError("a robot file is needed, and this is a folder", file=path)
+        return _read(str(path), text, path)
+
+    def _text_source(self, text: str, what: str) -> _Source:
+        """A description's text as a file of the cache, which has the same path in every run."""
+        suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
+        path = lasting_folder(text) / f"robot.{suffix}"
+        _keep(path, text)
+        return _read(str(path), text, path)
+
+
+def _keep(path: Path, text: str) -> None:
+    """Writes a file of the cache, unless it is there with this very text."""
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if path.read_text(encoding="utf-8") == text:
+            return
+    write_whole(path, text)
+
+
+def parameters(process: LaunchedProcess) -> dict[str, Any]:
+    """A node's parameters that the launch file itself gives, the later over the earlier."""
+    merged: dict[str, Any] = {}
+    for item in process.parameters:
+        if isinstance(item, Mapping):
+            merged.update(item)
+    return merged
+
+
+def parameter_file(item: Path | ParameterText) -> str:
+    """A parameters file's path; a rewritten one gets a place in the cache."""
+    if isinstance(item, ParameterText):
+        path = lasting_folder(item.text) / item.file.name
+        _keep(path, item.text)
+        return str(path)
+    return str(item)
+
+
+def _description_of(publisher: LaunchedProcess, packages: PackageIndex) -> str:
+    """The text that a robot_state_publisher publishes: its parameter, or the file on its command line."""
+    given = parameters(publisher).get("robot_description")
+    if isinstance(given, str) and given.strip():
+        return given
+    for word in publisher.arguments:
+        path = Path(word)
+        if path.suffix in (".urdf", ".sdf", ".xml") and path.is_file():
+            return read_xml(path, "robot file")
+    raise InputError("it has no robot_description", file=publisher.place.file, line=publisher.place.line)
+
+
+def _read(model: str, text: str, path: Path) -> _Source:
+    reader = XmlReader(text, path)
+    root = reader.root
+    is_sdf = root.tag == "sdf"
+    named = root.find("model") if is_sdf else root
+    name = "" if named is None else named.get("name", "")
+    links = root.iterfind("model/link" if is_sdf else "link")
+    return _Source(
+        model=model,
+        text=text,
+        plugins=tuple(read_plugins(reader, "model/plugin" if is_sdf else "gazebo/plugin")),
+        links=frozenset(str(link.get("name", "")) for link in links),
+        name=name or "robot",
+        has_hardware=_has(root, ("ros2_control", "model/ros2_control")),
+    )
+
+
+def _has(root: etree._Element, paths: Iterable[str]) -> bool:
+    return any(root.find(path) is not None for path in paths)
+
+
+def _element(plugin: GazeboPlugin, *names: str) -> str:
+    """The text of the first of a plugin's elements that is there; empty when none is."""
+    return next((plugin.elements[name][0] for name in names if plugin.elements.get(name, ("",))[0]), "")

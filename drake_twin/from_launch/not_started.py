@@ -1,0 +1,80 @@
+"""Why a node of a launch file is not started."""
+
+import re
+from difflib import get_close_matches
+
+from drake_twin.ros2.launched import LaunchedProcess
+
+# A word of "package/executable" → the reason; the first that fits.
+_WINDOWS = {
+    "rviz": "the page shows the robots",
+    "rviz2": "the page shows the robots",
+    "plotjuggler": "the page shows the robots",
+    "foxglove": "the page shows the robots",
+    "rqt": "it is a window of ROS",
+    "gui": "it is a window",
+    "gzclient": "the page shows the robots",
+}
+_REASONS = {
+    "joint_state_publisher": "joint states come from the simulation",
+    "teleop": "publish commands with --pub or on the page",
+    "joy": "it reads a device",
+    "nav2": "navigation is another program's work",
+    "amcl": "navigation is another program's work",
+    "map_server": "navigation is another program's work",
+    "slam": "mapping is another program's work",
+    "cartographer": "mapping is another program's work",
+    "rtabmap": "mapping is another program's work",
+    "moveit": "motion planning is another program's work",
+    "move_group": "motion planning is another program's work",
+    "robot_localization": "localization is another program's work",
+    "ekf": "localization is another program's work",
+    "image": "the twin has no cameras",
+    "depth": "the twin has no cameras",
+    "laser": "the twin has no lidar",
+    "pointcloud": "the twin has no lidar",
+    "twist_mux": "the twin has one commander for each topic",
+    "twist_stamper": "the twin takes both kinds of twists",
+    "rosbag": "the twin records with --record",
+}
+# What packages of ROS hold that the twin does itself, or leaves out because it belongs to Gazebo.
+_EXECUTABLES = {
+    "ros_gz_sim": {"create": "", "gzserver": "", "remove": "", "set_entity_pose": "it asks Gazebo's services"},
+    "ros_gz_bridge": {"parameter_bridge": "", "static_bridge": "", "bridge_node": ""},
+    "ros_ign_bridge": {"parameter_bridge": ""},
+    "ros_ign_gazebo": {"create": ""},
+    "gazebo_ros": {"spawn_entity.py": "", "gzserver": "", "gzclient": ""},
+    "controller_manager": {"spawner": "", "unspawner": "", "ros2_control_node": "", "hardware_spawner": ""},
+    "robot_state_publisher": {"robot_state_publisher": ""},
+    "joint_state_publisher": {"joint_state_publisher": "joint states come from the simulation"},
+    "tf2_ros": {"static_transform_publisher": "", "buffer_server": "", "tf2_echo": "", "tf2_monitor": ""},
+    "xacro": {"xacro": ""},
+}
+
+
+def is_window(process: LaunchedProcess) -> bool:
+    """Whether it only shows something to people, as the page does."""
+    return _reason(_WINDOWS, process.what) is not None
+
+
+def why_not_started(process: LaunchedProcess) -> str:
+    """``PACKAGE/EXECUTABLE (why)`` for something that a launch file starts and the twin does not."""
+    what = process.what
+    reason = _reason(_WINDOWS, what) or _reason(_REASONS, what)
+    known = _EXECUTABLES.get(process.package or "")
+    if known is not None and process.executable not in known:
+        if near := get_close_matches(process.executable, known, n=1):
+            reason = f"the twin knows no {process.executable!r} of {process.package}; did you mean {near[0]!r}?"
+    elif known is not None:
+        reason = known[process.executable] or reason
+    if reason is None and process.package is None:
+        reason = "the twin runs no programs"
+    return f"{what} ({reason or 'the twin runs no nodes: what it publishes can come from --pub or Twin.publish'})"
+
+
+def _reason(reasons: dict[str, str], what: str) -> str | None:
+    words = set(re.split(r"[^a-z0-9]+", what.lower())) | set(re.split(r"[^a-z0-9_]+", what.lower()))
+    for part, reason in reasons.items():
+        if part in words or ("_" in part and part in what.lower()) or any(word.startswith(part) for word in words):
+            return reason
+    return None

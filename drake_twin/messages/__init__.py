@@ -1,0 +1,256 @@
+"""Message types as in ROS 2 Jazzy: ``messages.JointState``, ``messages.TFMessage``, …
+
+They are the dataclasses of rosbags' type store (NumPy arrays for numeric sequences), so a message goes to a bag or to
+a wire as it is. The store is loaded at the first use of a type, because a twin that nobody listens to needs none.
+Types that the store lacks are those of `drake_twin.messages.definitions`.
+"""
+
+import reprlib
+from collections.abc import Mapping, Set
+from dataclasses import dataclass
+from functools import cache
+from math import isfinite
+from numbers import Real
+from typing import Any
+
+from drake_twin.frozen import Frozen
+from drake_twin.messages.definitions import DEFINITIONS
+from drake_twin.saved import saved
+
+_STORE_TYPES = {
+    name.rpartition("/")[2]: name
+    for name in (
+        "builtin_interfaces/msg/Duration",
+        "builtin_interfaces/msg/Time",
+        "geometry_msgs/msg/Point",
+        "geometry_msgs/msg/Pose",
+        "geometry_msgs/msg/PoseWithCovariance",
+        "geometry_msgs/msg/Quaternion",
+        "geometry_msgs/msg/Transform",
+        "geometry_msgs/msg/TransformStamped",
+        "geometry_msgs/msg/Twist",
+        "geometry_msgs/msg/TwistStamped",
+        "geometry_msgs/msg/TwistWithCovariance",
+        "geometry_msgs/msg/Vector3",
+        "geometry_msgs/msg/Wrench",
+        "geometry_msgs/msg/WrenchStamped",
+        "nav_msgs/msg/Odometry",
+        "rosgraph_msgs/msg/Clock",
+        "sensor_msgs/msg/Imu",
+        "sensor_msgs/msg/JointState",
+        "std_msgs/msg/Float64MultiArray",
+        "std_msgs/msg/Header",
+        "std_msgs/msg/MultiArrayDimension",
+        "std_msgs/msg/MultiArrayLayout",
+        "std_msgs/msg/String",
+        "tf2_msgs/msg/TFMessage",
+        "trajectory_msgs/msg/JointTrajectory",
+        "trajectory_msgs/msg/JointTrajectoryPoint",
+        "trajectory_msgs/msg/MultiDOFJointTrajectory",
+        "trajectory_msgs/msg/MultiDOFJointTrajectoryPoint",
+    )
+}
+
+_TYPES = _STORE_TYPES | {name.rpartition("/")[2]: name for name in DEFINITIONS}
+
+
+@cache
+def _jazzy() -> Any:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+@cache
+def type_store() -> Any:
+    """The rosbags ``Typestore`` of ROS 2 Jazzy with the types defined here added."""
+    from rosbags.typesys import get_types_from_msg
+
+    store = _jazzy()
+    for name, text in DEFINITIONS.items():
+        store.register(get_types_from_msg(text, name))
+    return store
+
+
+def _store_of(kind: str) -> Any:
+    """A store that has a type: reading our definitions takes as long as a quarter of a robot, and few need them."""
+    return type_store() if kind in DEFINITIONS else _jazzy()
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _TYPES:
+        raise AttributeError(f"drake_twin.messages has no message type {name!r}; it has {', '.join(sorted(_TYPES))}")
+    message_type = _store_of(_TYPES[name]).types[_TYPES[name]]
+    globals()[name] = message_type
+    return message_type
+
+
+def time_message(seconds: float) -> Any:
+    """Simulation time (s) as a ``builtin_interfaces/msg/Time``, rounded to the nearest nanosecond."""
+    nanoseconds = round(seconds * 1e9)
+    return _message("Time")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def duration_message(seconds: float) -> Any:
+    """A time span (s) as a ``builtin_interfaces/msg/Duration``, rounded to the nearest nanosecond."""
+    nanoseconds = round(seconds * 1e9)
+    return _message("Duration")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
+
+
+def header(seconds: float, frame_id: str = "") -> Any:
+    """A ``std_msgs/msg/Header`` stamped with a simulation time (s)."""
+    return _message("Header")(stamp=time_message(seconds), frame_id=frame_id)
+
+
+def message(kind: str, data: Any) -> Any:
+    """A message of a type, made of plain data as ``ros2 topic pub`` takes it.
+
+    Args:
+        kind: the message type, for example ``geometry_msgs/msg/TwistStamped``.
+        data: a message of that type; or a mapping of its fields, where what is left out is zero or empty; or the bare
+            numbers of a ``Float64MultiArray``. It is copied.
+
+    Raises:
+        ValueError: the data does not fit the type; the text says where.
+    """
+    if kind == "std_msgs/msg/Float64MultiArray" and is_bare(data):
+        return float64_multi_array(Numbers.read(data).data)
+    return _from_plain(kind, data, "")
+
+
+def is_bare(data: Any) -> bool:
+    """Whether data is neither a message nor a mapping of a message's fields."""
+    return not isinstance(data, Mapping) and not hasattr(data, "__msgtype__")
+
+
+@saved("Numbers")
+@dataclass(frozen=True)
+class Numbers(Frozen):
+    """All that a controller reads of a ``Float64MultiArray``; it needs no type store, which takes 50 ms to load."""
+
+    data: tuple[float, ...]
+
+    @classmethod
+    def read(cls, data: Any) -> "Numbers":
+        """From bare numbers.
+
+        Raises:
+            ValueError: they are none; the text says where.
+        """
+        if data is None:
+            raise ValueError("None is not a list")
+        items = data.tolist() if _is_vector(data) else [*_list(data, "data.")]
+        if not {*map(type, items)} <= {float}:
+            items = [_base("float64", item, f"data[{index}].") for index, item in enumerate(items)]
+        return cls(tuple(items))
+
+
+def _from_plain(kind: str, data: Any, path: str) -> Any:
+    store = _store_of(kind)
+    is_time = kind in ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
+    if is_time and isinstance(data, int | float) and not isinstance(data, bool):
+        if not isfinite(data):
+            raise ValueError(f"{path[:-1]}: {data!r} is not a time (s)")
+        nanoseconds = round(data * 1e9)
+        data = {"sec": nanoseconds // 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000}
+    _, fields = store.fielddefs[kind]
+    names = [name for name, _ in fields if name != "structure_needs_at_least_one_member"]
+    place = f"{path[:-1]}: " if path else ""
+    message_type = getattr(data, "__msgtype__", None)
+    if message_type is not None:
+        if message_type != kind:
+            raise ValueError(f"{place}this is a {message_type}, and a {kind} is needed")
+        data = {name: getattr(data, name, None) for name in names}
+    if not isinstance(data, Mapping):
+        raise ValueError(f"{place}{shortened(data)} is no mapping of the fields of a {kind}")
+    for name in data:
+        if name not in names:
+            raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names)}")
+    return store.types[kind](
+        **{name: _field(description, data.get(name), f"{path}{name}.") for name, description in fields}
+    )
+
+
+def _field(description: Any, value: Any, path: str) -> Any:
+    """A field's value; ``description`` is rosbags' (node type, details)."""
+    import numpy as np
+    from rosbags.interfaces import Nodetype
+
+    node, details = description
+    if node == Nodetype.NAME:
+        return _from_plain(details, {} if value is None else value, path)
+    if node == Nodetype.BASE:
+        kind = details[0]
+        if value is None:
+            return {"string": "", "wstring": "", "bool": False}.get(kind, 0.0 if "float" in kind else 0)
+        return _base(kind, value, path)
+    element, size = details
+    values = [] if value is None else _list(value, path)
+    if value is None and node == Nodetype.ARRAY:
+        values = [None] * size
+    kind = element[1][0] if element[0] == Nodetype.BASE else ""
+    if _is_vector(values) and "float" in kind:
+        items: Any = values
+    else:
+        items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
+    if node == Nodetype.ARRAY and len(items) != size:
+        raise ValueError(f"{path[:-1]}: {len(items)} elements, where {size} are needed")
+    return np.array(items, dtype=kind) if kind not in ("", "string", "wstring") else items
+
+
+def _is_vector(value: Any) -> bool:
+    """Whether a value is a NumPy array of floating-point numbers in a row."""
+    import numpy as np
+
+    return isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.ndim == 1
+
+
+def _list(value: Any, path: str) -> Any:
+    if isinstance(value, str | bytes | Mapping | Set) or not hasattr(value, "__iter__"):
+        raise ValueError(f"{path[:-1]}: {shortened(value)} is not a list")
+    return value
+
+
+def _base(kind: str, value: Any, path: str) -> Any:
+    import numpy as np
+
+    try:
+        if kind in ("string", "wstring"):
+            if not isinstance(value, str):
+                raise TypeError
+            return value
+        if kind == "bool":
+            if not isinstance(value, bool | np.bool_):
+                raise TypeError
+            return bool(value)
+        if "float" in kind:
+            if isinstance(value, bool) or not isinstance(value, Real | str):  # YAML 1.1 reads 1e-3 as text
+                raise TypeError
+            return float(value)
+        if isinstance(value, bool) or not isinstance(value, Real) or not float(value).is_integer():
+            raise TypeError
+        whole: Any = value
+        number, limits = int(whole), np.iinfo(kind)
+        if not limits.min <= number <= limits.max:
+            raise ValueError
+        return number
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{path[:-1]}: {shortened(value)} is not a {kind}") from None
+
+
+def shortened(value: Any) -> str:
+    """A value as an error message shows it: a list of a million numbers by its first ones."""
+    return reprlib.repr(value)
+
+
+def float64_multi_array(values: Any) -> Any:
+    """Numbers as a ``std_msgs/msg/Float64MultiArray`` without layout, as controllers are commanded."""
+    import numpy as np
+
+    layout = _message("MultiArrayLayout")(dim=[], data_offset=0)
+    return _message("Float64MultiArray")(layout=layout, data=np.array(values, dtype=float))
+
+
+@cache
+def _message(name: str) -> Any:
+    return __getattr__(name)

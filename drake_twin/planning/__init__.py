@@ -1,0 +1,1 @@
+"""Scenario to RobotPlan: which controllers, drives, frames and topics each robot has."""

@@ -1,0 +1,292 @@
+"""What a scenario's robot amounts to once its files are read: its model, its controllers, its frames."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import inf, nan
+
+from drake_twin.controllers.types import JOINT_STATE_BROADCASTER
+from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
+from drake_twin.description.gazebo_drives import gazebo_drives
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_description import Joint, Pose, RobotDescription
+from drake_twin.description.robot_model import RobotModel, load_robot_model
+from drake_twin.description.sensors import sensor_text
+from drake_twin.description.xacro_file import xacro_arguments
+from drake_twin.description.yaml_document import ValuePath
+from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind, texts
+from drake_twin.planning.controller_plan import ControllerPlan, broadcast_sensor, plan_controllers
+from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
+from drake_twin.scenario import Robot, ScenarioError
+
+
+@dataclass(frozen=True)
+class RobotPlan:
+    """A robot, ready to be built.
+
+    Attributes:
+        robot: the scenario's entry.
+        model: its description and its text for Drake.
+        controllers: the controllers that its parameters files have, in their order.
+        update_rate: its controller manager's rate (Hz).
+        enforce_limits: whether commands are clamped to the joints' limits.
+        hold_joints: whether a joint that no controller has claimed is held.
+        position_time_constant: error / velocity of its position servos (s); None for the twin's own.
+        frame_prefix: put before its link names in tf messages.
+        start_positions: movable joint → position at the start (rad or m).
+        findings: what became of what its files say, where it is not simply used.
+    """
+
+    robot: Robot
+    model: RobotModel
+    controllers: tuple[ControllerPlan, ...]
+    update_rate: float
+    enforce_limits: bool
+    hold_joints: bool
+    position_time_constant: float | None
+    frame_prefix: str
+    start_positions: Mapping[str, float]
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def not_started(self) -> tuple[str, ...]:
+        """Controllers and drives that are not active, each with the reason."""
+        return texts(self.findings, Kind.NOT_STARTED)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What was given up or changed."""
+        return texts(self.findings, Kind.WARNING, Kind.MENDED)
+
+    @property
+    def name(self) -> str:
+        """The robot's name in the twin."""
+        return self.robot.name
+
+    @property
+    def description(self) -> RobotDescription:
+        """The robot as its file describes it."""
+        return self.model.description
+
+    @property
+    def spawn_pose(self) -> Pose:
+        """Where the root link starts, in the world."""
+        return Pose(self.robot.xyz, self.robot.rpy)
+
+    @property
+    def friction_joints(self) -> tuple[Joint, ...]:
+        """The joints whose dry friction is modelled; a follower's is its leader's business."""
+        if "joint_friction" in self.robot.without_repairs:
+            return ()
+        return tuple(joint for joint in self.description.movable_joints if joint.friction > 0 and joint.mimic is None)
+
+    @property
+    def base_frame(self) -> str:
+        """The root link's frame."""
+        return self.frame_prefix + self.description.root_link
+
+
+def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> RobotPlan:
+    """Reads a robot's files and decides what of them the twin starts.
+
+    Args:
+        robot: the scenario's entry.
+        packages: resolves the addresses of files.
+        path: where the entry stands in the scenario, for error messages.
+
+    Raises:
+        InputError: a file, a joint or a controller that is missing or wrong.
+    """
+    xacro_args = dict(robot.xacro_args)
+    try:
+        file = packages.resolve(robot.model)
+    except InputError as error:
+        raise ScenarioError((*path, "model"), str(error)) from None
+    declared = xacro_arguments(file, packages)
+    if "robot_name" in declared:
+        xacro_args.setdefault("robot_name", robot.name)
+    warnings = [
+        f"{file.name} has no xacro argument {name!r} (it has {', '.join(sorted(declared)) or 'none'})"
+        for name in xacro_args
+        if name not in declared
+    ]
+    model = load_robot_model(
+        robot.model,
+        packages,
+        name=robot.name,
+        xacro_args=xacro_args,
+        without_repairs=robot.without_repairs,
+        collision=robot.collision,
+    )
+    own = model.description
+    drives, drive_findings = usable_drives(gazebo_drives(own), model.is_fixed)
+    model = replace(model, description=with_actuators(own, drives))
+    description = model.description
+    warnings += _unused_interfaces(description)
+    manager = _controller_manager(robot, path, own, packages, xacro_args)
+    controllers, controller_findings = plan_controllers(
+        robot, path, description, manager, xacro_args.get("prefix", ""), drives
+    )
+    starts = {joint: position for drive in drives for joint, position in drive.start.items()}
+    positions, position_warnings = _start_positions(robot, path, description, starts)
+    warnings += position_warnings
+    files = robot.controllers or own.controller_files
+    if files and not manager.controllers:
+        warnings.append(
+            f"{', '.join(map(str, files))}: no controllers for the namespace {robot.topic_namespace or '/'!r} are"
+            " there; they stand below 'controller_manager:' and 'ros__parameters:', each with its 'type:'"
+        )
+    return RobotPlan(
+        robot=robot,
+        model=model,
+        controllers=controllers,
+        update_rate=manager.update_rate,
+        enforce_limits=manager.enforce_command_limits,
+        hold_joints=_hold_joints(description),
+        position_time_constant=_position_time_constant(description, manager.update_rate),
+        frame_prefix=_frame_prefix(robot, description),
+        start_positions=positions,
+        findings=tuple(
+            replace(finding, robot=robot.name, file=finding.file or str(file))
+            for finding in (
+                *model.findings,
+                *drive_findings,
+                *manager.findings,
+                *controller_findings,
+                *(Finding(Kind.WARNING, warning) for warning in warnings),
+                *_unpublished_sensors(description, controllers),
+            )
+        ),
+    )
+
+
+def _unpublished_sensors(description: RobotDescription, controllers: Sequence[ControllerPlan]) -> Iterator[Finding]:
+    """IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
+    published = {name for controller in controllers if (name := broadcast_sensor(controller)) is not None}
+    for sensor in description.sensors:
+        if sensor.name.strip("/") not in published and sensor.name not in published:
+            what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
+            reason = f"nothing publishes it; the controllers' file has no {sensor.kind}_sensor_broadcaster for it"
+            yield Finding.at(Kind.IGNORED, f"{what}: {reason}", sensor.place)
+
+
+def _settings(description: RobotDescription, name: str) -> Iterator[str]:
+    """A setting of gz_ros2_control's, wherever a robot file may give it: at the hardware or at the plugin."""
+    for system in description.systems:
+        if name in system.parameters:
+            yield system.parameters[name]
+    for plugin in description.plugins:
+        yield from plugin.elements.get(name, ())
+
+
+def _hold_joints(description: RobotDescription) -> bool:
+    return next((text.strip().lower() not in ("false", "0") for text in _settings(description, "hold_joints")), True)
+
+
+def _position_time_constant(description: RobotDescription, update_rate: float) -> float | None:
+    """gz_ros2_control moves a joint at gain · error · update rate; None where no gain is given."""
+    for text in _settings(description, "position_proportional_gain"):
+        try:
+            gain = float(text)
+        except ValueError:
+            gain = nan
+        if not 0 < gain < inf:
+            raise InputError(
+                f"position_proportional_gain is {text!r}, which is not a number above zero", file=description.file
+            )
+        return 1.0 / (gain * update_rate)
+    return None
+
+
+def _unused_interfaces(description: RobotDescription) -> list[str]:
+    """``<ros2_control>`` joints that the twin cannot drive: the robot has none of the name, or it has no position."""
+    warnings = []
+    for system in description.systems:
+        for joint in system.joints:
+            known = description.joints_by_name.get(joint.name)
+            if known is None:
+                warnings.append(f"<ros2_control> names a joint {joint.name!r} that the robot does not have")
+            elif joint.command_interfaces and not known.is_movable:
+                warnings.append(f"joint {joint.name!r} has command interfaces, but it is {known.type}")
+    return warnings
+
+
+def _controller_manager(
+    robot: Robot, path: ValuePath, description: RobotDescription, packages: PackageIndex, xacro_args: Mapping[str, str]
+) -> ControllerManagerParameters:
+    files = robot.controllers or description.controller_files
+    placeholders = {"robot_name": robot.name, **xacro_args}
+    if not files:
+        return _default_controllers(description)
+    try:
+        resolved = [packages.resolve(file, description.file) for file in files]
+    except InputError as error:
+        raise ScenarioError((*path, "controllers"), str(error)) from None
+    parameters = read_controllers(resolved, robot.topic_namespace, placeholders)
+    for plugin in description.plugins:
+        if not parameters.controllers and plugin.namespace:  # written for the namespace that the robot's file gives
+            parameters = read_controllers(resolved, f"/{plugin.namespace.strip('/')}", placeholders)
+    return parameters
+
+
+def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:
+    """For a robot that names no parameters file: every joint can be commanded all the same, in one way."""
+    joints: dict[str, list[str]] = {}
+    for joint in description.actuated_joints:
+        interfaces = [item.name for item in description.controlled_joints[joint.name].command_interfaces]
+        preferred = next((name for name in ("velocity", "position", "effort") if name in interfaces), "")
+        if preferred:
+            joints.setdefault(preferred, []).append(joint.name)
+    if not joints:
+        return ControllerManagerParameters()
+    kind = "forward_command_controller/ForwardCommandController"
+    return ControllerManagerParameters(
+        controllers=(
+            ControllerParameters("joint_state_broadcaster", JOINT_STATE_BROADCASTER, {}),
+            *(
+                ControllerParameters(f"forward_{name}_controller", kind, {"joints": names, "interface_name": name})
+                for name, names in joints.items()
+            ),
+        )
+    )
+
+
+def _frame_prefix(robot: Robot, description: RobotDescription) -> str:
+    if robot.frame_prefix is not None:
+        return robot.frame_prefix
+    own = (f"{robot.name}_", f"{robot.name}/")
+    named_after_robot = all(link == "world" or link.startswith(own) for link in description.links)
+    return "" if named_after_robot else f"{robot.name}/"
+
+
+def _start_positions(
+    robot: Robot, path: ValuePath, description: RobotDescription, starts: Mapping[str, float]
+) -> tuple[dict[str, float], list[str]]:
+    """Positions from the scenario, else the robot's file, else zero; within limits; followers where they belong.
+
+    Args:
+        robot: the scenario's entry.
+        path: where it stands in the scenario.
+        description: the robot, whose ``initial_value``s count.
+        starts: what Gazebo's plugins begin with.
+    """
+    joints = {joint.name: joint for joint in description.movable_joints}
+    warnings = []
+    for name in robot.initial_positions:
+        if name not in joints:
+            raise ScenarioError(
+                (*path, "initial_positions"), f"the robot has no movable joint {name!r}", value=name, valid=joints
+            )
+    positions: dict[str, float] = {}
+    for name, joint in joints.items():
+        value = robot.initial_positions.get(name, starts.get(name))
+        if value is None:
+            controlled = description.controlled_joints.get(name)
+            interfaces = controlled.state_interfaces if controlled else ()
+            initial = [item.initial_value for item in interfaces if item.name == "position"]
+            value = next((item for item in initial if item is not None), 0.0)
+        clamped = min(max(value, joint.limits.lower), joint.limits.upper)
+        if clamped != value:
+            warnings.append(f"joint {name} starts at its limit {clamped:g} instead of {value:g}")
+        positions[name] = clamped
+    return description.with_followers(positions), warnings

@@ -1,0 +1,97 @@
+"""What goes wrong in a launch file's own Python code, told with the lines of that file only."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import InputError, TwinError
+from drake_twin.ros2.packages import AbsentError, absent_package_in
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.context import LaunchContext
+
+_HIDDEN_FOLDERS = (
+    str(Path(__file__).parent),
+    "<frozen ",
+    *{sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")},
+)
+
+
+def launch_error(error: BaseException, context: LaunchContext, file: str | None = None) -> TwinError:
+    """An exception of a launch file's code as an error that a person can act on.
+
+    Args:
+        error: the exception.
+        context: tells which includes led there.
+        file: the launch file, where it is not the one at hand.
+    """
+    file = file or context.current_launch_file
+    if isinstance(error, SystemExit) and isinstance(error.__context__, Exception):
+        error = error.__context__  # xacro.process() ends the program where it fails
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _is_ours(frame)]
+    own = [frame for frame in frames if frame.filename == file]
+    line = own[-1].lineno if own else context.place_line
+    if isinstance(error, TwinError):
+        if isinstance(error, InputError) and error.file is None:
+            error.file, error.line = (file, line) if own else (context.place_file, context.place_line)
+        return error
+    absent = _absence(error)
+    if absent is not None:
+        return AbsentError(absent, file=file, line=line)
+    if isinstance(error, ImportError) and not isinstance(error, ModuleNotFoundError):
+        from drake_twin.ros2.ros_modules import symbols_of
+
+        known = symbols_of(error.name or "")
+        if known:
+            wanted = str(error).split("'")[1] if "'" in str(error) else str(error)
+            return InputError(
+                f"{error.name} has no {wanted!r} that the twin knows", file=file, line=line, valid=known, value=wanted
+            )
+    if isinstance(error, SyntaxError) and error.filename == file:
+        return InputError(f"this is not Python: {error.msg}{_chain(context, file)}", file=file, line=error.lineno)
+    if isinstance(error, KeyError) and _in_environment(error):
+        return InputError(
+            f"the launch file reads the environment variable {error.args[0]!r}, which is not set", file=file, line=line
+        )
+    if isinstance(error, SystemExit):
+        return InputError(f"the launch file ends the program ({_exit(error)})", file=file, line=line)
+    lines = ["Traceback (most recent call last):\n", *traceback.format_list(frames)]
+    lines += traceback.format_exception_only(type(error), error)
+    return InputError(f"the launch file's code fails{_chain(context, file)}\n{''.join(lines).rstrip()}", file=file)
+
+
+def _chain(context: LaunchContext, file: str | None) -> str:
+    """``, included by x:3, which is included by y:1``."""
+    steps = [str(place) for _, place in reversed(context.files) if place is not None]
+    if context.files and context.files[-1][0] != file and context.place is not None:
+        steps.insert(0, str(context.place))  # being loaded
+    return "".join(f", {'which is ' if index else ''}included by {step}" for index, step in enumerate(steps))
+
+
+def _absence(error: BaseException) -> str | None:
+    """Why an exception means that something is not on this machine."""
+    cause = getattr(error, "exc", None)  # of a XacroException
+    if cause is not None and isinstance(cause, Exception):
+        return _absence(cause)
+    package = absent_package_in(str(error)) or absent_package_in(str(getattr(error, "filename", "") or ""))
+    if package is not None:
+        return f"package {package!r} is absent, and the launch file reads from it"
+    if isinstance(error, ModuleNotFoundError):
+        return f"needs the Python module {error.name}, which is not there"
+    return None
+
+
+def _in_environment(error: KeyError) -> bool:
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    return last.filename.endswith("os.py") or (last.filename == "<frozen os>")
+
+
+def _exit(error: SystemExit) -> str:
+    return error.code if isinstance(error.code, str) else f"exit code {error.code or 0}"
+
+
+def _is_ours(frame: traceback.FrameSummary) -> bool:
+    return frame.filename.startswith(_HIDDEN_FOLDERS)

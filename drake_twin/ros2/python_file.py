@@ -1,0 +1,78 @@
+"""Python launch files: executed, never parsed, for they use loops, ``open()``, ``os.environ`` and classes freely."""
+
+from __future__ import annotations
+
+import builtins
+import sys
+import types
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.errors import InputError
+from drake_twin.ros2.entity import LaunchDescription
+from drake_twin.ros2.launch_errors import launch_error
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.context import LaunchContext
+
+_MODULE_NAME = "python_launch_file"  # as ros2 launch names it
+
+
+def load_python_file(path: str, context: LaunchContext) -> LaunchDescription:
+    """Executes a Python launch file and returns what its ``generate_launch_description()`` does.
+
+    ROS's modules must be in place, see `drake_twin.ros2.ros_modules`.
+
+    Raises:
+        InputError: the file cannot be read, its code fails (the text holds the traceback of that file), or it does
+            not give a launch description.
+    """
+    module = load_python_module(path, context)
+    generate = getattr(module, "generate_launch_description", None)
+    if generate is None:
+        raise InputError(
+            "a Python launch file has a function generate_launch_description(), and this has none", file=path
+        )
+    try:
+        with context.loading(path):
+            description = generate()
+    except (Exception, SystemExit) as error:
+        raise launch_error(error, context, path) from None
+    if not callable(getattr(description, "visit", None)):
+        raise InputError(
+            f"generate_launch_description() returns {description!r}, which is no LaunchDescription", file=path
+        )
+    return description  # type: ignore[no-any-return]
+
+
+def load_python_module(path: str, context: LaunchContext) -> types.ModuleType:
+    """Executes a Python file as a module.
+
+    Raises:
+        InputError: it cannot be read, or its code fails.
+    """
+    try:
+        source = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(f"the launch file cannot be read ({error.strerror})", file=path) from None
+    module = types.ModuleType(_MODULE_NAME)
+    module.__file__ = path
+    module.__dict__["open"] = _locating_open(context)
+    sys.modules[_MODULE_NAME] = module  # where dataclasses and pickle look for it
+    try:
+        with context.loading(path):
+            exec(compile(source, path, "exec", dont_inherit=True), module.__dict__)
+    except (Exception, SystemExit) as error:
+        raise launch_error(error, context, path) from None
+    return module
+
+
+def _locating_open(context: LaunchContext) -> Any:
+    """``open`` for the file's own code: its author's ``/home/…/PACKAGE/x`` is found by the package in it."""
+
+    def open(file: Any, mode: str = "r", *args: Any, **kwargs: Any) -> Any:
+        if mode.startswith("r") and isinstance(file, str | Path):
+            file = context.locate(file)
+        return builtins.open(file, mode, *args, **kwargs)
+
+    return open

@@ -1,0 +1,69 @@
+"""What ``--ros-args`` on a node's command line says."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from drake_twin.description.bounded_yaml import load_yaml
+from drake_twin.ros2.launched import ParameterValue
+
+
+@dataclass(frozen=True)
+class RosArguments:
+    """A node's command line, taken apart.
+
+    Attributes:
+        arguments: what is left for the executable itself.
+        name: the node's name from ``-r __node:=``.
+        namespace: its namespace from ``-r __ns:=``.
+        remappings: (from, to) pairs.
+        parameters: files and single values, in order.
+    """
+
+    arguments: tuple[str, ...]
+    name: str | None = None
+    namespace: str | None = None
+    remappings: tuple[tuple[str, str], ...] = ()
+    parameters: tuple[Path | Mapping[str, ParameterValue], ...] = ()
+
+
+def split_ros_arguments(words: Sequence[str]) -> RosArguments:
+    """Takes a command line's arguments apart: ``--ros-args`` … ``--`` are rcl's, the others the executable's."""
+    own: list[str] = []
+    remappings: list[tuple[str, str]] = []
+    parameters: list[Path | Mapping[str, ParameterValue]] = []
+    names: dict[str, str] = {}
+    ros = False
+    position = 0
+    while position < len(words):
+        word = words[position]
+        position += 1
+        if word == "--ros-args" or (ros and word == "--"):
+            ros = word == "--ros-args"
+        elif not ros:
+            own.append(word)
+        elif word in ("-r", "--remap", "-p", "--param", "--params-file", "--log-level", "-e", "--enclave"):
+            value = words[position] if position < len(words) else ""
+            position += 1
+            source, _, target = value.partition(":=")
+            if word in ("-r", "--remap") and source in ("__ns", "__node", "__name"):
+                names["namespace" if source == "__ns" else "name"] = target
+            elif word in ("-r", "--remap"):
+                remappings.append((source, target))
+            elif word in ("-p", "--param"):
+                parameters.append({source.rpartition(":")[2]: _value(target)})
+            elif word == "--params-file":
+                parameters.append(Path(value))
+    return RosArguments(tuple(own), names.get("name"), names.get("namespace"), tuple(remappings), tuple(parameters))
+
+
+def _value(text: str) -> ParameterValue:
+    try:
+        value = load_yaml(text)
+    except yaml.YAMLError:
+        return text
+    if isinstance(value, bool | int | float | str):
+        return value
+    return tuple(value) if isinstance(value, list) else text

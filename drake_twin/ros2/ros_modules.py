@@ -1,0 +1,207 @@
+"""ROS's Python modules, stood in for while launch files run.
+
+They are in ``sys.modules`` only in between, under ROS's own names; modules of a ROS that happens to be on the path are
+never used. Afterwards ``sys.modules``, ``sys.path``, ``os.environ`` and the working directory are what they were, but
+for modules of Python itself and of its site-packages, which an import finds again all the same and some of which
+(NumPy) cannot be loaded twice.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.abc
+import importlib.machinery
+import importlib.util
+import os
+import shlex
+import sys
+import sysconfig
+import types
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2 import ros_module_table as table
+from drake_twin.ros2.context import set_environment
+from drake_twin.ros2.packages import scratch_folder
+from drake_twin.ros2.xacro_program import PACKAGE_FOLDERS
+
+if TYPE_CHECKING:
+    pass
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+_LASTING_FOLDERS = tuple(
+    {str(Path(sysconfig.get_paths()[key]).resolve()) for key in ("stdlib", "platstdlib", "purelib", "platlib")}
+    | {str(_PACKAGE)}
+)
+
+# What a sourced ROS sets and launch files read by subscript.
+_ROS_ENVIRONMENT = {"ROS_DISTRO": "jazzy", "ROS_VERSION": "2", "ROS_PYTHON_VERSION": "3"}
+_DEFAULTS = (
+    *("GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH", "GAZEBO_PLUGIN_PATH", "GZ_SIM_RESOURCE_PATH"),
+    *("GZ_SIM_SYSTEM_PLUGIN_PATH", "IGN_GAZEBO_RESOURCE_PATH", "IGN_GAZEBO_SYSTEM_PLUGIN_PATH", "AMENT_PREFIX_PATH"),
+    *("LD_LIBRARY_PATH", "ROS_PACKAGE_PATH"),
+)
+
+
+@contextmanager
+def no_trace() -> Iterator[None]:
+    """Puts modules, path, environment, arguments and working directory back to what they were before."""
+    modules, path, path_list = dict(sys.modules), list(sys.path), sys.path
+    finders, environment, argv = list(sys.meta_path), dict(os.environ), sys.argv
+    bytecode, output = sys.dont_write_bytecode, sys.stdout
+    folder = os.getcwd()
+    sys.dont_write_bytecode = True  # no __pycache__ in other people's packages
+    try:
+        yield
+    finally:
+        sys.dont_write_bytecode, sys.stdout, sys.argv = bytecode, output, argv
+        os.chdir(folder)
+        set_environment(environment)
+        sys.path = path_list
+        sys.path[:] = path
+        sys.meta_path[:] = finders
+        for name, module in list(sys.modules.items()):
+            if name not in modules and not _lasts(name, module):
+                del sys.modules[name]
+        for name, module in modules.items():
+            if sys.modules.get(name) is not module:
+                sys.modules[name] = module
+
+
+@contextmanager
+def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Iterable[Path] = ()) -> Iterator[None]:
+    """ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
+
+    Args:
+        file: the launch file, for ``sys.argv``.
+        arguments: its arguments, for ``sys.argv``.
+        package_folders: where the ``xacro`` command looks for packages first.
+    """
+    with no_trace():
+        for name in [name for name in sys.modules if _root(name) in table.ROOTS or _is_foreign_xacro(name)]:
+            del sys.modules[name]
+        importlib.invalidate_caches()
+        sys.meta_path.insert(0, _RosFinder())
+        sys.meta_path.append(_WorkspaceFinder())
+        os.environ.update(_ROS_ENVIRONMENT)
+        for name in _DEFAULTS:
+            os.environ.setdefault(name, "")
+        os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", "")])
+        os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
+        sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
+        sys.stdout = sys.stderr  # what launch files print is no result of the program
+        yield
+
+
+def symbols_of(module: str) -> list[str]:
+    """The names that a stand-in module has; none for another module."""
+    return sorted(table.symbols(module) or ())
+
+
+class _RosFinder(importlib.abc.MetaPathFinder):
+    """Finds the stand-in modules, and xacro where the twin has it from."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: types.ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        """A stand-in's spec; None for modules that are not ROS's."""
+        if fullname == "xacro":
+            return importlib.machinery.PathFinder.find_spec("xacro", _site_folders())
+        if _root(fullname) not in table.ROOTS:
+            return None
+        symbols = table.symbols(fullname)
+        if symbols is None:
+            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
+        return importlib.machinery.ModuleSpec(fullname, _StandInLoader(symbols), is_package=True)
+
+
+class _StandInLoader(importlib.abc.Loader):
+    def __init__(self, symbols: Mapping[str, Any]):
+        self._symbols = symbols
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> types.ModuleType | None:
+        """The usual module."""
+        return None
+
+    def exec_module(self, module: types.ModuleType) -> None:
+        """Fills it."""
+        module.__dict__.update(self._symbols)
+        module.__all__ = sorted(self._symbols)  # type: ignore[attr-defined]
+
+        def submodule(name: str) -> Any:
+            """``import launch`` makes ``launch.substitutions`` known, as in ROS."""
+            if table.symbols(f"{module.__name__}.{name}") is None:
+                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
+            return importlib.import_module(f"{module.__name__}.{name}")
+
+        module.__getattr__ = submodule  # type: ignore[method-assign]
+
+
+class _WorkspaceFinder(importlib.abc.MetaPathFinder):
+    """Finds the Python modules of ROS packages, and those beside the launch file, after everything else."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: types.ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        """The module's spec; None if no package has it."""
+        from drake_twin.description.package_index import containing_package
+        from drake_twin.ros2.evaluation import current_context
+
+        if "." in fullname:
+            return None
+        context = current_context()
+        file = context.current_launch_file
+        folders = [] if file is None else [Path(file).resolve().parent]
+        own = None if file is None else containing_package(Path(file).resolve())
+        if own is not None:
+            folders.append(own)
+        share = context.packages.present(fullname, file) if context.packages.is_present(fullname, file) else None
+        if share is not None:
+            folders += [share, *share.parent.parent.glob("l*/python3*/*-packages")]
+        places = [str(place) for folder in folders for place in (folder, folder / "src")]
+        spec = importlib.machinery.PathFinder.find_spec(fullname, places)
+        if spec is None or spec.origin is None:  # a folder without __init__.py is no module here
+            return None
+        return spec
+
+
+def _root(name: str) -> str:
+    return name.partition(".")[0]
+
+
+def _site_folders() -> list[str]:
+    paths = sysconfig.get_paths()
+    return list(dict.fromkeys((paths["purelib"], paths["platlib"])))
+
+
+def _is_foreign_xacro(name: str) -> bool:
+    if _root(name) != "xacro":
+        return False
+    origin = getattr(sys.modules["xacro"], "__file__", None) if "xacro" in sys.modules else None
+    return origin is None or not origin.startswith(tuple(_site_folders()))
+
+
+def _lasts(name: str, module: types.ModuleType | None) -> bool:
+    """Whether a module that was imported on the way stays: any later import would give the same."""
+    spec = getattr(module, "__spec__", None)
+    if spec is None or spec.name != name or isinstance(spec.loader, _StandInLoader):
+        return False
+    if spec.origin in ("built-in", "frozen"):
+        return True
+    places = [spec.origin] if spec.origin else list(spec.submodule_search_locations or ())
+    return bool(places) and str(Path(places[0]).resolve()).startswith(_LASTING_FOLDERS)
+
+
+def _xacro_folder() -> str:
+    """A folder with a ``xacro`` command, for launch files that start it themselves."""
+    folder = scratch_folder() / "bin"
+    script = folder / "xacro"
+    if not script.exists():
+        folder.mkdir(exist_ok=True)
+        code = f"import sys; sys.path.insert(0, {str(_PACKAGE.parent)!r}); "
+        code += "from drake_twin.ros2.xacro_program import main; sys.exit(main())"
+        script.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(code)} "$@"\n')
+        script.chmod(0o755)
+    return str(folder)

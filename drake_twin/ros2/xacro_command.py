@@ -1,0 +1,58 @@
+"""``xacro FILE name:=value`` in a launch file, expanded here instead of in another process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_twin.description.xacro_file import expand_xacro
+from drake_twin.errors import InputError
+from drake_twin.ros2.packages import AbsentError, absent_package_in
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.context import LaunchContext
+
+# Options of the xacro command that change nothing in the result.
+_HARMLESS = ("--inorder", "-i", "--xacro-ns", "-q", "--check-order")
+
+
+def run_xacro(words: Sequence[str], context: LaunchContext) -> tuple[str, str] | None:
+    """What the command prints to standard output and error; None if it is not xacro, or asks for something else.
+
+    Args:
+        words: the command and its arguments.
+        context: where packages are found.
+
+    Raises:
+        InputError: xacro refuses the file.
+    """
+    if Path(words[0]).name != "xacro":
+        return None
+    files = [word for word in words[1:] if ":=" not in word and word not in _HARMLESS]
+    if len(files) != 1 or files[0].startswith("-"):
+        return None
+    arguments = dict(word.split(":=", 1) for word in words[1:] if ":=" in word)
+    return expand(files[0], arguments, context)
+
+
+def expand(name: str, arguments: dict[str, str], context: LaunchContext) -> tuple[str, str]:
+    """The expanded text of a xacro file, and xacro's warnings.
+
+    Raises:
+        InputError: xacro refuses the file.
+    """
+    file = context.locate(name)
+    absent = absent_package_in(str(file))
+    if absent is not None:
+        raise AbsentError(f"package {absent!r} is absent, and its file is the robot: {file}")
+    try:
+        text, _, warnings = expand_xacro(file.absolute(), arguments, context.packages)
+    except InputError as error:
+        absent = absent_package_in(str(error))
+        if absent is not None:
+            raise AbsentError(
+                f"package {absent!r} is absent, and the robot needs it: {error.message}", file=error.file
+            ) from None
+        raise
+    return text, "\n".join(warnings)

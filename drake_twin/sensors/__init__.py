@@ -1,0 +1,1 @@
+"""Sensors of a robot: one kind, one file."""

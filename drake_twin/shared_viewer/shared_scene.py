@@ -1,0 +1,125 @@
+"""What of a twin a viewer outside this process draws: the bodies' illustration geometry, and the bodies' poses."""
+
+import weakref
+from collections.abc import Container
+from dataclasses import dataclass
+from itertools import count
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import Box, FrameId, Rgba, Role, SceneGraph, Shape
+from pydrake.math import RigidTransform
+
+from drake_twin.twin.twin import Twin
+
+WORLD = "world"  # the folder of what never moves
+
+_DEFAULT_COLOR = Rgba(0.9, 0.9, 0.9, 1.0)
+_GROUND_COLOR = Rgba(0.74, 0.77, 0.74, 1.0)
+_GROUND_SIDE = 20.0  # m, at least
+_GROUND_THICKNESS = 0.01  # m
+_BELOW_THE_GRID = 0.004  # m: viewers draw a grid at z = 0
+
+
+@dataclass(frozen=True)
+class DrawnGeometry:
+    """A geometry on a body.
+
+    Attributes:
+        path: body and geometry, for example ``robot_1/base_link/body``.
+        shape: Drake's shape, a copy that does not keep the scene graph alive.
+        color: red, green, blue and opacity, each from 0 to 1; a mesh's own materials come first.
+        X_BG: the geometry's pose in the body's frame, as a 4x4 matrix.
+    """
+
+    path: str
+    shape: Shape
+    color: tuple[float, float, float, float]
+    X_BG: np.ndarray
+
+
+class SharedScene:
+    """The geometry of a twin's bodies, read once, and their poses, read each frame.
+
+    Attributes:
+        geometries: what is drawn.
+        bodies: the paths of the bodies that may move, in the order of `poses`.
+
+    Args:
+        twin: the twin. It is not kept alive, and neither is its diagram.
+    """
+
+    def __init__(self, twin: Twin):
+        self._diagram = weakref.ref(twin.diagram)
+        inspector = _scene_graph(twin).model_inspector()
+        world = inspector.world_frame_id()
+        bodies: dict[FrameId, str] = {}
+        geometries: dict[str, DrawnGeometry] = {}
+        for geometry in inspector.GetAllGeometryIds(Role.kIllustration):
+            if inspector.IsDeformableGeometry(geometry):
+                continue
+            frame = inspector.GetFrameId(geometry)
+            body = WORLD if frame == world else _body_path(inspector.GetName(frame))
+            if frame != world:
+                bodies[frame] = body
+            name = inspector.GetName(geometry).rpartition("::")[2].replace("/", "_")
+            properties = inspector.GetIllustrationProperties(geometry)
+            color = properties.GetPropertyOrDefault("phong", "diffuse", _DEFAULT_COLOR)
+            path = _unused(f"{body}/{name}", geometries)
+            geometries[path] = DrawnGeometry(
+                path=path,
+                shape=inspector.GetShape(geometry).Clone(),
+                color=(color.r(), color.g(), color.b(), color.a()),
+                X_BG=inspector.GetPoseInFrame(geometry).GetAsMatrix4(),
+            )
+        if twin.scenario.world.has_own_ground:
+            path = _unused(f"{WORLD}/ground", geometries)
+            geometries[path] = _ground(path, *place_of_robots(twin))
+        self._frames = tuple(bodies)
+        self.bodies = tuple(bodies.values())
+        self.geometries = tuple(geometries.values())
+
+    def shows(self, twin: Twin) -> bool:
+        """Whether this is still the twin's scene: a robot that comes or goes makes another."""
+        return self._diagram() is twin.diagram
+
+    def poses(self, twin: Twin) -> np.ndarray:
+        """The bodies' poses in the world at the present time, as 4x4 matrices: an array of (bodies, 4, 4)."""
+        scene_graph = _scene_graph(twin)
+        query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(twin.context))
+        poses = [query.GetPoseInWorld(frame).GetAsMatrix4() for frame in self._frames]
+        return np.array(poses).reshape(len(poses), 4, 4)
+
+
+def _scene_graph(twin: Twin) -> SceneGraph:
+    scene_graph: Any = twin.diagram.GetSubsystemByName("scene_graph")
+    return scene_graph
+
+
+def _body_path(frame: str) -> str:
+    """``model/body``: two levels and never more, so that no body's folder lies in another's and moves with it."""
+    model, _, body = frame.replace("/", "_").rpartition("::")
+    return f"{model.replace('::', '.') or WORLD}/{body}"
+
+
+def _unused(path: str, taken: Container[str]) -> str:
+    numbered = (f"{path}_{number}" for number in count(2))
+    return path if path not in taken else next(other for other in numbered if other not in taken)
+
+
+def place_of_robots(twin: Twin) -> tuple[np.ndarray, float]:
+    """The middle of all robots (x, y, z in the world, m), and how far they reach from there (m)."""
+    positions = np.array([twin.robot_state(robot).base_pose[:3] for robot in twin.robots]).reshape(-1, 3)
+    if not len(positions):
+        return np.zeros(3), 1.0
+    center = positions.mean(axis=0)
+    return center, float(np.max(np.linalg.norm(positions - center, axis=1))) + 1.0
+
+
+def _ground(path: str, center: np.ndarray, reach: float) -> DrawnGeometry:
+    """The ground of a world that has no picture of it."""
+    side = max(_GROUND_SIDE, 4.0 * reach)
+    height = -_GROUND_THICKNESS / 2 - _BELOW_THE_GRID
+    color = (_GROUND_COLOR.r(), _GROUND_COLOR.g(), _GROUND_COLOR.b(), _GROUND_COLOR.a())
+    pose = RigidTransform([*np.round(center[:2]), height])
+    return DrawnGeometry(path, Box(side, side, _GROUND_THICKNESS), color, pose.GetAsMatrix4())

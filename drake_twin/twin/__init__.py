@@ -1,0 +1,16 @@
+"""A running twin: the facade, its time, topics, actions, controllers, entities, state and recording."""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drake_twin.twin.twin import Twin
+
+__all__ = ["Twin"]
+
+
+def __getattr__(name: str) -> Any:
+    if name != "Twin":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from drake_twin.twin.twin import Twin
+
+    return Twin

@@ -1,0 +1,122 @@
+"""A goal that was sent to a controller's action."""
+
+import logging
+from collections.abc import Callable, Collection
+from typing import Any
+
+from drake_twin import messages
+from drake_twin.errors import TwinError
+from drake_twin.twin.robot_control import RobotControl
+
+_log = logging.getLogger(__name__)
+
+_DONE = ("succeeded", "aborted", "canceled")
+
+
+class ActionGoal:
+    """A goal on its way; ask it how it is getting on.
+
+    Args:
+        action: the action's name.
+        type: its ROS type.
+        id: the number that the controller gave the goal.
+        control: the robot's controllers.
+        controller: the controller's name.
+        on_result: called once with this goal when it is done.
+
+    Attributes:
+        action: the action's name.
+    """
+
+    def __init__(
+        self,
+        action: str,
+        type: str,
+        id: int,
+        control: RobotControl,
+        controller: str,
+        on_result: "Callable[[ActionGoal], None] | None",
+    ):
+        self.action = action
+        self._type = type
+        self._id = id
+        self._control: RobotControl | None = control
+        self._name = controller
+        self._on_result = on_result
+        self._status = "accepted"
+        self._result: Any = None
+
+    def is_of(self, controls: Collection[RobotControl]) -> bool:
+        """Whether one of some robots is to do it."""
+        return self._control in controls
+
+    @property
+    def status(self) -> str:
+        """``accepted``, ``executing``, ``succeeded``, ``aborted`` or ``canceled``."""
+        self._look()
+        return self._status
+
+    @property
+    def is_done(self) -> bool:
+        """Whether it has come to its end."""
+        return self.status in _DONE
+
+    @property
+    def result(self) -> Any:
+        """The action's result message; None before the end."""
+        self._look()
+        return self._result
+
+    @property
+    def feedback(self) -> Any:
+        """The action's feedback message at the present time; None once it is done."""
+        if self.is_done or self._control is None:
+            return None
+        return self._control.controllers[self._name].feedback(self._control.context_of(self._name))
+
+    def cancel(self) -> None:
+        """Ends it; the joints hold where they are."""
+        if not self.is_done and self._control is not None:
+            self._control.cancel(self._name)
+            self._look()
+
+    def deliver(self) -> bool:
+        """Tells whoever waits for the result, when it is done; returns whether it is."""
+        if not self.is_done:
+            return False
+        if self._on_result is not None:
+            tell, self._on_result = self._on_result, None
+            try:
+                tell(self)
+            except TwinError as error:  # what the twin refuses a callback ends nothing but that callback
+                _log.error("the callback of the goal for %s: %s", self._name, error)
+        return True
+
+    def drop(self) -> None:
+        """Ends it without a word, as when the twin begins anew."""
+        self._look()
+        if self._status not in _DONE:
+            self._status = "canceled"
+            self._on_result = None
+            self._control = None  # the robot may be gone
+
+    def _look(self) -> None:
+        if self._status in _DONE or self._control is None:
+            return
+        state = self._control.controllers[self._name].goal_state(self._control.context_of(self._name))
+        if state is None or state.id < self._id:
+            return
+        if state.id > self._id:  # another goal took its place before it was looked at
+            self._end("aborted", -1, "preempted by another goal")
+            return
+        self._status = state.status
+        if state.is_done:
+            self._end(state.status, state.error_code, state.error_string)
+
+    def _end(self, status: str, code: int, text: str) -> None:
+        assert self._control is not None
+        self._status = status
+        self._result = self._control.controllers[self._name].result(self._control.context_of(self._name))
+        self._control = None
+        if self._result is None:
+            self._result = messages.message(f"{self._type}_Result", {"error_code": code, "error_string": text})

@@ -1,0 +1,377 @@
+"""A robot's controller manager: which controllers are loaded and active, and which claims what.
+
+Its methods are named like ROS 2's controller_manager services and answer as those do, with ``ok`` and a message; none
+raises because of a name or a conflict. A switch takes effect with the next physics step, also while the twin is paused.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from drake_twin.controllers.controller import Interface
+from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan, chained_to
+from drake_twin.planning.robot_plan import RobotPlan
+
+UNCONFIGURED = "unconfigured"
+
+# Strictness of a switch, as in controller_manager_msgs/srv/SwitchController.
+BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 1, 2, 3, 4
+
+
+@dataclass(frozen=True)
+class Response:
+    """What a service answers; true when it succeeded."""
+
+    ok: bool
+    message: str = ""
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+
+@dataclass(frozen=True)
+class ControllerState:
+    """A loaded controller, as ``list_controllers`` tells of it.
+
+    Attributes:
+        name: its name.
+        state: unconfigured, inactive or active.
+        type: the plugin's name.
+        claimed_interfaces: what it has claimed.
+        required_command_interfaces: what it claims while it is active.
+        reference_interfaces: what other controllers may write of it.
+        is_chained: whether an active controller writes its references.
+        update_rate: how often it is updated (Hz).
+    """
+
+    name: str
+    state: str
+    type: str
+    claimed_interfaces: tuple[str, ...]
+    required_command_interfaces: tuple[str, ...]
+    reference_interfaces: tuple[str, ...]
+    is_chained: bool
+    update_rate: float
+
+
+@dataclass(frozen=True)
+class HardwareInterface:
+    """A command or state interface, as ``list_hardware_interfaces`` tells of it."""
+
+    name: str
+    is_available: bool = True
+    is_claimed: bool = False
+
+
+@dataclass(frozen=True)
+class HardwareComponent:
+    """A ``<ros2_control>`` tag, as ``list_hardware_components`` tells of it."""
+
+    name: str
+    type: str
+    plugin: str
+    state: str
+    command_interfaces: tuple[str, ...]
+    state_interfaces: tuple[str, ...]
+
+
+class ControllerManager:
+    """The controllers of one robot.
+
+    Args:
+        plan: the robot.
+        switched: told of every change: the controllers activated, those deactivated before.
+        note: told of every call that may change something: the method and its arguments.
+    """
+
+    def __init__(
+        self,
+        plan: RobotPlan,
+        switched: Callable[[tuple[str, ...], tuple[str, ...]], None],
+        note: Callable[..., object] = lambda *call: None,
+    ):
+        self._plan = plan
+        self._plans = {item.name: item for item in plan.controllers}
+        self._switched = switched
+        self._note = note
+        self._states: dict[str, str] = {}
+        self.restart()
+
+    def restart(self) -> None:
+        """Goes back to the states at the start, without telling anybody."""
+        self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
+
+    def retire(self) -> None:
+        """Has no controllers any more: the robot has been deleted."""
+        self._plans, self._states = {}, {}
+        self._switched = lambda started, stopped: None
+        self._note = lambda *call: None
+
+    def take_up(self, states: Mapping[str, str]) -> None:
+        """Goes back to states that were asked for before, without telling anybody.
+
+        Raises:
+            ValueError: a controller that the parameters files lack, or a state that is none.
+        """
+        for name, state in states.items():
+            if name not in self._plans or state not in (UNCONFIGURED, INACTIVE, ACTIVE):
+                raise ValueError(f"controller {name!r} cannot be {state!r}")
+        self._states = dict(states)
+
+    @property
+    def states(self) -> dict[str, str]:
+        """Loaded controller → unconfigured, inactive or active, in the order of loading."""
+        return dict(self._states)
+
+    @property
+    def active(self) -> tuple[str, ...]:
+        """The active controllers, in the order of loading."""
+        return tuple(name for name, state in self._states.items() if state == ACTIVE)
+
+    def is_active(self, controller: str) -> bool:
+        """Whether a controller is active."""
+        return self._states.get(controller) == ACTIVE
+
+    @property
+    def claims(self) -> dict[Interface, str]:
+        """Command interface → the active controller that has claimed it."""
+        return {claim: name for name in self.active for claim in self._plans[name].claims}
+
+    def list_controllers(self) -> tuple[ControllerState, ...]:
+        """The loaded controllers."""
+        claims = self.claims
+        return tuple(self._controller_state(self._plans[name], state, claims) for name, state in self._states.items())
+
+    def list_controller_types(self) -> tuple[str, ...]:
+        """The types that controllers may have."""
+        from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER
+
+        return tuple(sorted([*CONTROLLER_TYPES, JOINT_STATE_BROADCASTER]))
+
+    def list_hardware_interfaces(self) -> tuple[tuple[HardwareInterface, ...], tuple[HardwareInterface, ...]]:
+        """The command interfaces, and the state interfaces."""
+        claims = self.claims
+        commands = [
+            HardwareInterface(str(interface), True, interface in claims)
+            for interface in (*self._hardware_commands(), *self._references())
+        ]
+        states = [
+            HardwareInterface(f"{joint.name}/{item.name}")
+            for joint in self._plan.description.controlled_joints.values()
+            for item in joint.state_interfaces
+        ]
+        return tuple(commands), tuple(states)
+
+    def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
+        """The ``<ros2_control>`` tags, all of them active."""
+        return tuple(
+            HardwareComponent(
+                name=system.name,
+                type=system.type,
+                plugin=system.plugin,
+                state=ACTIVE,
+                command_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
+                state_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+            )
+            for system in self._plan.description.systems
+        )
+
+    def load_controller(self, name: str) -> Response:
+        """Loads a controller of the parameters files."""
+        (name,) = _names([name])
+        self._note("load_controller", name)
+        if name in self._states:
+            return Response(False, f"a controller named {name!r} is already loaded")
+        if name not in self._plans:
+            known = ", ".join(self._plans) or "none"
+            return Response(False, f"the parameters files have no controller {name!r}; they have {known}")
+        self._states[name] = UNCONFIGURED
+        return Response(True)
+
+    def configure_controller(self, name: str) -> Response:
+        """Configures a controller that is loaded and not active."""
+        (name,) = _names([name])
+        self._note("configure_controller", name)
+        if name not in self._states:
+            return Response(False, self._not_loaded(name))
+        if self._states[name] == ACTIVE:
+            return Response(False, f"controller {name!r} is active: deactivate it first")
+        problem = self._plans[name].problem
+        if problem is not None:
+            return Response(False, f"controller {name!r} cannot be configured: {problem}")
+        self._states[name] = INACTIVE
+        return Response(True)
+
+    def unload_controller(self, name: str) -> Response:
+        """Unloads a controller that is not active."""
+        (name,) = _names([name])
+        self._note("unload_controller", name)
+        if name not in self._states:
+            return Response(False, self._not_loaded(name))
+        if self._states[name] == ACTIVE:
+            return Response(False, f"controller {name!r} is active: deactivate it first")
+        del self._states[name]
+        return Response(True)
+
+    def switch_controller(
+        self,
+        activate: Iterable[str] = (),
+        deactivate: Iterable[str] = (),
+        strictness: int = BEST_EFFORT,
+        *,
+        start: Iterable[str] = (),
+        stop: Iterable[str] = (),
+    ) -> Response:
+        """Deactivates and activates controllers at once; one that is in both lists begins anew.
+
+        With ``STRICT`` everything is done or nothing. With ``BEST_EFFORT`` (and ``AUTO``) what cannot be done is left
+        out and named in the message. ``FORCE_AUTO`` also deactivates whatever stands in the way.
+
+        Args:
+            activate: the controllers to activate (``start`` is the older name of it).
+            deactivate: the controllers to deactivate (``stop`` is the older name of it).
+            strictness: one of the four.
+        """
+        to_start = list(dict.fromkeys([*_names(activate), *_names(start)]))
+        to_stop = list(dict.fromkeys([*_names(deactivate), *_names(stop)]))
+        self._note("switch_controller", tuple(to_start), tuple(to_stop), strictness)
+        if strictness not in (0, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
+            return Response(False, f"{strictness!r} is no strictness: 1 is BEST_EFFORT, 2 is STRICT")
+        if strictness == FORCE_AUTO:
+            to_stop += [name for name in self._in_the_way(to_start) if name not in to_stop]
+        stopped, started, problems = self._resolve(to_start, to_stop)
+        message = "; ".join(problems)
+        if problems and strictness == STRICT:
+            return Response(False, f"nothing is switched: {message}")
+        self._states.update(dict.fromkeys(stopped, INACTIVE))
+        self._states.update(dict.fromkeys(started, ACTIVE))
+        if started or stopped:
+            self._switched(tuple(started), tuple(stopped))
+        return Response(True, message)
+
+    def give_up(self, name: str) -> tuple[str, ...]:
+        """Deactivates a controller that has failed, and those that write to it.
+
+        Returns:
+            The controllers that were deactivated.
+        """
+        stopped = [name] if self._states.get(name) == ACTIVE else []
+        for below in stopped:  # grows while it is read: up the chain
+            stopped += [
+                other
+                for other in self.active
+                if other not in stopped
+                and any(claim.joint.startswith(f"{below}/") for claim in self._plans[other].claims)
+            ]
+        self._states.update(dict.fromkeys(stopped, INACTIVE))
+        if stopped:
+            self._switched((), tuple(stopped))
+        return tuple(stopped)
+
+    def _resolve(self, to_start: list[str], to_stop: list[str]) -> tuple[list[str], list[str], list[str]]:
+        """What of a switch can be done, and why the rest cannot."""
+        problems: list[str] = []
+        stopped = []
+        for name in to_stop:
+            if self._states.get(name) == ACTIVE:
+                stopped.append(name)
+            else:
+                problems.append(
+                    f"controller {name!r} is not active" if name in self._states else self._not_loaded(name)
+                )
+        claims = {claim: name for claim, name in self.claims.items() if name not in stopped}
+        started: list[str] = []
+        for name in to_start:
+            problem = self._refusal(name, stopped, claims)
+            if problem is not None:
+                problems.append(problem)
+                continue
+            started.append(name)
+            claims.update(dict.fromkeys(self._plans[name].claims, name))
+        return self._without_loose_ends(stopped, started, problems)
+
+    def _refusal(self, name: str, stopped: list[str], claims: Mapping[Interface, str]) -> str | None:
+        """Why a controller cannot be activated; None when it can."""
+        if name not in self._states:
+            return self._not_loaded(name)
+        if self._states[name] == UNCONFIGURED:
+            return f"controller {name!r} is unconfigured"
+        if self._states[name] == ACTIVE and name not in stopped:
+            return f"controller {name!r} is already active"
+        plan = self._plans[name]
+        if plan.problem is not None:
+            return f"controller {name!r}: {plan.problem}"
+        for claim in plan.claims:
+            if claim in claims:
+                return (
+                    f"resource conflict for controller {name!r}: command interface {claim} is already claimed by"
+                    f" {claims[claim]!r}"
+                )
+        return None
+
+    def _without_loose_ends(
+        self, stopped: list[str], started: list[str], problems: list[str]
+    ) -> tuple[list[str], list[str], list[str]]:
+        """Chains stay whole: a controller that writes to another one is active only while that one is."""
+        while True:
+            active = ({*self.active} - {*stopped}) | {*started}
+            loose = [
+                (name, owner)
+                for name in active
+                for owner in chained_to(self._plans[name], self._plans)
+                if owner not in active
+            ]
+            if not loose:
+                return stopped, started, problems
+            name, owner = min(loose)
+            if name in started:
+                started.remove(name)
+                problems.append(f"controller {name!r} writes to {owner!r}, which is not active")
+            else:
+                stopped.remove(owner)
+                problems.append(f"controller {owner!r} is written to by {name!r}, which is active")
+
+    def _in_the_way(self, to_start: Iterable[str]) -> list[str]:
+        claims = self.claims
+        wanted = [claim for name in to_start if name in self._plans for claim in self._plans[name].claims]
+        return list(dict.fromkeys(claims[claim] for claim in wanted if claim in claims))
+
+    def _controller_state(self, plan: ControllerPlan, state: str, claims: Mapping[Interface, str]) -> ControllerState:
+        references = [Interface(f"{plan.name}/{item.joint}", item.name) for item in plan.references]
+        required = tuple(map(str, plan.claims))
+        return ControllerState(
+            name=plan.name,
+            state=state,
+            type=plan.type,
+            claimed_interfaces=required if state == ACTIVE else (),
+            required_command_interfaces=required,
+            reference_interfaces=tuple(map(str, references)),
+            is_chained=any(reference in claims for reference in references),
+            update_rate=plan.update_rate,
+        )
+
+    def _hardware_commands(self) -> list[Interface]:
+        return [
+            Interface(joint.name, item.name)
+            for joint in self._plan.description.controlled_joints.values()
+            for item in joint.command_interfaces
+        ]
+
+    def _references(self) -> list[Interface]:
+        return [
+            Interface(f"{plan.name}/{item.joint}", item.name)
+            for plan in self._plans.values()
+            if self._states.get(plan.name) in (INACTIVE, ACTIVE)
+            for item in plan.references
+        ]
+
+    def _not_loaded(self, name: str) -> str:
+        return f"there is no loaded controller {name!r}; loaded are {', '.join(self._states) or 'none'}"
+
+
+def _names(names: Any) -> list[str]:
+    """One name, several or none, as people write it; what is no text stands for itself in the answer."""
+    if names is None:
+        return []
+    several = [names] if isinstance(names, str | bytes) or not isinstance(names, Iterable) else names
+    return [name if isinstance(name, str) else repr(name) for name in several]

@@ -1,0 +1,196 @@
+"""Where robots, their links and the world's models are and how they move: read, set, pushed.
+
+Names are Gazebo's: a robot or a model of the world (``robot_1``), or a link of it (``robot_1::base_link``). Poses and
+twists are in the world, or in the frame of another entity.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.tree import RigidBody
+from pydrake.systems.framework import Context
+
+from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.errors import InputError
+from drake_twin.messages import shortened
+from drake_twin.saved import saved
+
+WORLD = "world"
+
+
+@dataclass(frozen=True)
+class EntityState:
+    """Pose and twist of an entity in a reference frame.
+
+    Attributes:
+        position: x, y, z (m).
+        orientation: quaternion w, x, y, z.
+        linear: velocity of its origin (m/s).
+        angular: angular velocity (rad/s).
+    """
+
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+    linear: tuple[float, float, float]
+    angular: tuple[float, float, float]
+
+
+@saved("Wrench")
+@dataclass(frozen=True)
+class Wrench:
+    """A force and a torque on a link for a while.
+
+    Attributes:
+        entity: the link, in full.
+        force: at the link's origin, in the world's axes (N).
+        torque: likewise (N·m).
+        until: when it ends (simulated s).
+    """
+
+    entity: str
+    force: tuple[float, float, float]
+    torque: tuple[float, float, float]
+    until: float
+
+
+def find_body(built: TwinDiagram, entity: str) -> RigidBody:
+    """The body that an entity is, or its root link's.
+
+    Raises:
+        InputError: there is none of the name.
+    """
+    plant = built.plant
+    name, separator, link = str(entity).partition("::")
+    plans = {plan.name: plan for plan in built.plans}
+    if name in plans:
+        plan, instance = plans[name], built.robots[name].instance
+        own = drake_link_name(link) if separator else plan.model.root_body
+        if plant.HasBodyNamed(own, instance):
+            return plant.GetBodyByName(own, instance)
+        raise InputError(f"robot {name!r} has no link {link!r}", value=link, valid=plan.description.links)
+    if name in built.world_models:
+        bodies = [plant.get_body(i) for item in built.world_models[name] for i in plant.GetBodyIndices(item)]
+        for body in bodies:
+            if not separator or body.name() == link:
+                return body
+        raise InputError(f"model {name!r} has no link {link!r}", value=link, valid=[body.name() for body in bodies])
+    valid = [*plans, *built.world_models]
+    raise InputError(f"Entity [{entity}] does not exist.", value=str(entity), valid=valid)
+
+
+def entity_state(built: TwinDiagram, plant_context: Context, entity: str, reference: str = WORLD) -> EntityState:
+    """Pose and twist of an entity, in the world or in another entity's frame.
+
+    Raises:
+        InputError: there is none of the name.
+    """
+    body = find_body(built, entity)
+    plant = built.plant
+    frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
+    X = body.body_frame().CalcPose(plant_context, frame)
+    V = body.body_frame().CalcSpatialVelocity(plant_context, frame, frame)
+    return EntityState(
+        _three(X.translation()),
+        tuple(map(float, X.rotation().ToQuaternion().wxyz())),  # type: ignore[arg-type]
+        _three(V.translational()),
+        _three(V.rotational()),
+    )
+
+
+def set_entity_state(
+    built: TwinDiagram,
+    plant_context: Context,
+    entity: str,
+    *,
+    position: Iterable[float] | None = None,
+    orientation: Iterable[float] | None = None,
+    linear: Iterable[float] | None = None,
+    angular: Iterable[float] | None = None,
+    reference: str = WORLD,
+) -> None:
+    """Puts a robot or a moving model somewhere, or gives it a velocity; what is not given stays.
+
+    Args:
+        built: the diagram.
+        plant_context: its plant's context.
+        entity: the robot or model.
+        position: x, y, z (m).
+        orientation: quaternion w, x, y, z; it need not be of length one.
+        linear: velocity (m/s).
+        angular: angular velocity (rad/s).
+        reference: ``world`` or the entity whose frame all of it is in.
+
+    Raises:
+        InputError: there is none of the name, it cannot be moved, or a value is none.
+    """
+    plant = built.plant
+    body = find_body(built, entity)
+    if not body.is_floating_base_body() or not body.has_quaternion_dofs():
+        what = "is fixed to the world, or to another link, or moves on driven joints"
+        raise InputError(f"Entity [{entity}] cannot be put anywhere: it {what}")
+    frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
+    now = entity_state(built, plant_context, entity, reference)
+    p = _numbers(position, 3, "position") if position is not None else np.array(now.position)
+    q = _numbers(orientation, 4, "orientation") if orientation is not None else np.array(now.orientation)
+    if not np.abs(q).max() > 0:
+        raise InputError("the orientation is zero, which is no quaternion")
+    v = _numbers(linear, 3, "linear velocity") if linear is not None else np.array(now.linear)
+    w = _numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
+    X_WR = plant.CalcRelativeTransform(plant_context, plant.world_frame(), frame)
+    X_WB = X_WR @ RigidTransform(_rotation(q), p)
+    V_WR = frame.CalcSpatialVelocityInWorld(plant_context)
+    p_RB_W = X_WR.rotation() @ p
+    angular_W = V_WR.rotational() + X_WR.rotation() @ w
+    linear_W = V_WR.translational() + np.cross(V_WR.rotational(), p_RB_W) + X_WR.rotation() @ v
+    plant.SetFreeBodyPose(plant_context, body, X_WB)
+    from pydrake.multibody.math import SpatialVelocity
+
+    plant.SetFreeBodySpatialVelocity(plant_context, body, SpatialVelocity(w=angular_W, v=linear_W))
+
+
+def make_wrench(
+    built: TwinDiagram,
+    plant_context: Context,
+    entity: str,
+    force: Iterable[float],
+    torque: Iterable[float],
+    until: float,
+    reference: str,
+) -> Wrench:
+    """A wrench given in a frame, as one in the world's axes.
+
+    Raises:
+        InputError: there is none of the name, or a value is none.
+    """
+    find_body(built, entity)
+    R = RotationMatrix()
+    if reference != WORLD:
+        R = find_body(built, reference).body_frame().CalcPoseInWorld(plant_context).rotation()
+    turned = [R @ _numbers(vector, 3, what) for vector, what in ((force, "force"), (torque, "torque"))]
+    return Wrench(str(entity), _three(turned[0]), _three(turned[1]), until)
+
+
+def _rotation(q: np.ndarray) -> RotationMatrix:
+    from pydrake.common.eigen_geometry import Quaternion
+
+    q = q / np.abs(q).max()  # first, or the squares of very large numbers overflow
+    return RotationMatrix(Quaternion(q / np.linalg.norm(q)))
+
+
+def _numbers(values: Iterable[float], count: int, what: str) -> np.ndarray:
+    try:
+        numbers = np.array([float(value) for value in values])
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"the {what} {shortened(values)} is not made of numbers") from None
+    if numbers.shape != (count,) or not all(map(isfinite, numbers)):
+        raise InputError(f"the {what} {shortened(values)} is not {count} finite numbers")
+    return numbers
+
+
+def _three(vector: Sequence[float] | np.ndarray) -> tuple[float, float, float]:
+    x, y, z = map(float, vector)
+    return x, y, z

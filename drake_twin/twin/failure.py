@@ -1,0 +1,172 @@
+"""What went wrong in a step of the physics: after which time, and with which joint of which robot."""
+
+import contextlib
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint, ModelInstanceIndex, PrismaticJoint
+from pydrake.systems.framework import Context
+
+from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
+from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.errors import RunError
+from drake_twin.twin.running import ABSURD, Moment
+
+_MOST_NAMED = 3  # joints in a message
+_NOTABLE = 100.0  # rad/s² or m/s²: what accelerates less is not what a step fails for
+_OF_THE_BASE = (LINEAR_X, LINEAR_Y, LINEAR_Z, ANGULAR_Z)
+
+
+@dataclass(frozen=True)
+class _Mover:
+    """A joint that moves, or what holds a free body.
+
+    Attributes:
+        owner: ``robot 'arm'``, or ``model 'crate' of the world``.
+        label: ``joint elbow``, or ``the base``; nothing for a free body of the world.
+        speed: how fast it moved when all was well (rad/s or m/s).
+        acceleration: rad/s² or m/s².
+        unit: of the speed.
+        is_possible: whether its position and velocity still are.
+    """
+
+    owner: str
+    label: str
+    speed: float
+    acceleration: float
+    unit: str
+    is_possible: bool
+
+
+def failure(
+    built: TwinDiagram,
+    plant_context: Context,
+    time: float,
+    error: BaseException,
+    good: Moment | None = None,
+    before: Moment | None = None,
+) -> RunError:
+    """What Drake raises while it simulates, or solves for what a sensor measures, as an error for the user.
+
+    Args:
+        built: the diagram.
+        plant_context: its plant's context, as the failure has left it.
+        time: the last time at which all was well (s).
+        error: what was raised: a RuntimeError, or SystemExit, as some of Drake's checks end the process if they can.
+        good: that time's moment; by default what the context holds.
+        before: an earlier one.
+    """
+    now = built.plant.GetPositionsAndVelocities(plant_context)
+    last = now if good is None else good.state
+    accelerations = _accelerations(built.plant, plant_context, good, before)
+    movers = list(_movers(built, now if is_possible(last) else last, last, accelerations))
+    movers.sort(key=lambda mover: -mover.acceleration)
+    text = f"the simulation failed after {time:.9g} s: "
+    lost = [mover for mover in movers if not mover.is_possible]
+    if lost:
+        return RunError(text + _lost(lost, is_possible(last)))
+    reason = " ".join(str(error).split()).rstrip(".")
+    return RunError(text + reason + _suspect(movers, _named_in(reason, built)))
+
+
+def is_possible(state: np.ndarray) -> bool:
+    """Whether a state is made of finite numbers, none of them absurdly large."""
+    return bool(np.logical_and.reduce(np.abs(state) < ABSURD))  # which NaN is not
+
+
+def _lost(lost: Sequence[_Mover], was_good: bool) -> str:
+    """What no longer has a state: that of one owner which was the wildest before."""
+    worst = lost[0]
+    labels = [mover.label for mover in lost if mover.owner == worst.owner]
+    more = f" and {len(labels) - _MOST_NAMED} more" if len(labels) > _MOST_NAMED else ""
+    who = f"{', '.join(labels[:_MOST_NAMED])}{more} of {worst.owner}" if worst.label else worst.owner
+    speed = f" (before, {worst.label or 'it'} moved at {worst.speed:.2g} {worst.unit})" if was_good else ""
+    return (
+        f"{who} {'is' if len(labels) == 1 else 'are'} no longer at a finite position or speed{speed}."
+        " Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so does a step that"
+        " is too long"
+    )
+
+
+def _suspect(movers: Sequence[_Mover], named: set[str]) -> str:
+    """Where to look for the cause of what Drake raises, as far as that is known."""
+    movers = [mover for mover in movers if not named or mover.owner in named]
+    if movers and movers[0].acceleration > _NOTABLE:
+        worst = movers[0]
+        who = f"{worst.label} of {worst.owner}" if worst.label else worst.owner
+        return f". Just before, {who} accelerated most, at {worst.acceleration:.2g} {worst.unit}²"
+    return f". That is in {named.pop()}" if len(named) == 1 else ""
+
+
+def _accelerations(
+    plant: MultibodyPlant, plant_context: Context, good: Moment | None, before: Moment | None
+) -> np.ndarray:
+    """How what fails accelerated before it did: as far as it got, up to there, or what a continuous plant gives."""
+    moments = [moment for moment in (before, good) if moment is not None]
+    times = [*(moment.time for moment in moments), plant_context.get_time()]
+    states = [*(moment.state for moment in moments), plant.GetPositionsAndVelocities(plant_context)]
+    for change, duration in reversed(list(zip(np.diff(states, axis=0), np.diff(times), strict=True))):
+        if duration > 0 and np.isfinite(change).all():
+            return np.asarray(change[plant.num_positions() :] / duration)
+    found = np.zeros(plant.num_velocities())
+    if plant.time_step() == 0:  # which would solve the failing step
+        with contextlib.suppress(RuntimeError, SystemExit):
+            found = plant.get_generalized_acceleration_output_port().Eval(plant_context)
+    return found if np.isfinite(found).all() else np.zeros(plant.num_velocities())
+
+
+def _movers(built: TwinDiagram, now: np.ndarray, last: np.ndarray, accelerations: np.ndarray) -> Iterator[_Mover]:
+    """All that moves.
+
+    Args:
+        built: the diagram.
+        now: the plant's ``[q; v]``.
+        last: the last good one.
+        accelerations: how it accelerated (rad/s² or m/s²).
+    """
+    plant, owners = built.plant, _owners(built)
+    for joint in map(plant.get_joint, plant.GetJointIndices()):
+        owner = owners.get(joint.model_instance())
+        if owner is None or joint.num_velocities() == 0:
+            continue
+        q = np.arange(joint.num_positions()) + joint.position_start()
+        v = np.arange(joint.num_velocities()) + joint.velocity_start()
+        fastest = int(np.argmax(np.abs(accelerations[v])))
+        acceleration = float(np.abs(accelerations[v[fastest]]))
+        v += plant.num_positions()
+        is_free = joint.num_velocities() == 6
+        yield _Mover(
+            owner=owner,
+            label=_label(joint, owner),
+            speed=float(np.abs(last[v[fastest]])),
+            acceleration=acceleration,
+            unit="m/s" if joint.type_name() == PrismaticJoint.kTypeName or (is_free and fastest > 2) else "rad/s",
+            is_possible=is_possible(now[[*q, *v]]),
+        )
+
+
+def _label(joint: Joint, owner: str) -> str:
+    if joint.num_velocities() == 6:
+        return "the base" if owner.startswith("robot") else ""
+    return "the base" if joint.name() in _OF_THE_BASE else f"joint {joint.name()}"
+
+
+def _owners(built: TwinDiagram) -> dict[ModelInstanceIndex, str]:
+    """Model instance → the robot, or the model of the world, in words."""
+    return {
+        instance: f"robot {name!r}" if name in built.robots else f"model {name!r} of the world"
+        for instance, name in built.owners().items()
+    }
+
+
+def _named_in(text: str, built: TwinDiagram) -> set[str]:
+    """The owners of the bodies that Drake names."""
+    names = re.findall(r"\bbody (\w+)", text)
+    return {
+        owner
+        for instance, owner in _owners(built).items()
+        if any(built.plant.HasBodyNamed(name, instance) for name in names)
+    }

@@ -1,0 +1,228 @@
+"""What somebody has changed in a plant's context besides its state: masses, dampings, motors, frames, friction."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydrake.geometry import GeometryId, ProximityProperties, Role, RoleAssign, SceneGraph, SceneGraphInspector
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import (
+    FixedOffsetFrame,
+    Joint,
+    JointActuator,
+    ModelInstanceIndex,
+    RigidBody,
+    SpatialInertia,
+    UnitInertia,
+)
+from pydrake.systems.framework import Context
+
+from drake_twin.twin.plain_data import from_plain, to_plain
+
+# What of a shape's properties is numbers. The names are Drake's.
+_MATERIAL = (
+    ("material", "coulomb_friction"),
+    ("material", "hunt_crossley_dissipation"),
+    ("material", "point_contact_stiffness"),
+    ("material", "relaxation_time"),
+    ("hydroelastic", "hydroelastic_modulus"),
+    ("hydroelastic", "resolution_hint"),
+    ("hydroelastic", "slab_thickness"),
+    ("hydroelastic", "margin"),
+)
+
+_Read = Callable[[Context], Sequence[float]]
+_Write = Callable[[Context, Sequence[float]], None]
+
+
+class _Parameter(NamedTuple):
+    """One parameter, by its name in any diagram that has the robot."""
+
+    name: str
+    read: _Read
+    write: _Write
+
+
+class PlantParameters:
+    """The parameters of one plant and its shapes.
+
+    Args:
+        plant: the plant.
+        scene_graph: where its shapes are.
+        root: the diagram's context, as it was built: the model's own properties lack the scene graph's defaults.
+    """
+
+    def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, root: Context):
+        self._plant, self._scene_graph = plant, scene_graph
+        self._default: Context | None = None
+        moving = (plant.get_joint(index) for index in plant.GetJointIndices())
+        self._joints = [joint for joint in moving if joint.num_velocities() > 0]
+        self._numbers = _numbers(plant.GetMyContextFromRoot(root), self._joints)
+        inspector = self._inspector(root)
+        self._shapes = list(self._named_shapes(inspector))
+        self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes}
+
+    def changed(self, root: Context) -> dict[str, list[Any]]:
+        """Name → value of each parameter that is not as it was built, as plain data.
+
+        Args:
+            root: the diagram's context.
+        """
+        now = self._plant.GetMyContextFromRoot(root)
+        found: dict[str, list[Any]] = {}
+        if _numbers(now, self._joints) != self._numbers:
+            before = self._as_built()
+            for parameter in self._parameters():
+                values = list(map(float, parameter.read(now)))
+                if not np.array_equal(values, parameter.read(before), equal_nan=True):
+                    found[parameter.name] = [to_plain(value) for value in values]
+        inspector = self._inspector(root)
+        for name, geometry in self._shapes:
+            now_there, built = _materials(inspector, geometry), self._materials[geometry]
+            for key, values in () if now_there == built else now_there.items():
+                if values != built.get(key):
+                    found[f"{name} {key}"] = [to_plain(value) for value in values]
+        return found
+
+    def put(self, root: Context, given: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> None:
+        """Puts parameters back, and all others to what they were built with.
+
+        Args:
+            root: the diagram's context.
+            given: what `changed` found, in this diagram or another one.
+            leave_out_unknown: whether those of robots that are not there are passed over.
+
+        Raises:
+            ValueError: there is no such parameter, or a value is none.
+        """
+        wanted = {name: [float(from_plain(value)) for value in values] for name, values in given.items()}
+        if not np.isfinite([value for values in wanted.values() for value in values]).all():
+            raise ValueError("parameters of the plant are not finite")
+        present = self.changed(root)
+        if not wanted and not present:
+            return
+        now, before = self._plant.GetMyMutableContextFromRoot(root), self._as_built()
+        for parameter in self._parameters():
+            if parameter.name in wanted:
+                parameter.write(now, wanted.pop(parameter.name))
+            elif parameter.name in present:
+                parameter.write(now, parameter.read(before))
+        for name, geometry in self._shapes:
+            keys = list(self._materials[geometry])
+            own = {key: wanted.pop(f"{name} {key}") for key in keys if f"{name} {key}" in wanted}
+            if own or any(f"{name} {key}" in present for key in keys):
+                self._assign(root, geometry, own)
+        if wanted and not leave_out_unknown:
+            raise ValueError(f"the plant has no such parameters: {', '.join(wanted)}")
+
+    def _assign(self, root: Context, geometry: GeometryId, values: dict[str, list[float]]) -> None:
+        properties = ProximityProperties(self._scene_graph.model_inspector().GetProximityProperties(geometry))
+        for key, numbers in (self._materials[geometry] | values).items():
+            properties.UpdateProperty(*key.split("/"), CoulombFriction(*numbers) if len(numbers) == 2 else numbers[0])
+        self._scene_graph.AssignRole(
+            self._scene_graph.GetMyMutableContextFromRoot(root),
+            self._plant.get_source_id(),
+            geometry,
+            properties,
+            RoleAssign.kReplace,
+        )
+
+    def _inspector(self, root: Context) -> SceneGraphInspector:
+        context = self._scene_graph.GetMyContextFromRoot(root)
+        return self._scene_graph.get_query_output_port().Eval(context).inspector()
+
+    def _as_built(self) -> Context:
+        """The plant's context as it was built; made when it is first asked for."""
+        if self._default is None:
+            self._default = self._plant.CreateDefaultContext()
+        return self._default
+
+    def _named_shapes(self, inspector: SceneGraphInspector) -> Iterator[tuple[str, GeometryId]]:
+        for geometry in inspector.GetAllGeometryIds(Role.kProximity):
+            body = self._plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+            if body is not None:
+                model = self._plant.GetModelInstanceName(body.model_instance())
+                yield f"shape {model}::{body.name()} {inspector.GetName(geometry)}", geometry
+
+    def _parameters(self) -> Iterator[_Parameter]:
+        plant = self._plant
+        for instance in map(ModelInstanceIndex, range(1, plant.num_model_instances())):  # the world has none
+            model = plant.GetModelInstanceName(instance)
+            for body in map(plant.get_body, plant.GetBodyIndices(instance)):
+                yield _Parameter(f"inertia of {model}::{body.name()}", *_inertia(body))
+            for joint in map(plant.get_joint, plant.GetJointIndices(instance)):
+                if joint.num_velocities() > 0:
+                    name = f"{model}::{joint.name()}"
+                    yield _Parameter(f"damping of {name}", joint.GetDampingVector, joint.SetDampingVector)
+                    yield _Parameter(f"lock of {name}", *_lock(joint))
+            for motor in map(plant.get_joint_actuator, plant.GetJointActuatorIndices(instance)):
+                yield _Parameter(f"motor {model}::{motor.name()}", *_motor(motor))
+            for frame in map(plant.get_frame, plant.GetFrameIndices(instance)):
+                if isinstance(frame, FixedOffsetFrame):
+                    yield _Parameter(f"frame {model}::{frame.name()}", *_pose(frame))
+
+
+def _numbers(context: Context, joints: Iterable[Joint]) -> list[bytes | bool]:
+    """All numeric parameters of a plant, and which joints are locked, to be compared."""
+    groups = range(context.num_numeric_parameter_groups())
+    numbers = [context.get_numeric_parameter(index).value().tobytes() for index in groups]
+    return [*numbers, *(joint.is_locked(context) for joint in joints)]
+
+
+def _lock(joint: Joint) -> tuple[_Read, _Write]:
+    """1 for a joint that is locked."""
+
+    def write(context: Context, values: Sequence[float]) -> None:
+        joint.Lock(context) if values[0] else joint.Unlock(context)
+
+    return lambda context: [float(joint.is_locked(context))], write
+
+
+def _inertia(body: RigidBody) -> tuple[_Read, _Write]:
+    """Mass, centre of mass (m), and the unit inertia's moments and products (m²) about the body's origin."""
+
+    def read(context: Context) -> list[float]:
+        inertia = body.CalcSpatialInertiaInBodyFrame(context)
+        unit = inertia.get_unit_inertia()
+        return [inertia.get_mass(), *inertia.get_com(), *unit.get_moments(), *unit.get_products()]
+
+    def write(context: Context, values: Sequence[float]) -> None:
+        mass, x, y, z, *unit = values
+        inertia = SpatialInertia(mass, np.array([x, y, z]), UnitInertia(*unit))
+        body.SetSpatialInertiaInBodyFrame(context, inertia)
+
+    return read, write
+
+
+def _motor(motor: JointActuator) -> tuple[_Read, _Write]:
+    """Rotor inertia (kg m²) and gear ratio."""
+
+    def write(context: Context, values: Sequence[float]) -> None:
+        rotor_inertia, gear_ratio = values
+        motor.SetRotorInertia(context, rotor_inertia)
+        motor.SetGearRatio(context, gear_ratio)
+
+    return lambda context: [motor.rotor_inertia(context), motor.gear_ratio(context)], write
+
+
+def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
+    """The pose in the parent frame: a matrix of 3×4, row by row."""
+
+    def write(context: Context, values: Sequence[float]) -> None:
+        matrix = np.array(values).reshape(3, 4)
+        X_PF = RigidTransform(RotationMatrix(matrix[:, :3]), matrix[:, 3])
+        frame.SetPoseInParentFrame(context, X_PF)
+
+    return lambda context: frame.GetPoseInParentFrame(context).GetAsMatrix34().ravel().tolist(), write
+
+
+def _materials(inspector: SceneGraphInspector, geometry: GeometryId) -> dict[str, list[float]]:
+    """What is numbers among a shape's properties: ``material/coulomb_friction`` → static, dynamic."""
+    properties, found = inspector.GetProximityProperties(geometry), {}
+    for group, name in _MATERIAL:
+        if properties.HasProperty(group, name):
+            value = properties.GetProperty(group, name)
+            is_friction = isinstance(value, CoulombFriction)
+            found[f"{group}/{name}"] = [value.static_friction(), value.dynamic_friction()] if is_friction else [value]
+    return found

@@ -1,0 +1,260 @@
+"""What was done to a twin and when, so that it can be done again: the same calls at the same steps, the same state."""
+
+import functools
+import inspect
+from collections.abc import Callable, Iterable, Mapping, Set
+from dataclasses import dataclass, field, is_dataclass, replace
+from numbers import Real
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from drake_twin.errors import InputError, TwinError
+from drake_twin.messages import shortened
+from drake_twin.saved import saved
+from drake_twin.scenario import LONGEST_TIME
+from drake_twin.twin.plain_data import from_plain, to_plain
+from drake_twin.twin.saved_file import read_saved, write_saved
+from drake_twin.twin.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from pydrake.geometry import Meshcat
+
+    from drake_twin.twin.twin import Twin
+
+_KIND, _VERSION = "recording", 2
+_CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
+_SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
+_METHODS = (
+    "apply_wrench",
+    "clear_emergency_stop",
+    "delete",
+    "emergency_stop",
+    "publish",
+    "reset",
+    "restore",
+    "send_goal",
+    "set_entity_state",
+    "set_joint_positions",
+    "set_time_step",
+    "silence",
+    "spawn",
+)  # of `Twin`
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+
+@saved("Call")
+@dataclass(frozen=True)
+class Call:
+    """Something that was done to a twin.
+
+    Attributes:
+        time: when (simulated s).
+        name: the method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
+        arguments: what it was given.
+        named: what it was given by name.
+        is_refused: whether it was refused.
+
+    Raises:
+        InputError: an entry is of another kind.
+    """
+
+    time: float
+    name: str
+    arguments: tuple[Any, ...] = ()
+    named: Mapping[str, Any] = field(default_factory=dict)
+    is_refused: bool = False
+
+    def __post_init__(self) -> None:
+        known = self.name in (_CONTROLLER_MANAGER, _CANCEL) or self.name in _METHODS
+        given = isinstance(self.arguments, tuple) and isinstance(self.named, Mapping)
+        if not known or not given or not all(isinstance(name, str) for name in self.named) or not _is_time(self.time):
+            raise InputError(f"{shortened(self.name)} at {shortened(self.time)} s is nothing that is done to a twin")
+
+
+@saved("Recording")
+@dataclass(frozen=True)
+class Recording:
+    """A run: how it began, what was done, and when it ended (simulated s)."""
+
+    start: Snapshot
+    calls: tuple[Call, ...]
+    end: float
+
+    def __post_init__(self) -> None:
+        are_calls = isinstance(self.calls, tuple) and all(isinstance(call, Call) for call in self.calls)
+        if not isinstance(self.start, Snapshot) or not are_calls or not _is_time(self.end):
+            raise InputError("a recording is a snapshot, calls and the time of the end")
+
+    def save(self, file: str | Path) -> None:
+        """Writes it as JSON.
+
+        Raises:
+            RunError: the file cannot be written.
+        """
+        write_saved(file, _KIND, _VERSION, {"recording": to_plain(self)})
+
+    @classmethod
+    def load(cls, file: str | Path) -> "Recording":
+        """Reads what `save` wrote.
+
+        Raises:
+            InputError: the file cannot be read, or is no recording of this version.
+        """
+        try:
+            recording = from_plain(read_saved(file, _KIND, _VERSION).get("recording"))
+        except InputError as error:
+            raise InputError(error.message, file=file) from None
+        if not isinstance(recording, cls):
+            raise InputError("this is no recording of a twin", file=file)
+        return recording
+
+
+class Recorder:
+    """Takes note of calls.
+
+    Args:
+        time: tells the present simulation time (s).
+    """
+
+    def __init__(self, time: Callable[[], float]):
+        self._time = time
+        self._start: Snapshot | None = None
+        self._calls: list[Call] = []
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it has begun."""
+        return self._start is not None
+
+    def begin(self, start: Snapshot) -> None:
+        """Begins anew at a moment."""
+        self._start = start
+        self._calls = []
+
+    def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
+        """Takes note of a call.
+
+        Returns:
+            Its index, which `refuse` takes; None where it takes no note.
+        """
+        if self._start is None:
+            return None
+        try:
+            plain, plain_named = from_plain(to_plain((arguments, named)))
+        except (TypeError, RecursionError):  # what no method takes; it is refused in a moment
+            return None
+        self._calls.append(Call(self._time(), name, plain, plain_named))
+        return len(self._calls) - 1
+
+    def refuse(self, index: int | None) -> None:
+        """Notes that a call was refused."""
+        if index is not None:
+            self._calls[index] = replace(self._calls[index], is_refused=True)
+
+    def recording(self) -> Recording:
+        """What has been noted until now.
+
+        Raises:
+            InputError: it has not begun.
+        """
+        if self._start is None:
+            raise InputError("nothing has been recorded: call record() first")
+        return Recording(self._start, tuple(self._calls), self._time())
+
+
+def recorded(method: _Method) -> _Method:
+    """A method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
+    assert method.__name__ in _METHODS
+    signature = inspect.signature(method)
+
+    @functools.wraps(method)
+    def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
+        recorder = twin.recorder
+        if not recorder.is_on:
+            return method(twin, *arguments, **named)
+        given = signature.bind(twin, *arguments, **named)
+        for name, value in given.arguments.items():
+            if name != "self":
+                given.arguments[name] = _settled(value)
+        noted = {name: value for name, value in given.arguments.items() if name not in ("self", "on_result")}
+        index = recorder.note(method.__name__, **noted)
+        try:
+            return method(*given.args, **given.kwargs)
+        except TwinError:
+            recorder.refuse(index)
+            raise
+
+    return call  # type: ignore[return-value]
+
+
+def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
+    """Does again what was recorded, as fast as it goes.
+
+    Args:
+        recording: the run.
+        meshcat: the page to draw on.
+
+    Returns:
+        The twin at the recording's end, in the same state to the last bit.
+
+    Raises:
+        InputError: the files that its robots are made of are not there.
+    """
+    from drake_twin.scenario.scenario_file import ScenarioFile
+    from drake_twin.twin.twin import Twin
+
+    twin = Twin(ScenarioFile(recording.start.scenario, "recording").scenario, meshcat)
+    twin.restore(recording.start)
+    for call in recording.calls:
+        if call.time > twin.time:
+            twin.advance_to(call.time)
+        _do(twin, call)
+    if recording.end > twin.time:
+        twin.advance_to(recording.end)
+    return twin
+
+
+def _do(twin: "Twin", call: Call) -> None:
+    """Does what was done; what was refused then is refused now.
+
+    Raises:
+        InputError: it cannot be done again.
+    """
+    try:
+        if call.name == _CONTROLLER_MANAGER:
+            robot, method, *arguments = call.arguments
+            if method not in _SERVICES:
+                raise InputError(f"there is no service {method!r}")
+            getattr(twin.controller_manager(robot), method)(*arguments)
+        else:
+            getattr(twin, call.name)(*call.arguments, **call.named)
+    except (TwinError, TypeError, ValueError) as error:
+        if not call.is_refused:
+            raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be done again: {error}") from None
+
+
+def _settled(value: Any) -> Any:
+    """A value as a recording holds it, and as the method gets it: what can be read once only is read here."""
+    if value is None or isinstance(value, bool | int | float | str | bytes | np.ndarray | np.generic | Set):
+        return value
+    if isinstance(value, Real):
+        try:
+            return float(value)
+        except OverflowError:
+            return value
+    try:
+        if isinstance(value, Mapping):
+            return {key: _settled(item) for key, item in value.items()}
+        if isinstance(value, tuple):
+            return value if hasattr(value, "_fields") else tuple(map(_settled, value))
+        if isinstance(value, Iterable) and not is_dataclass(value):
+            return [_settled(item) for item in value]
+    except RecursionError:  # a list that holds itself
+        pass
+    return value
+
+
+def _is_time(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= LONGEST_TIME

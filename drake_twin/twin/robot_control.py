@@ -1,0 +1,315 @@
+"""One robot's controllers in a running diagram: switched, commanded, looked after when they fail, stopped."""
+
+import functools
+import logging
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
+
+from pydrake.systems.framework import Context
+
+from drake_twin import messages
+from drake_twin.controllers.controller import Controller, PeriodicController
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.diagram.plant import RobotInPlant
+from drake_twin.diagram.robot_diagram import RobotDiagram
+from drake_twin.diagram.servo_assignment import assign
+from drake_twin.diagram.servo_gains import BRAKE, set_gains
+from drake_twin.diagram.servo_modes import (
+    CHECK_PERIOD,
+    JointMotion,
+    check_period,
+    driven_joints,
+    next_modes,
+    released,
+    slipping_range,
+    without_commands,
+)
+from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
+from drake_twin.errors import CommandError
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.systems.joint_servo import ServoAssignment
+from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.plain_data import from_plain, to_plain
+
+_log = logging.getLogger(__name__)
+
+
+class RobotControl:
+    """Does what the robot's controller manager decides.
+
+    Args:
+        plan: the robot.
+        clear: is told of a controller whose topics' ports are to be cleared.
+        note: is told of what somebody does to the controllers.
+
+    Attributes:
+        manager: the controller manager.
+        stopped: whether an emergency stop holds.
+        kept: how the joints were driven before that changed; the twin clears it before each advance.
+        check_period: how often `check_joints` is to be called (s); None while no joint needs it.
+    """
+
+    _built: TwinDiagram
+    _parts: RobotDiagram
+    _in_plant: RobotInPlant
+    _context: Context
+
+    def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., object]):
+        self._plan = plan
+        self._clear = clear
+        self._note = note
+        self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
+        self.stopped = False
+        self.check_period: float | None = None
+        self.kept: ServoAssignment | None = None
+
+    def use(self, built: TwinDiagram, context: Context) -> None:
+        """Works with a diagram from now on; states have been carried over to it."""
+        self._built = built
+        self._parts = built.parts[self._plan.name]
+        self._in_plant = built.robots[self._plan.name]
+        self._context = context
+        self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
+        layout = self._in_plant.layout
+        names = [joint or next(iter(layout.positions)) for joint in self._parts.joints]  # any, where it models friction
+        self._positions = [layout.positions[name] for name in names]
+        self._velocities = [layout.velocities[name] for name in names]
+        self._put_gains_in_force()
+
+    @property
+    def plan(self) -> RobotPlan:
+        """The robot."""
+        return self._plan
+
+    def retire(self) -> None:
+        """Lets go of the diagram: the robot has been deleted, and whoever still asks its manager hears of nothing."""
+        self.manager.retire()
+        del self._built, self._parts, self._in_plant, self._context
+
+    @property
+    def controllers(self) -> dict[str, Controller]:
+        """Controller name → its system."""
+        return self._parts.controllers
+
+    def start(self) -> None:
+        """Activates what is active at the start, in a context that holds the default state."""
+        self.manager.restart()
+        self.stopped = False
+        for name in self.manager.active:
+            if name in self.controllers:
+                self.controllers[name].activate(self.context_of(name))
+        self._put_gains_in_force()
+
+    def context_of(self, controller: str) -> Context:
+        """A controller's own context."""
+        return self.controllers[controller].GetMyMutableContextFromRoot(self._context)
+
+    def read(self, topic: CommandTopic, data: Any) -> Any:
+        """What goes onto a topic's port for a message.
+
+        Raises:
+            CommandError: the data does not fit the topic's type, or the controller refuses it.
+        """
+        try:
+            kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
+            message: Any
+            if kind == "std_msgs/msg/Float64MultiArray" and messages.is_bare(data):
+                message = messages.Numbers.read(data)
+            else:
+                message = messages.message(kind, data)
+        except (TypeError, ValueError) as error:
+            is_list = topic.type == "std_msgs/msg/Float64MultiArray" and not isinstance(data, Mapping)
+            text = f"{messages.shortened(data)} is not a list of numbers" if is_list else str(error)
+            raise CommandError(text) from None
+        controller = self.controllers[topic.controller]
+        if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
+            message = messages.Numbers((message.data,) * len(controller.claims))
+        return controller.read(topic.name, message, self.context_of(topic.controller))
+
+    def accepts(self, topic: CommandTopic) -> bool:
+        """Whether a message on a topic reaches its controller: one that is not active hears nothing."""
+        return self.manager.is_active(topic.controller)
+
+    def cancel(self, controller: str) -> None:
+        """Ends the present goal of a controller's action."""
+        self._note("cancel", self._plan.name, controller)
+        self.controllers[controller].cancel(self.context_of(controller))
+
+    def give_up_faulty(self) -> None:
+        """Deactivates the controllers whose last update failed."""
+        for name in self.manager.active:
+            if name in self.controllers:
+                fault = self.controllers[name].fault(self.context_of(name))
+                if fault is not None:
+                    self.give_up(name, fault)
+
+    def give_up(self, controller: str, why: str) -> None:
+        """Deactivates a controller, and says so."""
+        stopped = self.manager.give_up(controller)
+        _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
+
+    def take_back(self) -> None:
+        """Drives the joints as `kept` has it: the step that was to follow has failed."""
+        servo = self._parts.servo
+        if servo is not None and self.kept is not None:
+            servo.assign(servo.GetMyMutableContextFromRoot(self._context), self.kept)
+            self._put_gains_in_force()
+            self.kept = None
+
+    def follow_commands(self) -> None:
+        """Lets the joints be driven as is commanded now."""
+        self._next_modes(is_check=False)
+
+    def check_joints(self) -> None:
+        """Holds joints that have come to rest, and lets those slip that are pushed away."""
+        if self.check_period == CHECK_PERIOD or self._is_pushed_away():
+            self._next_modes(is_check=True)
+
+    def release(self, joints: Collection[str]) -> None:
+        """Holds joints that a velocity is commanded of where they have been put, and not where they were."""
+        servo = self._parts.servo
+        if servo is not None:
+            context = servo.GetMyMutableContextFromRoot(self._context)
+            indices = [index for index, joint in enumerate(self._parts.joints) if joint in joints]
+            servo.assign(context, released(servo.assignment(context), indices))
+            self._put_gains_in_force()
+
+    def emergency_stop(self) -> None:
+        """Brakes all joints until they are at rest, and holds them; goals are cancelled."""
+        if not self.stopped:
+            for name in self.manager.active:
+                if name in self.controllers:
+                    self.controllers[name].cancel(self.context_of(name))
+            modes, holds = self._stopped_joints()
+            self.stopped = True
+            self._assign(modes, holds)
+
+    def clear_emergency_stop(self) -> None:
+        """Lets the controllers command again; each begins anew."""
+        if self.stopped:
+            self.stopped = False
+            active = tuple(name for name in self.manager.active)
+            self._switch(active, active)
+
+    def snapshot(self) -> dict[str, Any]:
+        """What of the robot's controllers goes on from here: their states, what they keep, the servos' assignment."""
+        samples: dict[str, Any] = {}
+        for name, controller in self.controllers.items():
+            if isinstance(controller, PeriodicController | SensorBroadcaster):
+                samples[name] = to_plain(controller.sample(self.context_of(name)))
+        servo = self._parts.servo
+        return {
+            "controllers": self.manager.states,
+            "samples": samples,
+            "servo": None if servo is None else to_plain(servo.assignment(servo.GetMyContextFromRoot(self._context))),
+            "stopped": self.stopped,
+        }
+
+    def restore(self, saved: Mapping[str, Any]) -> None:
+        """Goes back to what `snapshot` gave."""
+        self.manager.take_up(saved["controllers"])
+        self.stopped = bool(saved["stopped"])
+        samples = {
+            name: controller
+            for name, controller in self.controllers.items()
+            if isinstance(controller, PeriodicController | SensorBroadcaster)
+        }
+        if set(saved["samples"]) != set(samples):
+            raise ValueError(f"samples of {', '.join(samples)} are needed")
+        for name, controller in samples.items():
+            context = self.context_of(name)
+            context.SetAbstractState(0, _like(controller.sample(context), from_plain(saved["samples"][name])))
+        servo = self._parts.servo
+        if servo is not None:
+            context = servo.GetMyMutableContextFromRoot(self._context)
+            assignment = _like(servo.assignment(context), from_plain(saved["servo"]))
+            servo.check(assignment)
+            servo.assign(context, assignment)
+        self._put_gains_in_force()
+
+    def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:
+        modes, holds = self._stopped_joints()
+        for name in stopped:
+            if name in self.controllers:
+                self.controllers[name].deactivate(self.context_of(name))  # it still sees a goal that waits for it
+                self._clear(self._plan.name, name)
+        for name in started:
+            if name in self.controllers:
+                self._clear(self._plan.name, name)
+                self.controllers[name].activate(self.context_of(name))
+        self._assign(modes, holds)
+
+    def _stopped_joints(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
+        """How the joints are driven once the present controllers write nothing more, and where they are held."""
+        servo = self._parts.servo
+        if servo is None:
+            return (), ()
+        self.follow_commands()
+        return without_commands(
+            servo.assignment(servo.GetMyContextFromRoot(self._context)), self._joints, self._motion()
+        )
+
+    def _assign(self, modes: Sequence[str], holds: Sequence[float]) -> None:
+        """Lets the joints follow the controllers that are active now."""
+        servo = self._parts.servo
+        if servo is None:
+            return
+        driving = {name: item for name, item in self.controllers.items() if item.claims}
+        active = () if self.stopped else self.manager.active
+        hold_joints = self._plan.hold_joints or self.stopped
+        assignment = assign(self._parts.joints, driving, active, holds, modes, hold_joints=hold_joints)
+        servo.assign(servo.GetMyMutableContextFromRoot(self._context), assignment)
+        self._put_gains_in_force()
+        self.follow_commands()
+
+    def _next_modes(self, *, is_check: bool) -> None:
+        servo = self._parts.servo
+        if servo is None:
+            return
+        context = servo.GetMyMutableContextFromRoot(self._context)
+        now = servo.assignment(context)
+        new = next_modes(
+            now, self._joints, self._motion(with_gravity=is_check and BRAKE in now.modes), is_check=is_check
+        )
+        if new is not now:
+            self.kept = self.kept or now
+            servo.assign(context, new)
+            self._put_gains_in_force()
+
+    def _is_pushed_away(self) -> bool:
+        """Whether a joint slips, which is sooner told than how all are driven."""
+        plant = self._built.plant
+        q = plant.GetPositions(plant.GetMyContextFromRoot(self._context), self._in_plant.instance)
+        return not all(lower <= q[self._positions[index]] <= upper for index, lower, upper in self._slipping)
+
+    def _motion(self, *, with_gravity: bool = False) -> JointMotion:
+        """How the joints move, and what is commanded of them."""
+        servo, plant, instance = self._parts.servo, self._built.plant, self._in_plant.instance
+        assert servo is not None
+        context = plant.GetMyContextFromRoot(self._context)
+        state = plant.GetPositionsAndVelocities(context, instance).tolist()
+        gravity = [0.0] * len(state)
+        if with_gravity:
+            forces = plant.GetVelocitiesFromArray(instance, plant.CalcGravityGeneralizedForces(context)).tolist()
+            gravity[-len(forces) :] = forces
+        return JointMotion(
+            list(map(state.__getitem__, self._positions)),
+            list(map(state.__getitem__, self._velocities)),
+            list(map(gravity.__getitem__, self._velocities)),
+            *servo.commanded(servo.GetMyContextFromRoot(self._context)),
+        )
+
+    def _put_gains_in_force(self) -> None:
+        servo = self._parts.servo
+        if servo is not None:
+            assignment = servo.assignment(servo.GetMyContextFromRoot(self._context))
+            set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
+            self.check_period = check_period(assignment)
+            self._slipping = slipping_range(assignment, self._joints)
+
+
+def _like(present: Any, saved: Any) -> Any:
+    """What was saved, if it is of the kind of what is there now."""
+    if type(saved) is not type(present):
+        raise ValueError(f"{type(saved).__name__} is no {type(present).__name__}")
+    return saved

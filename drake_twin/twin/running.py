@@ -1,0 +1,266 @@
+"""A diagram that runs: its simulator and context, and what becomes of them when the diagram is built anew.
+
+A plant cannot change once it is finalized. When a robot comes or goes, or the step changes, the diagram is built anew,
+and every state is carried over by name; the old one is let go of, so that its memory comes back.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import Meshcat
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce
+from pydrake.multibody.tree import QuaternionFloatingJoint
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
+from pydrake.systems.framework import Context
+
+from drake_twin.controllers.controller import PeriodicController
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.diagram.let_go import let_go
+from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
+from drake_twin.errors import RunError
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
+from drake_twin.twin.entities import Wrench, find_body
+from drake_twin.twin.plant_parameters import PlantParameters
+from drake_twin.twin.state import read_robot_state
+
+# Longer than the longest grid (s): a limit that is met but for rounding leaves a step of 1e-16 s. In such a step the
+# velocity that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
+_LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
+ABSURD = 1e12  # rad, m, rad/s or m/s
+_SAME_TIME = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What a diagram's context holds between two steps, to go back to when a step fails.
+
+    Attributes:
+        time: s.
+        state: the plant's ``[q; v]``.
+        samples: what each controller that keeps something keeps, in the order of their contexts.
+    """
+
+    time: float
+    state: np.ndarray
+    samples: tuple[Any, ...]
+
+
+class Running:
+    """A scenario's diagram with its simulator.
+
+    Args:
+        scenario: what to run.
+        meshcat: the page to draw on.
+        known: a diagram that was built before; what it shares with this one is not made again.
+
+    Attributes:
+        built: the diagram.
+        simulator: its simulator.
+        context: the root context.
+        plant_context: the plant's part of it.
+    """
+
+    def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None, known: TwinDiagram | None = None):
+        self.built = build_twin_diagram(scenario, meshcat, known)
+        self.simulator = Simulator(self.built.diagram)
+        if scenario.engine == CENIC:
+            configuration = SimulatorConfig(
+                integration_scheme="cenic", accuracy=scenario.accuracy, max_step_size=_LONGEST_STEP_OF_CENIC
+            )
+            ApplySimulatorConfig(configuration, self.simulator)
+        self.context: Context = self.simulator.get_mutable_context()
+        self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
+        self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
+        self._time_step = scenario.time_step
+        keepers = [
+            item
+            for parts in self.built.parts.values()
+            for item in parts.controllers.values()
+            if isinstance(item, PeriodicController | SensorBroadcaster)
+        ]
+        self._keepers = [(item, item.GetMyMutableContextFromRoot(self.context)) for item in keepers]
+        plant = self.built.plant
+        joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]
+        self._quaternions = np.add.outer(np.array(starts, dtype=int), np.arange(4))
+        self._updates: set[tuple[float, float]] = set()
+        if scenario.engine == CENIC:
+            self._updates = {(item.setup.update_period, item.setup.update_offset) for item in keepers}
+
+    def settle(self) -> bool:
+        """Halves the quaternions of what turns freely, as often as their lengths allow, after each advance.
+
+        Each of Drake's discrete steps makes a quaternion longer, by (h ω)² / 8: one that turns at 20 rad/s with 10 ms
+        would be beyond all numbers after eight seconds. Drake's plant means the same by a quaternion of any length, and
+        a power of two changes no digit: a run goes on to the same bit whenever this is called.
+
+        Returns:
+            Whether the state is one that a thing can be in.
+        """
+        plant = self.built.plant
+        state = plant.GetPositionsAndVelocities(self.plant_context)
+        if len(self._quaternions):
+            squares = np.add.reduce(state[self._quaternions] ** 2, axis=1)
+            if np.logical_or.reduce(squares >= 4.0) and np.logical_and.reduce(np.isfinite(squares)):
+                halvings = np.maximum(np.frexp(np.sqrt(squares))[1] - 1, 0)
+                state[self._quaternions] = np.ldexp(state[self._quaternions], -halvings[:, np.newaxis])
+                plant.SetPositions(self.plant_context, state[: plant.num_positions()])
+        return bool(np.logical_and.reduce(np.abs(state) < ABSURD))
+
+    def initialize(self) -> None:
+        """Makes the simulator begin at the context's time and state.
+
+        Raises:
+            RunError: Drake cannot.
+        """
+        try:
+            self.simulator.Initialize()
+        except (RuntimeError, SystemExit) as error:
+            raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
+
+    def moment(self) -> Moment:
+        """The present moment, which `go_back` returns to. Asked for before each advance: it copies one vector."""
+        state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
+        samples = tuple(item.sample(context) for item, context in self._keepers)
+        return Moment(self.context.get_time(), state, samples)
+
+    def go_back(self, moment: Moment) -> None:
+        """Goes back to a moment of this diagram, as far as steps have changed what it holds."""
+        self.context.SetTime(moment.time)
+        self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
+        for (_, context), sample in zip(self._keepers, moment.samples, strict=True):
+            context.SetAbstractState(0, sample)
+        self.initialize()
+
+    def time_of(self, step: int) -> float:
+        """The time at which a step ends (s), or the time of an update that differs from it by rounding alone.
+
+        With CENIC a controller's update just beside a step's end would leave a step of 1e-16 s between the two.
+        """
+        time = step * self._time_step
+        if not self._updates:
+            return time
+        updates = [offset + round((time - offset) / period) * period for period, offset in self._updates]
+        return max((update for update in updates if abs(update - time) < _SAME_TIME), default=time)
+
+    def start_at_rest(self) -> None:
+        """Puts the context into its default state at time zero, with no command on any port."""
+        self.built.diagram.SetDefaultContext(self.context)
+        self.context.SetTime(0.0)
+        self.built.fix_commands(self.context)
+
+    def carry_over(self, old: "Running", step: int) -> None:
+        """Takes states from another diagram, by name: joints, bases, moving models, controllers, servos, parameters.
+
+        Args:
+            old: the other diagram.
+            step: the present step, counted in this one's.
+        """
+        self.context.SetTime(self.time_of(step))
+        self.built.fix_commands(self.context)
+        for name, parts in self.built.robots.items():
+            if self._is_same_robot(name, old):
+                self._carry_robot(name, old)
+                assert parts.layout == old.built.robots[name].layout
+        self._parameters.put(self.context, old.parameters(), leave_out_unknown=True)
+        if self.built.world != old.built.world:
+            return
+        for name, instances in self.built.world_models.items():
+            for new, before in zip(instances, old.built.world_models.get(name, ()), strict=False):
+                state = old.built.plant.GetPositionsAndVelocities(old.plant_context, before)
+                self.built.plant.SetPositionsAndVelocities(self.plant_context, new, state)
+
+    def _is_same_robot(self, name: str, old: "Running") -> bool:
+        """Whether another diagram has a robot of this name, made of the same files."""
+        plans = {plan.name: plan for plan in old.built.plans}
+        return name in plans and any(plan is plans[name] for plan in self.built.plans)
+
+    def set_robot_state(self, robot: str, state: np.ndarray) -> None:
+        """Puts a robot's ``[q; v]`` where it belongs."""
+        self.built.plant.SetPositionsAndVelocities(self.plant_context, self.built.robots[robot].instance, state)
+
+    def robot_state(self, robot: str) -> np.ndarray:
+        """A robot's ``[q; v]``."""
+        instance = self.built.robots[robot].instance
+        return np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context, instance))
+
+    def snapshot(self, plan: RobotPlan) -> dict[str, Any]:
+        """A robot's state as plain data: its vector ``[q; v]``, and the same in words."""
+        state = read_robot_state(self.built, self.context, plan, with_efforts=False)
+        return {
+            "state": self.robot_state(plan.name).tolist(),
+            "joints": {
+                joint: [position, velocity]
+                for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
+            },
+            "base_pose": list(state.base_pose),
+        }
+
+    def model_states(self) -> dict[str, list[list[float]]]:
+        """What moves in the world and is no robot → ``[q; v]`` of each of its model instances."""
+        plant = self.built.plant
+        return {
+            name: [plant.GetPositionsAndVelocities(self.plant_context, instance).tolist() for instance in instances]
+            for name, instances in self.built.world_models.items()
+        }
+
+    def set_model_states(self, states: Mapping[str, list[list[float]]]) -> None:
+        """Puts them back."""
+        if set(states) != set(self.built.world_models):
+            raise ValueError("the world's models are others")
+        for name, vectors in states.items():
+            for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
+                self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
+
+    def parameters(self) -> dict[str, list[Any]]:
+        """The parameters of the plant and its shapes that somebody has changed, by name."""
+        return self._parameters.changed(self.context)
+
+    def set_parameters(self, changed: Mapping[str, Sequence[Any]]) -> None:
+        """Puts them back, and all others to what they were built with."""
+        self._parameters.put(self.context, changed)
+
+    def samples(self, robot: str) -> dict[str, Any]:
+        """Controller → what it keeps from one update to the next."""
+        return {
+            name: controller.sample(controller.GetMyContextFromRoot(self.context))
+            for name, controller in self.built.parts[robot].controllers.items()
+            if isinstance(controller, PeriodicController | SensorBroadcaster)
+        }
+
+    def set_samples(self, robot: str, samples: Mapping[str, Any]) -> None:
+        """Puts back what controllers keep."""
+        for name, sample in samples.items():
+            controller = self.built.parts[robot].controllers[name]
+            assert isinstance(controller, PeriodicController | SensorBroadcaster)
+            controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
+
+    def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
+        """Lets forces and torques act on links, and no others."""
+        port = self.built.plant.get_applied_spatial_force_input_port()
+        if not wrenches and not port.HasValue(self.plant_context):
+            return  # a port that was never used costs nothing
+        forces = []
+        for wrench in wrenches:
+            force = ExternallyAppliedSpatialForce()
+            force.body_index = find_body(self.built, wrench.entity).index()
+            force.F_Bq_W = SpatialForce(tau=np.array(wrench.torque), f=np.array(wrench.force))
+            forces.append(force)
+        port.FixValue(self.plant_context, forces)
+
+    def discard(self) -> None:
+        """Lets go of the diagram, so that it can be freed."""
+        let_go([self.simulator, self.built.diagram])
+        del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
+
+    def _carry_robot(self, name: str, old: "Running") -> None:
+        self.set_robot_state(name, old.robot_state(name))
+        self.set_samples(name, old.samples(name))
+        servo, before = self.built.parts[name].servo, old.built.parts[name].servo
+        if servo is not None and before is not None:
+            assignment = before.assignment(before.GetMyContextFromRoot(old.context))
+            servo.assign(servo.GetMyMutableContextFromRoot(self.context), assignment)

@@ -1,0 +1,103 @@
+"""A twin at one moment as plain data: kept in memory or in a file, and gone back to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from drake_twin.errors import InputError
+from drake_twin.messages import shortened
+from drake_twin.saved import saved
+from drake_twin.twin.saved_file import read_saved, write_saved
+
+_KIND, _VERSION = "saved state", 2
+
+
+@saved("Snapshot")
+@dataclass(frozen=True)
+class Snapshot:
+    """A moment of a twin.
+
+    Attributes:
+        scenario: the scenario as YAML; it says which robots there are.
+        time_step: the physics step (s).
+        step: the number of steps since time zero.
+        robots: robot → its state ``[q; v]``, its joints in words, its controllers and what they keep, its servos.
+        models: what moves in the world and is no robot → its states.
+        parameters: name → value of what is not as it was built in the plant and its shapes: masses, friction.
+        commands: topic → the message that holds, as it is on the port.
+        expiries: topic → the time at which its message no longer holds (s).
+        waiting: what is published and not yet applied, in its order: topic and message.
+        wrenches: what pushes links.
+        schedule: how often each of the scenario's commands has been published.
+        silenced: topics whose scheduled commands are dropped.
+        next_time_step: the step that waits for its next multiple (s); None when none does.
+
+    Raises:
+        InputError: an entry is of another kind.
+    """
+
+    scenario: str
+    time_step: float
+    step: int
+    robots: dict[str, Any]
+    models: dict[str, Any]
+    parameters: dict[str, list[Any]]
+    commands: dict[str, Any]
+    expiries: dict[str, float]
+    waiting: list[list[Any]]
+    wrenches: Any
+    schedule: list[int]
+    silenced: list[str]
+    next_time_step: float | None
+
+    def __post_init__(self) -> None:
+        kinds = {
+            "robots": isinstance(self.robots, Mapping) and all(isinstance(r, Mapping) for r in self.robots.values()),
+            "scenario": isinstance(self.scenario, str),
+            "time_step": _is_number(self.time_step),
+            "step": type(self.step) is int and self.step >= 0,
+            "models": isinstance(self.models, Mapping),
+            "parameters": isinstance(self.parameters, Mapping)
+            and all(isinstance(values, list) for values in self.parameters.values()),
+            "commands": isinstance(self.commands, Mapping),
+            "expiries": isinstance(self.expiries, Mapping) and all(map(_is_number, self.expiries.values())),
+            "waiting": isinstance(self.waiting, list)
+            and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
+            "schedule": isinstance(self.schedule, list)
+            and all(isinstance(count, int) and count >= 0 for count in self.schedule),
+            "silenced": isinstance(self.silenced, list) and all(isinstance(topic, str) for topic in self.silenced),
+            "next_time_step": self.next_time_step is None or _is_number(self.next_time_step),
+        }
+        for name, is_right in kinds.items():
+            if not is_right:
+                raise InputError(f"a saved state cannot have {shortened(getattr(self, name))} as its {name}")
+
+    def save(self, file: str | Path) -> None:
+        """Writes it as JSON.
+
+        Raises:
+            RunError: the file cannot be written.
+        """
+        write_saved(file, _KIND, _VERSION, dict(vars(self)))
+
+    @classmethod
+    def load(cls, file: str | Path) -> "Snapshot":
+        """Reads what `save` wrote.
+
+        Raises:
+            InputError: the file cannot be read, or is no snapshot of this version.
+        """
+        data = read_saved(file, _KIND, _VERSION)
+        names = set(cls.__dataclass_fields__)
+        if set(data) != names:
+            raise InputError(f"a saved state has the entries {', '.join(sorted(names))}", file=file)
+        try:
+            return cls(**data)
+        except InputError as error:
+            raise InputError(error.message, file=file) from None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

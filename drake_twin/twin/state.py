@@ -1,0 +1,65 @@
+"""The state of a diagram's robots at one moment: read by name, checked, hashed."""
+
+import hashlib
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import Context
+
+from drake_twin.diagram.twin_diagram import TwinDiagram
+from drake_twin.planning.robot_plan import RobotPlan
+
+
+@dataclass(frozen=True)
+class RobotState:
+    """One robot at one moment.
+
+    Attributes:
+        joints: the names of its movable joints, in file order.
+        positions: joint positions (rad or m).
+        velocities: joint velocities (rad/s or m/s).
+        efforts: what its actuators apply (N·m or N); zero where a joint has none.
+        base_pose: the root link in the world: x, y, z (m), qw, qx, qy, qz.
+    """
+
+    joints: tuple[str, ...]
+    positions: tuple[float, ...]
+    velocities: tuple[float, ...]
+    efforts: tuple[float, ...]
+    base_pose: tuple[float, ...]
+
+
+def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, with_efforts: bool = True) -> RobotState:
+    """The state of one robot.
+
+    Args:
+        built: the diagram.
+        context: its root context.
+        plan: the robot.
+        with_efforts: whether to ask for efforts, for which the plant solves the step to come; else they are zero.
+    """
+    parts, plant = built.robots[plan.name], built.plant
+    plant_context = plant.GetMyContextFromRoot(context)
+    layout = parts.layout
+    state = plant.GetPositionsAndVelocities(plant_context, parts.instance)
+    efforts = np.zeros(layout.num_actuators)
+    if with_efforts:
+        publisher = built.parts[plan.name].joint_states
+        efforts = publisher.efforts(publisher.GetMyContextFromRoot(context))
+    names = tuple(joint.name for joint in plan.description.movable_joints)
+    root = plant.GetBodyByName(plan.model.root_body, parts.instance)
+    pose = plant.EvalBodyPoseInWorld(plant_context, root)
+    return RobotState(
+        joints=names,
+        positions=tuple(float(state[layout.positions[name]]) for name in names),
+        velocities=tuple(float(state[layout.velocities[name]]) for name in names),
+        efforts=tuple(float(efforts[layout.efforts[name]]) if name in layout.efforts else 0.0 for name in names),
+        base_pose=(*pose.translation().tolist(), *pose.rotation().ToQuaternion().wxyz().tolist()),
+    )
+
+
+def hash_plain(data: Any) -> str:
+    """SHA-256 of plain data, the same for equal data and for no other."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()

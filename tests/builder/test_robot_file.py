@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+
+from drake_twin import Twin
+from drake_twin.builder.robot_file import robot_file_scenario
+from drake_twin.description.package_index import share_folder
+from drake_twin.errors import InputError
+
+MODELS = share_folder("models")
+ROVER = MODELS / "rover_description" / "urdf" / "rover.urdf.xacro"
+ARM = MODELS / "arduinobot_description" / "urdf" / "arduinobot.urdf.xacro"
+
+PREFIXED = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:arg name="{argument}" default=""/>
+  <link name="$(arg {argument})base">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><sphere radius="0.25"/></geometry></collision>
+  </link>
+</robot>"""
+
+
+def test_a_single_robot_keeps_the_name_its_file_gives_it():
+    (robot,) = robot_file_scenario(ARM, xacro_args={}).robots
+    assert robot.name == "arduinobot"
+
+
+def test_a_mobile_robot_stands_on_the_ground_and_stays_there():
+    scenario = robot_file_scenario(ROVER, xacro_args={})
+    assert scenario.robots[0].xyz[2] == pytest.approx(0.13, abs=0.001)
+    twin = Twin(scenario)
+    twin.advance_to(1.0)
+    assert twin.robot_state("rover").base_pose[2] == pytest.approx(scenario.robots[0].xyz[2], abs=0.001)
+
+
+def test_a_robot_bolted_to_the_world_stays_at_the_origin():
+    assert robot_file_scenario(ARM, xacro_args={}).robots[0].xyz == (0, 0, 0)
+
+
+def test_several_robots_stand_in_a_row_that_leaves_each_room_to_turn():
+    scenario = robot_file_scenario(ROVER, 3, xacro_args={})
+    assert [robot.name for robot in scenario.robots] == ["robot_1", "robot_2", "robot_3"]
+    gaps = np.diff([robot.xyz[1] for robot in scenario.robots])
+    assert np.all(gaps > np.hypot(0.58, 0.47))
+
+
+@pytest.mark.parametrize(
+    ("argument", "value"), [("robot_name", "robot_2"), ("prefix", "robot_2_"), ("namespace", "robot_2")]
+)
+def test_several_robots_are_named_through_the_files_own_argument(tmp_path, argument, value):
+    file = tmp_path / "r.urdf.xacro"
+    file.write_text(PREFIXED.format(argument=argument))
+    robots = robot_file_scenario(file, 2, xacro_args={}).robots
+    assert robots[1].xacro_args == {argument: value}
+
+
+def test_an_argument_typed_by_the_user_is_left_alone(tmp_path):
+    file = tmp_path / "r.urdf.xacro"
+    file.write_text(PREFIXED.format(argument="prefix"))
+    assert robot_file_scenario(file, 2, xacro_args={"prefix": "x_"}).robots[0].xacro_args == {"prefix": "x_"}
+
+
+def test_robots_without_such_an_argument_are_prefixed_by_the_twin():
+    twin = Twin(robot_file_scenario(ARM, 2, xacro_args={}))
+    frames = {item.child_frame_id for item in twin.latest("/tf").transforms}
+    assert {"robot_1/forearm", "robot_2/forearm"} <= frames
+
+
+def test_a_file_that_is_no_robot_is_refused(tmp_path):
+    file = tmp_path / "notes.txt"
+    file.write_text("nothing here")
+    with pytest.raises(InputError, match=r"notes\.txt: a robot file is a xacro or URDF .* and this is none of them"):
+        robot_file_scenario(file, xacro_args={})

@@ -1,0 +1,143 @@
+"""What the command line of drake_twin.run asks for."""
+
+from pathlib import Path
+
+import pytest
+from launch_files import not_started
+
+from drake_twin.cli.options import parser
+from drake_twin.cli.target import build_twin, find_launch_file, find_target
+from drake_twin.description.package_index import share_folder
+from drake_twin.errors import InputError
+from drake_twin.scenario import Command, ScenarioError
+
+MODELS = share_folder("models")
+ARM = MODELS / "arduinobot_description" / "launch" / "gazebo.launch.py"
+ROVERS = MODELS / "rover_gazebo" / "launch" / "main.launch.xml"
+COMMANDS = "/forward_velocity_controller/commands"
+
+_NAMES = ["a.launch.py", "a_launch.py", "anything.py", "a.launch", "a.launch.xml", "a_launch.yaml", "a.launch.yml"]
+
+
+def target(*words):
+    return find_target(parser().parse_args([*map(str, words)]))
+
+
+@pytest.fixture
+def workspace(tmp_path) -> Path:
+    """A workspace with one package, whose launch files bring the arm of this project's models."""
+    package = tmp_path / "ws" / "src" / "group" / "my_bringup"
+    (package / "launch" / "more").mkdir(parents=True)
+    (package / "package.xml").write_text("<package format='3'><name>my_bringup</name></package>")
+    (package / "setup.py").write_text("from setuptools import setup\n")
+    arm = '<launch><include file="$(find-pkg-share arduinobot_description)/launch/{}"/></launch>'
+    (package / "launch" / "arm.launch.xml").write_text(arm.format("gazebo.launch.py"))
+    (package / "launch" / "more" / "look.launch.xml").write_text(arm.format("display.launch.py"))
+    return tmp_path / "ws"
+
+
+@pytest.mark.parametrize("name", _NAMES)
+def test_what_is_named_like_a_launch_file_is_one(name, tmp_path):
+    assert find_launch_file([str(tmp_path / name)], []) == tmp_path / name
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "is_launch"),
+    [
+        ("bringup.xml", "<?xml version='1.0'?>\n<!-- x -->\n<launch/>", True),
+        ("bringup.yaml", "# x\nlaunch:\n- arg: {name: a}\n", True),
+        ("robot.xml", "<robot name='r'/>", False),
+        ("twin.yaml", "robots: []\n", False),
+        ("robot.urdf.xacro", "<robot/>", False),
+    ],
+)
+def test_other_names_are_told_by_what_is_in_the_file(tmp_path, name, text, is_launch):
+    (tmp_path / name).write_text(text)
+    assert (find_launch_file([str(tmp_path / name)], []) is not None) is is_launch
+
+
+def test_a_package_and_its_launch_file_as_with_ros2_launch(workspace):
+    options = ("--workspace", workspace)
+    assert [robot.name for robot in target("my_bringup", "arm.launch.xml", *options).scenario.robots] == ["arduinobot"]
+    assert target("my_bringup", "look.launch.xml", *options).only_displayed
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["my_bringup", "arn.launch.xml"], "has no launch file 'arn.launch.xml'. Did you mean 'arm.launch.xml'"),
+        (["my_bringpu", "arm.launch.xml"], "package 'my_bringpu' is in none of:"),
+        (["my_bringup", "arm.launch.xml", "more"], "one scenario or robot file can be run at a time"),
+    ],
+)
+def test_a_package_or_file_that_is_not_there(workspace, words, message):
+    with pytest.raises(InputError, match=message):
+        target(*words, "--workspace", workspace)
+
+
+def test_arguments_reach_the_launch_file(tmp_path):
+    model = tmp_path / "other.urdf"
+    model.write_text('<robot name="other"><link name="world"/></robot>')
+    (robot,) = target(ARM, f"model:={model}").scenario.robots
+    assert '<robot name="other">' in Path(robot.model).read_text()
+
+
+def test_arguments_that_the_file_does_not_have_are_listed():
+    assert not_started(target(ARM, "modle:=x").scenario) == ("argument modle (no file declares it)",)
+
+
+def test_required_arguments_without_a_value_are_listed(tmp_path):
+    file = tmp_path / "a.launch.xml"
+    file.write_text('<launch><arg name="one"/><arg name="two" description="The second"/></launch>')
+    with pytest.raises(InputError) as caught:
+        target(file)
+    assert "one" in str(caught.value)
+    assert "two" in str(caught.value)
+
+
+@pytest.mark.parametrize("option", [("--robots", 2), ("--robot", "rover")])
+def test_a_launch_file_says_itself_which_robots_there_are(option):
+    with pytest.raises(InputError, match="--robots and --robot do not go with it"):
+        target(ROVERS, *option)
+
+
+def test_options_change_what_the_launch_file_says():
+    changed = target(ROVERS, "--time-step", 0.002, "--world", "empty.sdf").scenario
+    assert (changed.time_step, Path(changed.world.file).name) == (0.002, "empty.sdf")
+
+
+def publishing(folder: Path, topic: str, data: str = "{data: [1, 0, 0, 0]}") -> Path:
+    file = folder / "pub.launch.xml"
+    file.write_text(
+        f"""<launch><include file="{ARM}"/>
+        <node pkg="controller_manager" exec="spawner" args="forward_velocity_controller"/>
+        <executable cmd="ros2 topic pub --once {topic} std_msgs/msg/Float64MultiArray '{data}'"/></launch>"""
+    )
+    return file
+
+
+def test_what_is_typed_goes_before_what_the_launch_file_publishes(tmp_path):
+    file = publishing(tmp_path, COMMANDS)
+    assert target(file).scenario.commands == (Command(COMMANDS, (1, 0, 0, 0)),)
+    assert target(file, "--pub", COMMANDS, "[0, 1, 0, 0]").scenario.commands == (Command(COMMANDS, (0, 1, 0, 0)),)
+
+
+@pytest.mark.parametrize(
+    ("topic", "data", "reason"),
+    [
+        ("/nobody", "{data: [1]}", "nothing listens to '/nobody'"),
+        (COMMANDS, "{data: [1]}", "the command has 1 element"),
+    ],
+)
+def test_what_a_launch_file_publishes_in_vain_is_left_out(tmp_path, topic, data, reason):
+    twin = build_twin(target(publishing(tmp_path, topic, data)))
+    (left_out,) = twin.not_started
+    assert left_out.startswith(f"ros2 topic pub {topic} (")
+    assert reason in left_out
+    assert twin.scenario.commands == ()
+
+
+def test_what_is_typed_in_vain_is_refused(tmp_path):
+    with pytest.raises(InputError, match="nothing listens to '/nobody'") as caught:
+        build_twin(target(ARM, "--pub", "/nobody", "[1]"))
+    assert not isinstance(caught.value, ScenarioError)

@@ -1,0 +1,237 @@
+"""Which robots a launch file brings into the world: who describes them, their names, poses and namespaces."""
+
+from pathlib import Path
+
+import pytest
+from hinge import create, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
+from launch_files import not_started, write
+
+from drake_twin.errors import InputError
+
+
+def robots(launch):
+    return {robot.name: robot for robot in launch.scenario.robots}
+
+
+@pytest.mark.parametrize(
+    "form",
+    ["topic", "file", "string", "param", "parameters", "spawn_entity topic", "spawn_entity file", "gz_spawn_model"],
+)
+def test_every_way_to_spawn_an_entity(tmp_path, form):
+    file = write_hinge(tmp_path)
+    pose = ("-x", "1", "-y", "-2", "-z", "0.5", "-R", "0.1", "-P", "0.2", "-Y", "-0.3")
+    parameters = {
+        "name": "r",
+        "topic": "robot_description",
+        "x": 1.0,
+        "y": -2.0,
+        "z": 0.5,
+        "R": 0.1,
+        "P": 0.2,
+        "Y": -0.3,
+    }
+    given = {"x": "1", "y": "-2", "z": "0.5", "roll": "0.1", "pitch": "0.2", "yaw": "-0.3"}
+    entity = {
+        "topic": create("-topic", "/robot_description", "-name", "r", *pose),
+        "file": create("-file", file, "-name", "r", *pose),
+        "string": create("-string", file.read_text(), "-name", "r", *pose),
+        "param": create("-param", "text", "-name", "r", *pose, parameters=[{"text": file.read_text()}]),
+        "parameters": create(parameters=[parameters]),
+        "spawn_entity topic": node(
+            "gazebo_ros", "spawn_entity.py", "-entity", "r", "-topic", "robot_description", "-timeout", "30", *pose
+        ),
+        "spawn_entity file": node("gazebo_ros", "spawn_entity.py", "-entity", "r", "-file", file, "-unpause", *pose),
+        "gz_spawn_model": "IncludeLaunchDescription(os.path.join(get_package_share_directory('ros_gz_sim'), 'launch',"
+        " 'gz_spawn_model.launch.py'), launch_arguments="
+        + repr({"file": str(file), "entity_name": "r", **given})
+        + ".items()),",
+    }[form]
+    launch = launched(tmp_path, publisher(file), entity)
+    (robot,) = launch.scenario.robots
+    assert (robot.name, robot.xyz, robot.rpy) == ("r", (1, -2, 0.5), (0.1, 0.2, -0.3))
+    assert '<joint name="hinge"' in Path(robot.model).read_text()
+    assert not_started(launch.scenario) == ()
+
+
+def test_an_entity_without_a_name_has_its_descriptions(tmp_path):
+    assert list(robots(launched_hinge(tmp_path))) == ["hinge"]
+    launch = launched(tmp_path, publisher(write_hinge(tmp_path)), node("gazebo_ros", "spawn_entity.py", "-entity", "r"))
+    assert list(robots(launch)) == ["hinge"]  # only displayed
+    assert "it is given neither -topic nor -file" in not_started(launch.scenario)[0]
+
+
+def test_the_plugins_namespace_is_the_robots(tmp_path):
+    file = write_hinge(tmp_path, plugin="<ros><namespace>/left</namespace></ros>")
+    (robot,) = launched(tmp_path, publisher(file), create("-topic", "robot_description")).scenario.robots
+    assert robot.topic_namespace == "/left"
+    assert robot.remapped("/left/robot_description") == "/robot_description"  # of the publisher, which is outside
+
+
+def test_robot_namespaces_keep_two_of_one_description_apart(tmp_path):
+    file = write_hinge(tmp_path)
+    entities = [
+        node("gazebo_ros", "spawn_entity.py", "-entity", name, "-file", file, "-robot_namespace", name)
+        + spawner("velocity", "-c", f"/{name}/controller_manager")
+        for name in ("left", "right")
+    ]
+    launch = launched(tmp_path, *entities)
+    found = robots(launch)
+    assert [robot.topic_namespace for robot in found.values()] == ["/left", "/right"]
+    assert [robot.active_controllers for robot in found.values()] == [("velocity",), ("velocity",)]
+    assert not_started(launch.scenario) == ()
+
+
+def test_two_robots_in_one_namespace_are_kept_apart_and_both_run(tmp_path):
+    from drake_twin.twin.twin import Twin
+
+    launch = launched_hinge(tmp_path, create("-topic", "robot_description", "-name", "second", "-x", "2"))
+    first, second = launch.scenario.robots
+    assert (first.topic_namespace, second.topic_namespace) == ("", "/second")
+    assert (first.frame_prefix, second.frame_prefix) == ("", "second/")
+    assert [line.partition(":")[0] for line in launch.log] == ["second", "second"]
+    twin = Twin(launch.scenario)
+    assert {"/robot_description", "/second/robot_description"} <= set(twin.topics())
+    frames = [item.child_frame_id for item in twin.latest("/tf").transforms]
+    assert frames == ["arm", "second/arm"]
+
+
+def test_an_entity_that_exists_is_refused_as_gazebo_does(tmp_path):
+    launch = launched_hinge(tmp_path, create("-topic", "robot_description", "-name", "hinge"))
+    assert list(robots(launch)) == ["hinge"]
+    (reason,) = not_started(launch.scenario)
+    assert reason.startswith(f"ros_gz_sim/create: {tmp_path}/test.launch.py:")
+    assert "Entity [hinge] already exists." in reason
+
+
+@pytest.mark.parametrize(
+    ("arguments", "names"),
+    [
+        (["-allow_renaming", "true"], ["hinge", "hinge_1"]),
+        (["-allow_renaming"], ["hinge", "hinge_1"]),
+        (["-allow_renaming=false"], ["hinge"]),
+    ],
+)
+def test_an_entity_that_exists_is_renamed_where_that_is_allowed(tmp_path, arguments, names):
+    entity = create("-topic", "robot_description", "-name", "hinge", *arguments)
+    assert list(robots(launched_hinge(tmp_path, entity))) == names
+
+
+def test_spawning_one_model_twice_through_launch_files_is_refused_too(tmp_path):
+    file = write_hinge(tmp_path)
+    include = (
+        "IncludeLaunchDescription(os.path.join(get_package_share_directory('ros_gz_sim'), 'launch',"
+        f" 'gz_spawn_model.launch.py'), launch_arguments={{'file': {str(file)!r}, 'entity_name': 'q'}}.items()),"
+    )
+    launch = launched(tmp_path, include, include)
+    assert list(robots(launch)) == ["q"]
+    assert "Entity [q] already exists." in not_started(launch.scenario)[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-topic", "robot_description", "-name", "r", "-x", "far"], "-x is 'far', which is not a number"),
+        (["-topic", "robot_description", "-name", "r", "-z", "nan"], "-z is 'nan', which is not a finite number"),
+        (["-file", "/nowhere/r.sdf", "-name", "r"], "/nowhere/r.sdf"),
+        (["-file", "https://fuel.gazebosim.org/r", "-name", "r"], "nothing is downloaded"),
+        (["-param", "nothing", "-name", "r"], "-param nothing: the node has no such parameter"),
+        (["-name", "r"], "it is given neither -topic nor -file, -string or -param"),
+    ],
+)
+def test_an_entity_that_cannot_be_made_is_named_and_the_other_robot_runs(tmp_path, arguments, message):
+    launch = launched_hinge(tmp_path, create(*arguments))
+    assert list(robots(launch)) == ["hinge"]
+    (reason,) = not_started(launch.scenario)
+    assert message in reason
+
+
+def test_a_topic_that_nobody_publishes_is_said(tmp_path):
+    file = write_hinge(tmp_path)
+    launch = launched(tmp_path, publisher(file, namespace="a"), create("-topic", "robot_description", "-name", "r"))
+    assert launch.log[0] == (
+        "ros_gz_sim/create waits for /robot_description, and the description is on /a/robot_description: it is taken"
+    )
+    two = launched(
+        tmp_path,
+        publisher(file, namespace="a"),
+        publisher(file, namespace="b"),
+        create("-topic", "/c/robot_description", "-name", "r"),
+        create("-topic", "/b/robot_description", "-name", "s"),
+    )
+    assert list(robots(two)) == ["s"]
+    assert "nobody publishes a description on /c/robot_description" in not_started(two.scenario)[0]
+    assert "Valid: /a/robot_description, /b/robot_description" in not_started(two.scenario)[0]
+
+
+# --- without a simulator
+
+
+def test_a_ros2_control_node_without_a_simulator_is_a_twin_of_its_robot(tmp_path):
+    file, parameters = write(tmp_path / "r.urdf", hinge()), tmp_path / "controllers.yaml"
+    write_hinge(tmp_path)
+    control = node("controller_manager", "ros2_control_node", namespace="a", parameters=[str(parameters)])
+    launch = launched(tmp_path, publisher(file, namespace="a"), control, spawner("states", "velocity", namespace="a"))
+    (robot,) = launch.scenario.robots
+    assert (robot.name, robot.topic_namespace, robot.controllers) == ("hinge", "/a", (str(parameters),))
+    assert robot.active_controllers == ("states", "velocity")
+    assert (launch.only_displayed, not_started(launch.scenario)) == (False, ())
+
+
+def test_two_ros2_control_nodes_of_one_description(tmp_path):
+    text = write_hinge(tmp_path).read_text()
+    nodes = [
+        node("controller_manager", "ros2_control_node", namespace=name, parameters=[{"robot_description": text}])
+        for name in ("a", "b")
+    ]
+    launch = launched(tmp_path, *nodes, spawner("velocity", namespace="b"))
+    assert [(robot.name, robot.topic_namespace) for robot in launch.scenario.robots] == [
+        ("hinge", "/a"),
+        ("hinge_1", "/b"),
+    ]
+    assert [robot.active_controllers for robot in launch.scenario.robots] == [(), ("velocity",)]
+
+
+def test_a_ros2_control_nodes_remappings_name_its_controllers_topics(tmp_path):
+    text = write_hinge(tmp_path).read_text()
+    remappings = [("~/robot_description", "/robot_description"), ("/velocity/commands", "/go")]
+    control = node(
+        "controller_manager", "ros2_control_node", parameters=[{"robot_description": text}], remappings=remappings
+    )
+    (robot,) = launched(tmp_path, control, spawner("velocity")).scenario.robots
+    assert robot.remapped("/velocity/commands") == "/go"
+
+
+def test_a_ros2_control_node_beside_a_simulator_is_not_started(tmp_path):
+    launch = launched_hinge(tmp_path, node("controller_manager", "ros2_control_node"))
+    assert list(robots(launch)) == ["hinge"]
+    (reason,) = not_started(launch.scenario)
+    assert "the simulated robot has a controller manager of its own" in reason
+
+
+# --- only to look at
+
+
+def test_a_description_alone_is_displayed_with_its_joints_states(tmp_path):
+    from drake_twin.twin.twin import Twin
+
+    gui = node("joint_state_publisher_gui", "joint_state_publisher_gui")
+    launch = launched(tmp_path, publisher(write_hinge(tmp_path)), gui)
+    assert launch.only_displayed
+    assert not_started(launch.scenario) == ()
+    assert launch.scenario.world.gravity == (0, 0, 0)
+    assert list(Twin(launch.scenario).latest("/joint_states").name) == ["hinge"]
+
+
+def test_the_same_description_twice_is_displayed_once(tmp_path):
+    entity = publisher(write_hinge(tmp_path))
+    assert list(robots(launched(tmp_path, entity, entity))) == ["hinge"]
+
+
+def test_nothing_to_run_is_one_paragraph_that_names_all_that_is_missing(tmp_path):
+    with pytest.raises(InputError) as caught:
+        launched(tmp_path, spawner("states"), node("nav2_bringup", "bringup"), create("-topic", "robot_description"))
+    text = str(caught.value)
+    assert "test.launch.py: the launch file starts no robot for its controllers (states)" in text
+    assert "nav2_bringup/bringup (navigation is another program's work)" in text
+    assert "nobody publishes a description on /robot_description" in text
+    assert "\n" not in text

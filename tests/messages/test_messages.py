@@ -1,0 +1,50 @@
+import subprocess
+import sys
+
+import pytest
+
+from drake_twin import messages
+
+
+def test_times_are_rounded_to_the_nearest_nanosecond():
+    stamp = messages.time_message(1.9999999999)
+    assert (stamp.sec, stamp.nanosec) == (2, 0)
+
+
+def test_an_unknown_type_is_named_with_those_that_exist():
+    with pytest.raises(AttributeError, match=r"no message type 'Twits'; it has .*Twist"):
+        messages.Twits  # noqa: B018
+
+
+def test_types_that_rosbags_lacks_hash_as_upstream():
+    # `ros2 interface` of control_msgs 5 (Jazzy) prints these definitions; their fields are what hashes are made of.
+    store = messages.type_store()
+    definition, _ = store.generate_msgdef("control_msgs/msg/DynamicJointState")
+    assert "string[] joint_names" in definition
+    assert "control_msgs/InterfaceValue[] interface_values" in definition
+
+
+def test_the_messages_of_the_joint_trajectory_controller_survive_the_wire():
+    store = messages.type_store()
+    result = messages.FollowJointTrajectory_Result(error_code=-4, error_string="Aborted")
+    assert messages.FollowJointTrajectory_Result.PATH_TOLERANCE_VIOLATED == -4
+    name = "control_msgs/action/FollowJointTrajectory_Result"
+    assert store.deserialize_cdr(store.serialize_cdr(result, name), name) == result
+    definition, _ = store.generate_msgdef("control_msgs/action/FollowJointTrajectory_Goal")
+    assert "control_msgs/JointTolerance[] path_tolerance" in definition
+    definition, _ = store.generate_msgdef("control_msgs/msg/JointTrajectoryControllerState")
+    assert "trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_output" in definition
+
+
+def test_durations_before_zero_have_their_nanoseconds_above_it():
+    duration = messages.duration_message(-0.25)
+    assert (duration.sec, duration.nanosec) == (-1, 750_000_000)
+
+
+def test_a_twin_that_nobody_listens_to_does_not_load_the_message_library():
+    program = (
+        "import sys; from drake_twin.builder.demo import demo_scenario; from drake_twin import Twin;"
+        "Twin(demo_scenario('rover', 1, drive=False)).advance_to(0.01); print('rosbags' in sys.modules)"
+    )
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "False"

@@ -1,0 +1,169 @@
+import pytest
+from conftest import ARM, ROVER
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.errors import InputError
+from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.scenario import Robot, ScenarioError
+
+PACKAGES = PackageIndex()
+
+TWO_WHEELS = """<robot name="cart">
+  <link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>
+  <link name="left"/><link name="right"/>
+  <joint name="left_joint" type="continuous"><parent link="base"/><child link="left"/>
+    <limit effort="1" velocity="8"/></joint>
+  <joint name="right_joint" type="continuous"><parent link="base"/><child link="right"/></joint>
+  <ros2_control name="s" type="system">
+    <joint name="left_joint"><command_interface name="velocity"><param name="min">-20</param>
+      <param name="max">3</param></command_interface><state_interface name="position"><param
+      name="initial_value">0.5</param></state_interface></joint>
+    <joint name="right_joint"><command_interface name="{right}"/></joint>
+  </ros2_control>
+</robot>"""
+
+CONTROLLERS = """controller_manager:
+  ros__parameters:
+    update_rate: 50
+    one: {type: forward_command_controller/ForwardCommandController}
+one:
+  ros__parameters:
+    joints: [left_joint]
+    interface_name: velocity
+"""
+
+
+@pytest.fixture
+def cart(tmp_path):
+    def make(controllers=CONTROLLERS, right="velocity", **options):
+        (tmp_path / "cart.urdf").write_text(TWO_WHEELS.format(right=right))
+        files = ()
+        if controllers is not None:
+            (tmp_path / "controllers.yaml").write_text(controllers)
+            files = (str(tmp_path / "controllers.yaml"),)
+        return plan_robot(Robot("cart", str(tmp_path / "cart.urdf"), controllers=files, **options), PACKAGES)
+
+    return make
+
+
+def states(plan):
+    return {controller.name: controller.state for controller in plan.controllers}
+
+
+def claims(controller):
+    return [str(claim) for claim in controller.claims]
+
+
+def test_commands_are_bounded_by_the_tightest_of_urdf_and_ros2_control(cart):
+    assert cart().description.limits_of_command("left_joint", "velocity") == (-8.0, 3.0)
+
+
+def test_the_update_rate_is_the_parameters_files(cart):
+    assert cart().update_rate == 50
+
+
+def test_a_joint_the_robot_lacks_is_named_with_file_line_and_the_joints_there_are(cart):
+    with pytest.raises(
+        InputError,
+        match=r"controllers\.yaml:7: one\.ros__parameters\.joints\.0: the robot has no joint 'lft_joint'\."
+        r" Did you mean 'left_joint'\? Valid: left_joint, right_joint",
+    ):
+        cart(CONTROLLERS.replace("left_joint", "lft_joint"))
+
+
+def test_a_controller_without_joints_is_refused(cart):
+    with pytest.raises(InputError, match="'joints' is missing"):
+        cart(CONTROLLERS.replace("    joints: [left_joint]\n", ""))
+
+
+def test_a_joint_without_a_velocity_interface_keeps_the_controller_from_starting(cart):
+    plan = cart(CONTROLLERS.replace("[left_joint]", "[right_joint]"), right="effort")
+    assert states(plan) == {"one": "unloaded"}
+    (reason,) = plan.not_started
+    has_none = "joint right_joint has no velocity command interface in <ros2_control> (it has effort)"
+    assert reason == f"cart: controller one: {has_none} (controllers.yaml:7)"
+
+
+def test_two_controllers_on_one_joint_conflict_and_the_first_wins(cart):
+    text = CONTROLLERS.replace(
+        "    one: {", "    two: {type: velocity_controllers/JointGroupVelocityController}\n    one: {"
+    )
+    text += "two:\n  ros__parameters:\n    joints: [right_joint, left_joint]\n"
+    plan = cart(text)
+    assert states(plan) == {"two": "active", "one": "inactive"}
+    assert plan.not_started == (
+        "cart: controller one: resource conflict, left_joint/velocity is already claimed by two (controllers.yaml:8)",
+    )
+
+
+def test_a_controller_type_that_is_not_supported_is_said_and_the_others_start(cart):
+    text = CONTROLLERS.replace("    one: {", "    own: {type: my_controllers/OwnController}\n    one: {")
+    plan = cart(text)
+    assert states(plan) == {"own": "unloaded", "one": "active"}
+    assert plan.not_started == (
+        "cart: controller own: type my_controllers/OwnController is not supported (controllers.yaml:4)",
+    )
+
+
+def test_only_the_controllers_asked_for_are_active(cart):
+    assert states(cart(active_controllers=())) == {"one": "unloaded"}
+    assert states(cart(active_controllers=(), inactive_controllers=("one",))) == {"one": "inactive"}
+    assert states(cart(inactive_controllers=("one",))) == {"one": "inactive"}
+    with pytest.raises(ScenarioError, match=r"active_controllers: the parameters files have no controller 'on'.*'one'"):
+        cart(active_controllers=("on",))
+
+
+def test_without_a_parameters_file_every_joint_can_be_commanded(cart):
+    _, controller = cart(None).controllers
+    assert controller.name == "forward_velocity_controller"
+    assert claims(controller) == ["left_joint/velocity", "right_joint/velocity"]
+    _, velocity, effort = cart(None, right="effort").controllers
+    assert (velocity.name, claims(velocity)) == ("forward_velocity_controller", ["left_joint/velocity"])
+    assert (effort.name, claims(effort)) == ("forward_effort_controller", ["right_joint/effort"])
+
+
+def test_joints_start_at_the_scenarios_position_then_at_initial_value_then_at_zero(cart):
+    assert cart().start_positions == {"left_joint": 0.5, "right_joint": 0.0}
+    assert cart(initial_positions={"left_joint": 1.5}).start_positions["left_joint"] == 1.5
+
+
+def test_an_initial_position_of_no_joint_is_refused(cart):
+    with pytest.raises(ScenarioError, match=r"initial_positions: the robot has no movable joint 'knee'.*left_joint"):
+        cart(initial_positions={"knee": 1.0})
+
+
+def test_a_start_beyond_the_limits_is_clamped_and_said():
+    plan = plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 2.0}), PACKAGES)
+    assert plan.start_positions["joint_4"] == 0.8
+    assert plan.start_positions["joint_5"] == -0.8
+    assert "joint joint_4 starts at its limit 0.8 instead of 2" in plan.warnings[0]
+
+
+def test_link_names_that_carry_the_robots_name_need_no_frame_prefix():
+    assert plan_robot(Robot("robot_1", ROVER), PACKAGES).frame_prefix == ""
+    assert plan_robot(Robot("robot_1", ARM), PACKAGES).frame_prefix == "robot_1/"
+    assert plan_robot(Robot("robot_1", ARM, frame_prefix="x_"), PACKAGES).frame_prefix == "x_"
+
+
+def test_a_missing_robot_file_is_said_at_its_place_in_the_scenario():
+    with pytest.raises(ScenarioError, match=r"robots\.0\.model: /nowhere/a\.urdf: there is no such file"):
+        plan_robot(Robot("a", "/nowhere/a.urdf"), PACKAGES, ("robots", 0))
+
+
+def test_a_prefix_of_the_xacro_file_is_found_in_a_parameters_file_without_it(tmp_path):
+    (tmp_path / "cart.urdf.xacro").write_text(
+        TWO_WHEELS.format(right="velocity")
+        .replace(
+            '<robot name="cart">',
+            '<robot name="cart" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="prefix" default=""/>',
+        )
+        .replace("left_joint", "$(arg prefix)left_joint")
+    )
+    (tmp_path / "controllers.yaml").write_text(CONTROLLERS)
+    robot = Robot(
+        "cart",
+        str(tmp_path / "cart.urdf.xacro"),
+        xacro_args={"prefix": "cart_"},
+        controllers=(str(tmp_path / "controllers.yaml"),),
+    )
+    assert claims(plan_robot(robot, PACKAGES).controllers[0]) == ["cart_left_joint/velocity"]
