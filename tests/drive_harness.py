@@ -7,7 +7,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from drake_twin import messages
 from drake_twin.controllers.controller import ControllerSetup
-from drake_twin.controllers.types import controller_class
+from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from launch_files import write, write_python
 
-from drake_twin.from_launch.launch_file import LaunchedTwin, launch_file_scenario
+from drake_twin.builder.launch_file import LaunchedTwin, launch_file_scenario
 
 _LINK = (
     '<link name="{}"><inertial><mass value="1"/>'

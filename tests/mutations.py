@@ -126,7 +126,7 @@ class Kinds:
 
     def attempt(self, name):
         from drake_twin import Twin, TwinBuilder
-        from drake_twin.from_launch.launch_file import launch_file_scenario
+        from drake_twin.builder.launch_file import launch_file_scenario
         from drake_twin.scenario import World
         from drake_twin.scenario.scenario_file import ScenarioFile
         from drake_twin.twin.recording import Recording, replay

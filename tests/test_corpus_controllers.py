@@ -9,8 +9,7 @@ from conftest import CORPUS
 from test_corpus import whole_robots
 
 from drake_twin.builder.robot_file import robot_file_scenario
-from drake_twin.controllers.joint_state_publisher import JointStateBroadcasterParameters
-from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.controllers.registry import controller_class, controller_types
 from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
@@ -69,7 +68,7 @@ def controllers_of(file):
 
 
 def test_every_type_that_public_launch_files_start_is_there():
-    assert CONTROLLER_TYPES.keys() >= COUNTED_TYPES
+    assert {*controller_types()} >= COUNTED_TYPES
     assert all(controller_class(kind) is not None for kind in COUNTED_TYPES)
 
 
@@ -77,19 +76,16 @@ def test_every_type_that_public_launch_files_start_is_there():
 def test_the_corpus_has_the_parameters_files_of_forty_robots():
     assert len(controller_files()) >= 40
     types = {controller.type for file in controller_files() for controller in controllers_of(file)}
-    assert types - CONTROLLER_TYPES.keys() - {JOINT_STATE_BROADCASTER} == FOREIGN_TYPES
+    assert types - {*controller_types()} == FOREIGN_TYPES
 
 
 @needs_corpus
 @pytest.mark.parametrize("file", controller_files(), ids=lambda file: f"{file.parent.parent.name}-{file.stem}")
 def test_each_controller_of_a_type_that_the_twin_has_is_read_with_its_parameters_class(file):
     for controller in controllers_of(file):
-        if controller.type == JOINT_STATE_BROADCASTER:
-            kind = JointStateBroadcasterParameters
-        elif controller.type in FOREIGN_TYPES:
+        if controller.type in FOREIGN_TYPES:
             continue
-        else:
-            kind = controller_class(controller.type).Parameters
+        kind = controller_class(controller.type).Parameters
         parameters, _ = read_parameters(kind, controller)
         assert isinstance(parameters, kind)
 

@@ -195,7 +195,7 @@ def test_a_robot_has_few_systems_and_the_twin_few_besides():
         "ForwardCommandController",
         "GroundTruthPublisher",
         "JointServo",
-        "JointStatePublisher",
+        "JointStateBroadcaster",
         "RobotStatePublisher",
     ]
 

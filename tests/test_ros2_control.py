@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder
-from drake_twin.controllers import types as controller_types
-from drake_twin.controllers.controller import Interface, PeriodicController, Update
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import PeriodicController, Update
+from drake_twin.controllers.registry import controller
 from drake_twin.errors import CommandError, InputError
 from drake_twin.twin.controller_manager import BEST_EFFORT, FORCE_AUTO, STRICT
 
@@ -286,6 +287,7 @@ class RampParameters:
     """No parameters."""
 
 
+@controller("test/Ramp")
 class Ramp(PeriodicController):
     """Writes a velocity that grows by one at each update, and fails at the eleventh."""
 
@@ -305,13 +307,7 @@ class Ramp(PeriodicController):
 
 
 @pytest.fixture
-def ramp(monkeypatch):
-    def controller_class(kind):
-        return Ramp if kind == "test/Ramp" else original(kind)
-
-    original = controller_types.controller_class
-    monkeypatch.setattr("drake_twin.diagram.robot_diagram.controller_class", controller_class)
-    monkeypatch.setattr("drake_twin.planning.controller_plan.controller_class", controller_class)
+def ramp():
     return {"more_types": "ramp: {type: test/Ramp}"}
 
 

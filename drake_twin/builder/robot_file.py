@@ -1,7 +1,7 @@
-"""The scenario of ``drake_twin.run path/to/robot.urdf.xacro``: one robot file, once or several times in a row."""
+"""The scenario of one robot file, once or several times in a row."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
@@ -9,7 +9,7 @@ from drake_twin.description.robot_model import robot_name_in_file
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import Footprint, footprint
 from drake_twin.planning.robot_plan import RobotPlan, plan_robot
-from drake_twin.scenario import RESERVED_NAMES, Robot, Scenario
+from drake_twin.scenario import Robot, Scenario, name_in_twin
 
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
 
@@ -24,20 +24,40 @@ def robot_file_scenario(
     package_paths: Sequence[str] = (),
     time_step: float = 0.001,
 ) -> Scenario:
-    """Robots of one file, standing side by side on the ground.
+    """Return the scenario of `planned_robots`."""
+    return planned_robots(file, count, xacro_args=xacro_args, package_paths=package_paths, time_step=time_step).scenario
+
+
+@dataclass(frozen=True)
+class PlannedScenario:
+    """A scenario, and the plans of those of its robots that are planned already."""
+
+    scenario: Scenario
+    plans: tuple[RobotPlan, ...] = ()
+
+
+def planned_robots(
+    file: Path,
+    count: int | None = None,
+    *,
+    xacro_args: Mapping[str, str],
+    package_paths: Sequence[str] = (),
+    time_step: float = 0.001,
+) -> PlannedScenario:
+    """Place robots of one file side by side on the ground.
 
     A single robot keeps the name that its file gives it. Several are named ``robot_1``, ``robot_2``, …; where the
     xacro file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
 
     Args:
-        file: a xacro, URDF, SDF or MJCF file.
-        count: how many robots; None for one under its own name.
-        xacro_args: values for the file's ``<xacro:arg>``s.
-        package_paths: folders of ROS packages to look in first.
-        time_step: the physics step (s).
+        file: A xacro, URDF, SDF or MJCF file.
+        count: The number of robots; None for one under its own name.
+        xacro_args: Values for the file's ``<xacro:arg>``s.
+        package_paths: Folders of ROS packages to look in first.
+        time_step: The physics step (s).
 
     Raises:
-        InputError: the file cannot be used.
+        InputError: If the file cannot be used.
     """
     packages = PackageIndex(package_paths)
     if count is None:
@@ -55,22 +75,17 @@ def robot_file_scenario(
     height = height_on_ground(plan)
     spacing = _spacing(footprint(plan))
     placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
-    return Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
+    scenario = Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
+    return PlannedScenario(scenario, (replace(plan, robot=placed[0]),))
 
 
 def height_on_ground(plan: RobotPlan) -> float:
-    """How high a robot's root link starts so that the robot stands on the ground (m); zero for one that is fixed."""
+    """Return the height of the root link of a robot that stands on the ground (m); zero for one that is fixed."""
     return 0.0 if plan.model.is_fixed else round(_CLEARANCE - footprint(plan).lower[2], 6)
 
 
-def name_in_twin(name: str) -> str:
-    """A robot's name as one that the twin can take: letters, digits, ``_`` and ``-``, and no other part's name."""
-    name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
-    return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
-
-
 def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
-    """The name that the file gives the robot, as a name in the twin."""
+    """Return the name that the file gives the robot, as a name in the twin."""
     return name_in_twin(robot_name_in_file(file, packages, xacro_args))
 
 
@@ -82,6 +97,6 @@ def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: Packag
 
 
 def _spacing(room: Footprint) -> float:
-    """Twice the robot's larger side, so that each has room to turn, in steps of a decimetre (m)."""
+    """Return twice the robot's larger side, so that each has room to turn, in steps of a decimetre (m)."""
     larger = max(room.upper[0] - room.lower[0], room.upper[1] - room.lower[1])
     return max(0.5, round(2.0 * larger, 1))

@@ -15,6 +15,10 @@ from drake_twin.findings import Finding
 from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
+    from pydrake.geometry import Meshcat
+
+    from drake_twin.diagram.twin_diagram import Extension
+    from drake_twin.planning.robot_plan import RobotPlan
     from drake_twin.ros2.entity import LaunchDescription
     from drake_twin.twin.twin import Twin
 
@@ -62,6 +66,8 @@ class TwinBuilder:
         self._static_transforms: list[StaticTransform] = []
         self._commands: list[Command] = []
         self._findings: list[Finding] = []
+        self._plans: list[RobotPlan] = []
+        self._extensions: list[Extension] = []
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
         """Looks for ROS packages in a folder first."""
@@ -112,6 +118,44 @@ class TwinBuilder:
         )
         return self
 
+    def controller(
+        self, robot: str, name: str, type: str, parameters: Mapping[str, Any] | None = None, *, active: bool = True
+    ) -> TwinBuilder:
+        """Add a controller to a robot, beside those of its parameters files.
+
+        Args:
+            robot: The robot's name; it has been added before.
+            name: The controller's name; its topics stand below it.
+            type: The controller's type, as a parameters file names it: ``my_pkg/MyController`` may be your own.
+            parameters: Its parameters, as below ``ros__parameters`` in a parameters file.
+            active: Whether it is active at the start, instead of loaded and inactive.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        names = [item.name for item in self._robots]
+        if robot not in names:
+            raise InputError(f"unknown robot {robot!r}", value=robot, valid=names)
+        index = names.index(robot)
+        known = self._robots[index]
+        added = {**known.added_controllers, name: {"type": type, **(parameters or {})}}
+        if not active:
+            known = replace(known, inactive_controllers=(*known.inactive_controllers, name))
+        elif known.active_controllers is not None:
+            known = replace(known, active_controllers=(*known.active_controllers, name))
+        self._robots[index] = replace(known, added_controllers=added)
+        return self
+
+    def system(self, extension: Extension) -> TwinBuilder:
+        """Add your own systems to the Drake diagram.
+
+        Args:
+            extension: Called with the ``DiagramBuilder`` and the `DiagramParts` before the diagram is built, and again
+                whenever it is built anew, as when a robot is spawned.
+        """
+        self._extensions.append(extension)
+        return self
+
     def launch(self, what: LaunchDescription | str | Path, **arguments: object) -> TwinBuilder:
         """Adds all that a launch description or a launch file starts: robots, frames, commands and its world.
 
@@ -122,7 +166,7 @@ class TwinBuilder:
         Raises:
             InputError: it cannot be used, or starts no robot.
         """
-        from drake_twin.from_launch.launch_file import launch_description_scenario, launch_file_scenario
+        from drake_twin.builder.launch_file import launch_description_scenario, launch_file_scenario
 
         given = {name: _xacro_text(value) for name, value in arguments.items()}
         if isinstance(what, str | Path):
@@ -131,6 +175,7 @@ class TwinBuilder:
             launched = launch_description_scenario(what, given, self._package_paths)
         scenario = launched.scenario
         self._robots += scenario.robots
+        self._plans += launched.plans
         self._static_transforms += scenario.static_transforms
         self._commands += scenario.commands
         self._findings += scenario.findings
@@ -204,15 +249,18 @@ class TwinBuilder:
             findings=tuple(self._findings),
         )
 
-    def build(self) -> Twin:
-        """The running twin.
+    def build(self, meshcat: Meshcat | None = None) -> Twin:
+        """Build the running twin.
+
+        Args:
+            meshcat: A Meshcat page to draw on.
 
         Raises:
-            InputError: as `scenario`, or a file that cannot be used.
+            InputError: As `scenario`, or if a file cannot be used.
         """
         from drake_twin.twin.twin import Twin
 
-        return Twin(self.scenario())
+        return Twin(self.scenario(), meshcat, self._plans, self._extensions)
 
 
 def _address(file: str | Path) -> str:

@@ -217,7 +217,7 @@ def _is_launch(file: Path) -> bool:
 
 
 def _launched(file: Path, options: argparse.Namespace, arguments: Mapping[str, str]) -> Target:
-    from drake_twin.from_launch.launch_file import launch_file_scenario
+    from drake_twin.builder.launch_file import launch_file_scenario
 
     if options.robots is not None or options.robot is not None:
         raise InputError(f"{file.name} says itself which robots there are: --robots and --robot do not go with it")

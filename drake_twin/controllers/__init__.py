@@ -1,1 +1,32 @@
-"""Controllers as ros2_controllers has them: one kind, one file."""
+"""Controllers as ros2_controllers has them: one kind, one file, registered by `controller`.
+
+What a controller of your own needs::
+
+    from drake_twin.controllers import ControllerSetup, Interface, PeriodicController, Update, controller
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.controllers.registry import controller
+
+if TYPE_CHECKING:
+    from drake_twin.controllers.controller import Controller, ControllerSetup
+    from drake_twin.controllers.interface import Interface
+    from drake_twin.controllers.periodic_controller import PeriodicController, Update
+
+_HOMES = {
+    "Controller": "controller",
+    "ControllerSetup": "controller",
+    "Interface": "interface",
+    "PeriodicController": "periodic_controller",
+    "Update": "periodic_controller",
+}
+
+__all__ = ["Controller", "ControllerSetup", "Interface", "PeriodicController", "Update", "controller"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from drake_twin.control.drive_kinematics import SteeringDrive
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
 
 
@@ -47,6 +48,7 @@ class AckermannSteeringParameters(SteeringParameters):
         )
 
 
+@controller("ackermann_steering_controller/AckermannSteeringController")
 class AckermannSteeringController(SteeringController):
     """``ackermann_steering_controller/AckermannSteeringController``; see `SteeringController`."""
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from drake_twin.control.drive_kinematics import SteeringDrive
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
 
 
@@ -29,6 +30,7 @@ class BicycleSteeringParameters(SteeringParameters):
         return SteeringDrive(wheelbase=self.wheelbase, wheel_radius=radius)
 
 
+@controller("bicycle_steering_controller/BicycleSteeringController")
 class BicycleSteeringController(SteeringController):
     """``bicycle_steering_controller/BicycleSteeringController``; see `SteeringController`."""
 

@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.control.drive_kinematics import DifferentialDrive
-from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
@@ -19,6 +19,9 @@ from drake_twin.controllers.drive_controller import (
     state_joint,
     twist_message,
 )
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import Update
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.speed_limits import LimitsX, LimitsZ
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
@@ -103,6 +106,7 @@ class DiffDriveParameters:
         )
 
 
+@controller("diff_drive_controller/DiffDriveController")
 class DiffDriveController(DriveController):
     """Drives a base with wheels on two sides by a commanded twist, within its limits, and reckons where it is.
 
@@ -160,7 +164,7 @@ class DiffDriveController(DriveController):
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=parameters.cmd_vel_timeout)
         self._declare_odometry("odom")
         if parameters.publish_limited_velocity:
-            self._declare_topic_output(
+            self.declare_topic_output(
                 "cmd_vel_out", "geometry_msgs/msg/TwistStamped", self._calc_cmd_vel_out, {self.sample_ticket()}
             )
 

@@ -7,11 +7,10 @@ import dataclasses
 import re
 import typing
 from collections.abc import Iterator, Mapping
-from importlib import import_module
 from math import inf, isnan
 from typing import Any
 
-from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.controllers.registry import controller_class, controller_types
 from drake_twin.description.parameters import parameter_names
 
 _INTRODUCTION = """\
@@ -52,14 +51,13 @@ def controllers_page() -> str:
 def _types_by_parameters() -> dict[type, list[str]]:
     """Parameters class → the controller types that have it."""
     found: dict[type, list[str]] = {}
-    for name in CONTROLLER_TYPES:
+    for name in controller_types():
         controller = controller_class(name)
         assert controller is not None
+        if not controller.__module__.startswith(f"{__package__}."):
+            continue  # of a third party
         for parameters in (controller.Parameters, *getattr(controller.Parameters, "dialects", ())):
             found.setdefault(parameters, []).append(name)
-    if JOINT_STATE_BROADCASTER not in CONTROLLER_TYPES:  # it is a publisher, and no controller in the diagram
-        publisher = import_module("drake_twin.controllers.joint_state_publisher")
-        found[publisher.JointStateBroadcasterParameters] = [JOINT_STATE_BROADCASTER]
     return found
 
 

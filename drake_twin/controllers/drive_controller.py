@@ -11,8 +11,8 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.control.wheel_odometry import WheelOdometry
-from drake_twin.controllers.controller import PeriodicController
 from drake_twin.controllers.odometry_frames import odometry_frames
+from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
@@ -95,7 +95,7 @@ class DriveController(PeriodicController):
         sample = self.sample(context)
         if sample.memory is not None:
             memory = replace(sample.memory, odometry=sample.memory.odometry.reset())
-            context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
+            self.set_sample(context, replace(sample, memory=memory))
 
     def start(self, context: Context) -> DriveMemory:
         """Without commands; the odometry goes on from the last activation."""
@@ -151,9 +151,9 @@ class DriveController(PeriodicController):
         """The port of the commanded twist, and how long a command holds (s; 0 for ever)."""
         self._command_timeout = timeout
         self._command = (
-            self._declare_topic_input(topic, "geometry_msgs/msg/TwistStamped")
+            self.declare_topic_input(topic, "geometry_msgs/msg/TwistStamped")
             if stamped
-            else self._declare_topic_input(f"{topic}_unstamped", "geometry_msgs/msg/Twist")
+            else self.declare_topic_input(f"{topic}_unstamped", "geometry_msgs/msg/Twist")
         )
 
     def _declare_odometry(self, topic: str, *, with_pose: bool = True) -> None:
@@ -172,10 +172,10 @@ class DriveController(PeriodicController):
         tickets = {self.sample_ticket()}
         if self.setup.true_odometry:
             tickets.add(self.input_port_ticket(self.get_state_input_port().get_index()))
-        self._odometry = self._declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
+        self._odometry = self.declare_topic_output(topic, "nav_msgs/msg/Odometry", self._calc_odometry, tickets)
         if parameters.enable_odom_tf:
             self.odometry_frames = self._frames
-            self._declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
+            self.declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf_odometry, tickets)
 
     def _feedback(
         self, context: Context, memory: DriveMemory, time: float, *, from_positions: bool

@@ -12,6 +12,7 @@ from pydrake.systems.framework import Context, EventStatus, InputPort, OutputPor
 from drake_twin import messages
 from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
 from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError
 from drake_twin.saved import saved
@@ -156,6 +157,7 @@ class FilteredWrench:
     filters: tuple[LowPassMemory, ...]
 
 
+@controller("force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster")
 class ForceTorqueSensorBroadcaster(SensorBroadcaster):
     """Puts a force/torque sensor's values into ``WrenchStamped`` messages.
 
@@ -169,12 +171,10 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         input_ports:
         - wrench
         output_ports:
-        - command_interfaces
         - wrench
         - wrench_filtered
 
     - ``wrench`` (input): vector ``[fx fy fz, tx ty tz]`` (N, N·m), as `ForceTorqueSensor` gives it.
-    - ``command_interfaces``: empty.
     - ``wrench``: ``geometry_msgs/msg/WrenchStamped`` of the present time, ``None`` while inactive; topic ``~/wrench``.
     - ``wrench_filtered``: the same of the last update, ``None`` without filters; topic ``~/wrench_filtered``.
     """
@@ -202,9 +202,9 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
             for _, item in sorted(parameters.sensor_filter_chain.items(), key=lambda entry: _number(entry[0]))
         ]
         kind = "geometry_msgs/msg/WrenchStamped"
-        self._declare_topic_output("wrench", kind, self._calc_wrench, self._present())
-        sample = {self.abstract_state_ticket(self._sample_index)}
-        self._declare_topic_output("wrench_filtered", kind, self._calc_wrench_filtered, sample)
+        self.declare_topic_output("wrench", kind, self._calc_wrench, self._present())
+        sample = {self.sample_ticket()}
+        self.declare_topic_output("wrench_filtered", kind, self._calc_wrench_filtered, sample)
         if self._filters:
             self.DeclarePeriodicUnrestrictedUpdateEvent(
                 setup.update_period, setup.update_offset, weakly(self._update_filters)
@@ -260,7 +260,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
     def _message(self, wrench: np.ndarray, time: float) -> Any:
         fx, fy, fz, tx, ty, tz = wrench.tolist()
         return messages.WrenchStamped(
-            header=messages.header(time, self._frame(self.setup.parameters.frame_id)),
+            header=messages.header(time, self.setup.frame(self.setup.parameters.frame_id)),
             wrench=messages.Wrench(force=messages.Vector3(x=fx, y=fy, z=fz), torque=messages.Vector3(x=tx, y=ty, z=tz)),
         )
 

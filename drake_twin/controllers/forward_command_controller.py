@@ -7,7 +7,9 @@ from typing import Any, ClassVar
 from pydrake.systems.framework import BasicVector, Context, InputPort
 
 from drake_twin import messages
-from drake_twin.controllers.controller import Controller, ControllerSetup, Interface
+from drake_twin.controllers.controller import Controller, ControllerSetup
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 
@@ -28,19 +30,6 @@ class ForwardCommandParameters:
 
 
 @dataclass(frozen=True)
-class JointGroupParameters:
-    """Parameters of the ``velocity_controllers``, ``position_controllers`` and ``effort_controllers`` JointGroups.
-
-    Attributes:
-        joints: the joints, in the order of a command's elements.
-        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
-    """
-
-    joints: tuple[str, ...]
-    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
-
-
-@dataclass(frozen=True)
 class MultiInterfaceForwardCommandParameters:
     """Parameters of ``forward_command_controller/MultiInterfaceForwardCommandController``.
 
@@ -55,6 +44,7 @@ class MultiInterfaceForwardCommandParameters:
     command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
 
 
+@controller("forward_command_controller/ForwardCommandController")
 class ForwardCommandController(Controller):
     """Forwards commands to command interfaces as they come.
 
@@ -86,8 +76,8 @@ class ForwardCommandController(Controller):
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
         self._has_positions = any(claim.name == "position" for claim in self.claims)
-        self._commands = self._declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
-        self._declare_command_interfaces(
+        self._commands = self.declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
+        self.declare_command_interfaces(
             self._calc_command_interfaces, {self.input_port_ticket(self._commands.get_index())}
         )
 
@@ -133,6 +123,7 @@ class ForwardCommandController(Controller):
         output.SetFromVector([nan] * len(self.claims) if numbers is None else numbers.data)
 
 
+@controller("forward_command_controller/MultiInterfaceForwardCommandController")
 class MultiInterfaceForwardCommandController(ForwardCommandController):
     """The same for several command interfaces of one joint."""
 
@@ -142,31 +133,3 @@ class MultiInterfaceForwardCommandController(ForwardCommandController):
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
         """Each interface of the joint."""
         return tuple(Interface(parameters.joint, name) for name in parameters.interface_names)
-
-
-class _JointGroupController(ForwardCommandController):
-    Parameters: ClassVar[type] = JointGroupParameters
-    interface: str
-
-    @classmethod
-    def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """The interface of each joint."""
-        return tuple(Interface(joint, cls.interface) for joint in parameters.joints)
-
-
-class JointGroupVelocityController(_JointGroupController):
-    """``velocity_controllers/JointGroupVelocityController``."""
-
-    interface = "velocity"
-
-
-class JointGroupPositionController(_JointGroupController):
-    """``position_controllers/JointGroupPositionController``."""
-
-    interface = "position"
-
-
-class JointGroupEffortController(_JointGroupController):
-    """``effort_controllers/JointGroupEffortController``."""
-
-    interface = "effort"

@@ -1,23 +1,21 @@
 """Grippers with one joint, as ros2_controllers' gripper action controllers command them."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan
+from math import isfinite
 from typing import Any, ClassVar
 
-import numpy as np
 from pydrake.systems.framework import Context, InputPort
 
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal, GripperRun, StallRule, judged
-from drake_twin.control.pid import Pid, PidGains, PidMemory
-from drake_twin.controllers.controller import ControllerSetup, Interface, PeriodicController, Update
+from drake_twin.control.pid import PidMemory
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.goal_state import GoalState
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
 
-_NOT_MONITORED = {
+NOT_MONITORED = {
     "lower": 0.1,
     "unsupported": "the end of a goal is delivered at the very update that finds it",
 }
@@ -38,74 +36,12 @@ class GripperActionParameters:
     """
 
     joint: str
-    action_monitor_rate: float = field(default=20.0, metadata=_NOT_MONITORED)
+    action_monitor_rate: float = field(default=20.0, metadata=NOT_MONITORED)
     goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
     max_effort: float = field(default=0.0, metadata={"lower": 0.0})
     allow_stalling: bool = False
     stall_velocity_threshold: float = 0.001
     stall_timeout: float = 1.0
-
-
-@dataclass(frozen=True)
-class GripperGains:
-    """The gains from a gripper's position error to its effort.
-
-    Attributes:
-        p: proportional gain (N·m/rad or N/m).
-        i: integral gain (per second).
-        d: derivative gain (times second).
-        i_clamp: the largest integral term, either way (N·m or N); 0 for none at all.
-    """
-
-    p: float = 0.0
-    i: float = 0.0
-    d: float = 0.0
-    i_clamp: float = field(default=0.0, metadata={"lower": 0.0})
-
-
-@dataclass(frozen=True)
-class EffortGripperActionParameters(GripperActionParameters):
-    """Parameters of ``effort_controllers/GripperActionController``.
-
-    Attributes:
-        max_effort: the largest effort until a goal brings its own (N·m or N): with 0 the gripper is limp until then.
-        gains: the gains of the joint.
-    """
-
-    gains: Mapping[str, GripperGains] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class ParallelGripperActionParameters:
-    """Parameters of ``parallel_gripper_action_controller/GripperActionController``.
-
-    Attributes:
-        joint: the gripper's joint.
-        action_monitor_rate: how often the action's state is looked at (Hz).
-        state_interfaces: the joint's state interfaces.
-        goal_tolerance: how near the goal is near enough (rad or m).
-        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
-        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
-        stall_timeout: how long it stands still before it has stalled (s).
-        max_effort_interface: the full name of a command interface that takes the largest effort; empty for none.
-        max_effort: the largest effort where a goal gives none (N·m or N).
-        max_velocity_interface: the full name of a command interface that takes the largest velocity; empty for none.
-        max_velocity: the largest velocity where a goal gives none (rad/s or m/s).
-    """
-
-    joint: str
-    action_monitor_rate: float = field(default=20.0, metadata=_NOT_MONITORED)
-    state_interfaces: tuple[str, ...] = field(
-        default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
-    )
-    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
-    allow_stalling: bool = False
-    stall_velocity_threshold: float = 0.001
-    stall_timeout: float = field(default=1.0, metadata={"lower": 0.0})
-    max_effort_interface: str = ""
-    max_effort: float = field(default=10.0, metadata={"lower": 0.0})
-    max_velocity_interface: str = ""
-    max_velocity: float = field(default=0.1, metadata={"lower": 0.0})
 
 
 @saved("GripperMemory")
@@ -153,7 +89,7 @@ class GripperActionController(PeriodicController):
             stall_timeout=parameters.stall_timeout,
             allow_stalling=parameters.allow_stalling,
         )
-        self._goal = self._declare_action_input("gripper_cmd", self.action)
+        self._goal = self.declare_action_input("gripper_cmd", self.action)
 
     def get_gripper_cmd_input_port(self) -> InputPort:
         """The port ``gripper_cmd``."""
@@ -205,7 +141,7 @@ class GripperActionController(PeriodicController):
             sample = self.sample(context)
             hold = self._hold(context, sample.memory.run.id)
             sample = replace(sample, memory=replace(sample.memory, goal=hold))
-            context.SetAbstractState(int(self._sample_index), sample)
+            self.set_sample(context, sample)
 
     def goal_state(self, context: Context, id: int | None = None) -> GoalState | None:
         """The state of a goal.
@@ -257,7 +193,7 @@ class GripperActionController(PeriodicController):
         if state is None or state.is_done or sample.memory is None:
             return False
         memory = replace(sample.memory, run=GripperRun(state.id, "canceled"))
-        context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
+        self.set_sample(context, replace(sample, memory=memory))
         return True
 
     def _default_limits(self) -> tuple[float, float]:
@@ -275,117 +211,5 @@ class GripperActionController(PeriodicController):
     def _commands(
         self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
     ) -> tuple[list[float], PidMemory]:
-        raise NotImplementedError
-
-
-class PositionGripperActionController(GripperActionController):
-    """``position_controllers/GripperActionController``: the goal's position goes to the joint's position interface."""
-
-    @classmethod
-    def claimed_interfaces(
-        cls, parameters: GripperActionParameters, description: RobotDescription
-    ) -> tuple[Interface, ...]:
-        """The joint's position."""
-        return (Interface(parameters.joint, "position"),)
-
-    def _commands(
-        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
-    ) -> tuple[list[float], PidMemory]:
+        """Return the command of each claim and the PID's memory; here the goal's position."""
         return [goal.position], pid
-
-
-class EffortGripperActionController(GripperActionController):
-    """``effort_controllers/GripperActionController``: a PID on the position error drives the joint's effort interface.
-
-    The effort stays within the goal's ``max_effort``, either way.
-    """
-
-    Parameters: ClassVar[type] = EffortGripperActionParameters
-
-    @classmethod
-    def claimed_interfaces(
-        cls, parameters: EffortGripperActionParameters, description: RobotDescription
-    ) -> tuple[Interface, ...]:
-        """The joint's effort."""
-        return (Interface(parameters.joint, "effort"),)
-
-    def __init__(self, setup: ControllerSetup):
-        super().__init__(setup)
-        gains = setup.parameters.gains.get(setup.parameters.joint, GripperGains())
-        self._pid = Pid(
-            PidGains(p=gains.p, i=gains.i, d=gains.d, i_clamp_max=gains.i_clamp, i_clamp_min=-gains.i_clamp)
-        )
-
-    def _effort(self, context: Context, goal: GripperGoal) -> float:
-        (command,) = self.sample(context).commands  # upstream too reports the effort of the update before
-        return command if isfinite(command) else 0.0
-
-    def _commands(
-        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
-    ) -> tuple[list[float], PidMemory]:
-        command, pid = self._pid.compute(goal.position - position, -velocity, dt, pid)
-        return [min(max(command, -abs(goal.effort)), abs(goal.effort))], pid
-
-
-class ParallelGripperActionController(GripperActionController):
-    """``parallel_gripper_action_controller/GripperActionController``: position, and the limits where they are claimed.
-
-    Its claims are the joint's position, then ``max_effort_interface`` and ``max_velocity_interface`` where they are
-    given; these take the goal's limits as they are.
-    """
-
-    Parameters: ClassVar[type] = ParallelGripperActionParameters
-    action = "control_msgs/action/ParallelGripperCommand"
-
-    @classmethod
-    def claimed_interfaces(
-        cls, parameters: ParallelGripperActionParameters, description: RobotDescription
-    ) -> tuple[Interface, ...]:
-        """The joint's position, and the interfaces of the limits."""
-        names = (parameters.max_effort_interface, parameters.max_velocity_interface)
-        limits = [Interface(*name.rpartition("/")[::2]) for name in names if name]
-        return (Interface(parameters.joint, "position"), *limits)
-
-    def feedback(self, context: Context) -> Any:
-        """The present goal's feedback message."""
-        return messages.ParallelGripperCommand_Feedback(state=self._joint_state(context))
-
-    def result(self, context: Context) -> Any:
-        """The last goal's result message; all zero for one that was cancelled."""
-        run = self._run(context)
-        return messages.ParallelGripperCommand_Result(
-            state=self._joint_state(context), stalled=run.stalled, reached_goal=run.reached_goal
-        )
-
-    def _joint_state(self, context: Context) -> Any:
-        run = self._run(context)
-        return messages.JointState(
-            header=messages.header(self.sample(context).time),
-            name=[self.setup.parameters.joint],
-            position=np.array([run.position]),
-            velocity=np.array([]),
-            effort=np.array([run.effort]),
-        )
-
-    def _default_limits(self) -> tuple[float, float]:
-        return self.setup.parameters.max_effort, self.setup.parameters.max_velocity
-
-    def _wanted(self, message: Any) -> tuple[float, float, float]:
-        command, parameters = message.command, self.setup.parameters
-        if len(command.position) != 1:
-            raise CommandError(f"the goal has {len(command.position)} positions, and the gripper has one joint")
-        effort, velocity = parameters.max_effort, parameters.max_velocity
-        if parameters.max_effort_interface and len(command.effort):
-            effort = float(command.effort[0])
-        if parameters.max_velocity_interface and len(command.velocity):
-            velocity = float(command.velocity[0])
-        return float(command.position[0]), effort, velocity
-
-    def _commands(
-        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
-    ) -> tuple[list[float], PidMemory]:
-        limits = {
-            self.setup.parameters.max_effort_interface: goal.effort,
-            self.setup.parameters.max_velocity_interface: goal.velocity,
-        }
-        return [goal.position, *(limits.get(str(claim), nan) for claim in self.claims[1:])], pid

@@ -9,6 +9,7 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError
 
@@ -39,6 +40,7 @@ class IMUSensorBroadcasterParameters:
     static_covariance_linear_acceleration: tuple[float, ...] = _UNKNOWN_SPREAD
 
 
+@controller("imu_sensor_broadcaster/IMUSensorBroadcaster")
 class IMUSensorBroadcaster(SensorBroadcaster):
     """Puts an IMU's values into ``Imu`` messages.
 
@@ -50,11 +52,9 @@ class IMUSensorBroadcaster(SensorBroadcaster):
         input_ports:
         - spatial
         output_ports:
-        - command_interfaces
         - imu
 
     - ``spatial``: vector ``[qw qx qy qz, wx wy wz, ax ay az]`` (rad/s, m/s²), as `ImuSensor` gives it.
-    - ``command_interfaces``: empty.
     - ``imu``: ``sensor_msgs/msg/Imu`` of the present time, ``None`` while inactive; topic ``~/imu``.
     """
 
@@ -67,7 +67,7 @@ class IMUSensorBroadcaster(SensorBroadcaster):
             count = len(getattr(setup.parameters, name))
             if count != 9:
                 raise InputError(f"controller {setup.name!r}: {name} has {count} numbers, where nine are needed")
-        self._declare_topic_output("imu", "sensor_msgs/msg/Imu", self._calc_imu, self._present())
+        self.declare_topic_output("imu", "sensor_msgs/msg/Imu", self._calc_imu, self._present())
 
     def get_spatial_input_port(self) -> InputPort:
         """The port ``spatial``."""
@@ -85,7 +85,7 @@ class IMUSensorBroadcaster(SensorBroadcaster):
         spreads = [np.array(getattr(self.setup.parameters, name)) for name in _COVARIANCES]
         output.set_value(
             messages.Imu(
-                header=messages.header(context.get_time(), self._frame(self.setup.parameters.frame_id)),
+                header=messages.header(context.get_time(), self.setup.frame(self.setup.parameters.frame_id)),
                 orientation=messages.Quaternion(x=qx, y=qy, z=qz, w=qw),
                 orientation_covariance=spreads[0],
                 angular_velocity=messages.Vector3(x=wx, y=wy, z=wz),

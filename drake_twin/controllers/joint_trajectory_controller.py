@@ -19,8 +19,9 @@ from drake_twin.control.trajectory import (
     take_up,
 )
 from drake_twin.control.trajectory_check import TrajectoryRules, checked_trajectory
-from drake_twin.controllers.controller import ControllerSetup, Interface, PeriodicController, Update
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.goal_state import GoalState
+from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_trajectory_memory import JointTrajectoryMemory, TrajectoryCommand
 from drake_twin.controllers.joint_trajectory_messages import (
     feedback_message,
@@ -36,6 +37,8 @@ from drake_twin.controllers.joint_trajectory_parameters import (
     check_interfaces,
     without_effect,
 )
+from drake_twin.controllers.periodic_controller import PeriodicController, Update
+from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 
@@ -53,6 +56,7 @@ GOAL_TOLERANCE_VIOLATED = -5
 _STILL_THERE = 1e-3
 
 
+@controller("joint_trajectory_controller/JointTrajectoryController")
 class JointTrajectoryController(PeriodicController):
     """Follows trajectories of several joints.
 
@@ -150,14 +154,14 @@ class JointTrajectoryController(PeriodicController):
         )
         self._decelerations = tuple(limit.max_deceleration_on_cancel for limit in limits)
         self.warnings = tuple(without_effect(parameters))
-        self._topic_port = self._declare_topic_input(TOPIC, "trajectory_msgs/msg/JointTrajectory")
-        self._action_port = self._declare_action_input(ACTION, "control_msgs/action/FollowJointTrajectory")
+        self._topic_port = self.declare_topic_input(TOPIC, "trajectory_msgs/msg/JointTrajectory")
+        self._action_port = self.declare_action_input(ACTION, "control_msgs/action/FollowJointTrajectory")
         self._scaling_port = (
-            self._declare_topic_input(SPEED_SCALING, "control_msgs/msg/SpeedScalingFactor")
+            self.declare_topic_input(SPEED_SCALING, "control_msgs/msg/SpeedScalingFactor")
             if commands == ("position",)
             else None
         )
-        self._declare_topic_output(
+        self.declare_topic_output(
             "controller_state",
             "control_msgs/msg/JointTrajectoryControllerState",
             self._calc_controller_state,
@@ -235,7 +239,7 @@ class JointTrajectoryController(PeriodicController):
             return
         memory = self._stopped(context.get_time(), sample.memory, self._measured(context, sample.memory))
         memory = replace(memory, last_id=self._last_id(context), goal=GoalState(state.id, "canceled"))
-        context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
+        self.set_sample(context, replace(sample, memory=memory))
 
     def deactivate(self, context: Context) -> None:
         """Writes nothing from now on; a goal that has not ended is aborted."""
@@ -244,7 +248,7 @@ class JointTrajectoryController(PeriodicController):
         if sample.active and state is not None and not state.is_done:
             goal = GoalState(state.id, "aborted", INVALID_GOAL, "Current goal cancelled during deactivate transition.")
             memory = replace(sample.memory, goal=goal, last_id=self._last_id(context))
-            context.SetAbstractState(int(self._sample_index), replace(sample, memory=memory))
+            self.set_sample(context, replace(sample, memory=memory))
         super().deactivate(context)
 
     def start(self, context: Context) -> JointTrajectoryMemory:

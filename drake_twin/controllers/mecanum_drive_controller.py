@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.control.drive_kinematics import MecanumDrive
-from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
@@ -18,6 +18,9 @@ from drake_twin.controllers.drive_controller import (
     state_joint,
     twist_message,
 )
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import Update
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.speed_limits import LimitsXY, LimitsZ
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
@@ -234,6 +237,7 @@ class MecanumDriveParameters:
         )
 
 
+@controller("mecanum_drive_controller/MecanumDriveController")
 class MecanumDriveController(DriveController):
     """Drives a base on mecanum wheels in any direction by a commanded twist, and reckons where it is.
 
@@ -298,7 +302,7 @@ class MecanumDriveController(DriveController):
             parameters.command_topic, stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout
         )
         self._declare_odometry(parameters.odometry_topic)
-        self._declare_topic_output(
+        self.declare_topic_output(
             "controller_state",
             "control_msgs/msg/MecanumDriveControllerState",
             self._calc_controller_state,

@@ -11,7 +11,10 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.control.pid import ANTIWINDUP_STRATEGIES, Pid, PidGains, PidMemory
-from drake_twin.controllers.controller import ControllerSetup, Interface, PeriodicController, Update
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import PeriodicController, Update
+from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.saved import saved
@@ -124,6 +127,7 @@ class PidControllerMemory:
     time_step: float = 0.0
 
 
+@controller("pid_controller/PidController")
 class PidController(PeriodicController):
     """Commands each degree of freedom by a PID on the difference between its reference and its state.
 
@@ -187,8 +191,8 @@ class PidController(PeriodicController):
             )
         self._gains = [parameters.gains.get(name, PidControllerGains()) for name in parameters.dof_names]
         self._pids = [Pid(_pid_gains(gains)) for gains in self._gains]
-        self._reference = self._declare_topic_input("reference", "control_msgs/msg/MultiDOFCommand")
-        self._declare_topic_output(
+        self._reference = self.declare_topic_input("reference", "control_msgs/msg/MultiDOFCommand")
+        self.declare_topic_output(
             "controller_state",
             "control_msgs/msg/MultiDOFStateStamped",
             self._calc_controller_state,

@@ -6,8 +6,11 @@ from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
 
-from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, publication
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import Update
+from drake_twin.controllers.registry import controller
 from drake_twin.description.gazebo_drive import PLANAR_INTERFACES
 from drake_twin.description.planar_joints import ANGULAR_Z
 from drake_twin.description.robot_description import RobotDescription
@@ -42,6 +45,7 @@ class PlanarMoveParameters:
         check_covariances(self)
 
 
+@controller("gazebo_ros/PlanarMove")
 class PlanarMoveController(DriveController):
     """Commands a base's velocity in the plane; its odometry is the true pose in the world, as the plugin's.
 

@@ -11,8 +11,10 @@ from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.control.drive_kinematics import SteeringDrive
-from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, state_joint
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.speed_limits import LimitsX, LimitsZ
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
@@ -178,7 +180,7 @@ class SteeringController(DriveController):
         )
         self._declare_command("reference", stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout)
         self._declare_odometry("odometry")
-        self._declare_topic_output(
+        self.declare_topic_output(
             "controller_state",
             "control_msgs/msg/SteeringControllerStatus",
             self._calc_controller_state,

@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context
 from drake_twin import messages
 from drake_twin.control.drive_kinematics import SteeredDrivenWheel
 from drake_twin.control.tricycle_limiters import SteeringLimiter, TractionLimiter
-from drake_twin.controllers.controller import ControllerSetup, Interface, Update
+from drake_twin.controllers.controller import ControllerSetup
 from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
@@ -18,6 +18,9 @@ from drake_twin.controllers.drive_controller import (
     is_older,
     state_joint,
 )
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.periodic_controller import Update
+from drake_twin.controllers.registry import controller
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 
@@ -140,6 +143,7 @@ class TricycleParameters:
         check_covariances(self)
 
 
+@controller("tricycle_controller/TricycleController")
 class TricycleController(DriveController):
     """Drives a base whose front wheel is driven and steered by a commanded twist, and reckons where it is.
 
@@ -190,7 +194,7 @@ class TricycleController(DriveController):
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=timeout)
         self._declare_odometry("odom", with_pose=not parameters.odom_only_twist)
         if parameters.publish_ackermann_command:
-            self._declare_topic_output(
+            self.declare_topic_output(
                 "cmd_ackermann", "ackermann_msgs/msg/AckermannDrive", self._calc_cmd_ackermann, {self.sample_ticket()}
             )
 

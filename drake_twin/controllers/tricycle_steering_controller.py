@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from drake_twin.control.drive_kinematics import SteeringDrive
+from drake_twin.controllers.registry import controller
 from drake_twin.controllers.steering_controller import SteeringController, SteeringParameters
 
 
@@ -37,6 +38,7 @@ class TricycleSteeringParameters(SteeringParameters):
         )
 
 
+@controller("tricycle_steering_controller/TricycleSteeringController")
 class TricycleSteeringController(SteeringController):
     """``tricycle_steering_controller/TricycleSteeringController``; see `SteeringController`."""
 

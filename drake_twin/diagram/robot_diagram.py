@@ -1,79 +1,77 @@
-"""One robot's sub-diagram: its controllers, its joint servo and its publishers, behind ports named as in ROS."""
+"""A robot's sub-diagram: its controllers, its sensors and its joint servo, wired together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import ceil, nextafter
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.primitives import ConstantVectorSource
 
-from drake_twin.controllers.controller import Controller, ControllerSetup, Interface, PeriodicController, Upstream
-from drake_twin.controllers.joint_state_publisher import JointStateBroadcasterParameters, JointStatePublisher
+from drake_twin.controllers.controller import Controller, ControllerSetup, Upstream
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
+from drake_twin.controllers.periodic_controller import PeriodicController
+from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
-from drake_twin.controllers.types import JOINT_STATE_BROADCASTER, controller_class
-from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
 from drake_twin.diagram.servo_modes import velocity_limits
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor
-from drake_twin.sensors.imu_sensor import ImuSensor
+from drake_twin.sensors.registry import sensor_class
 from drake_twin.systems.joint_servo import JointServo
 from drake_twin.systems.state_layout import StateLayout
-
-# Output port → message type. The topic is the port's name below the robot's namespace.
-PUBLISHED = {
-    "joint_states": "sensor_msgs/msg/JointState",
-    "dynamic_joint_states": "control_msgs/msg/DynamicJointState",
-}
 
 
 @dataclass(frozen=True)
 class RobotDiagram:
-    """A robot's sub-diagram and the parts of it that are steered.
+    """A robot's sub-diagram and its parts.
 
     Attributes:
-        diagram: the sub-diagram.
-        controllers: controller name → its system, in the order in which they are activated.
-        servo: puts their values together; None for a robot without actuators.
-        joint_states: its joint-state publisher.
-        joints: the joint of each actuator; None for one that models friction.
-        plant_inputs: its input ports that take a port of the plant of all robots, which is only there for sensors.
-        warnings: update rates that cannot be met, parameters without effect.
+        diagram: The sub-diagram.
+        controllers: Controller name → its system, in the order in which they are activated.
+        servo: Combines what the controllers write; None for a robot without actuators.
+        joints: The joint of each actuator; None for one that models friction.
+        plant_inputs: Input port → the plant's output port that it takes; there is one only if a system needs it.
+        always_published: Output port → message type of the topics that no controller publishes.
+        warnings: Update rates that cannot be met, parameters without effect.
     """
 
     diagram: Diagram
     controllers: dict[str, Controller]
     servo: JointServo | None
-    joint_states: JointStatePublisher
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
+    always_published: dict[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
 def build_robot_diagram(
     plan: RobotPlan, plant: MultibodyPlant, in_plant: RobotInPlant, time_step: float
 ) -> RobotDiagram:
-    """Builds a robot's sub-diagram.
+    """Build a robot's sub-diagram.
 
-    Its input ports are ``state``, ``net_actuation`` and those of ``plant_inputs`` (from the plant), and
-    ``<controller>/<topic>``; its output ports are ``desired_state`` and, where an effort may be commanded,
-    ``actuation`` (to the plant), ``<controller>/<topic>`` and those of `PUBLISHED`.
+    Its input ports are those of ``plant_inputs`` and ``<controller>/<topic>``; its output ports are ``desired_state``
+    and, where an effort may be commanded, ``actuation`` (to the plant), ``<controller>/<topic>`` and those of
+    ``always_published``.
 
     Args:
-        plan: the robot.
-        plant: the finalized plant.
-        in_plant: the robot in it.
-        time_step: the physics step, or the grid of a continuous plant (s).
+        plan: The robot.
+        plant: The finalized plant.
+        in_plant: The robot in it.
+        time_step: The physics step, or the grid of a continuous plant (s).
     """
     instance, layout = in_plant.instance, in_plant.layout
     builder = DiagramBuilder()
-    description = plan.description
+    inputs = _PlantInputs(builder)
+    from_plant = {
+        "state": plant.get_state_output_port(instance),
+        "net_actuation": plant.get_net_actuation_output_port(instance),
+    }
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
     joints = _joints_of_actuators(layout)
     servo = (
@@ -81,24 +79,62 @@ def build_robot_diagram(
         if joints
         else None
     )
-    joint_states = builder.AddNamedSystem(
-        _free_name(builder, "joint_state_publisher"),
-        JointStatePublisher(_state_interfaces(description), layout, *_broadcaster(plan, description)),
-    )
-    builder.ExportInput(joint_states.get_state_input_port(), "state")
+    always_published = {}
+    if all(item.type != JOINT_STATE_BROADCASTER for item in plan.controllers):
+        broadcaster = _add_broadcaster(builder, plan, layout)
+        for name, port in broadcaster.robot_inputs.items():
+            inputs.connect(from_plant[name], name, port)
+        for topic, kind in broadcaster.published.items():
+            builder.ExportOutput(broadcaster.GetOutputPort(topic), topic)
+            always_published[topic] = kind
     for name, controller in controllers.items():
+        for source, port in controller.robot_inputs.items():
+            inputs.connect(from_plant[source], source, port)
         _wire_controller(builder, name, controller, controllers)
-    plant_inputs = _add_sensors(builder, plan, plant, instance, controllers)
-    builder.ExportInput(joint_states.get_net_actuation_input_port(), "net_actuation")
-    builder.ExportOutput(joint_states.get_joint_states_output_port(), "joint_states")
-    builder.ExportOutput(joint_states.get_dynamic_joint_states_output_port(), "dynamic_joint_states")
+    _add_sensors(builder, plan, plant, instance, controllers, inputs)
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, joint_states, joints, plant_inputs, warnings)
+    return RobotDiagram(diagram, controllers, servo, joints, inputs.needed, always_published, warnings)
+
+
+class _PlantInputs:
+    """Exports an input port for each port of the plant that a system of the robot needs.
+
+    Attributes:
+        needed: Input port → the plant's output port.
+    """
+
+    def __init__(self, builder: DiagramBuilder):
+        self._builder = builder
+        self.needed: dict[str, OutputPort] = {}
+
+    def connect(self, output: OutputPort, name: str, port: InputPort) -> None:
+        """Let a port take an output port of the plant.
+
+        Args:
+            output: The plant's port.
+            name: The name of the sub-diagram's port that takes it.
+            port: The port of a system in the sub-diagram.
+        """
+        if name in self.needed:
+            self._builder.ConnectInput(name, port)
+        else:
+            self._builder.ExportInput(port, name)
+            self.needed[name] = output
+
+
+def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout) -> JointStateBroadcaster:
+    """Add the broadcaster of a robot whose files name none: its joint states are published all the same."""
+    parameters = JointStateBroadcasterParameters(frame_id="")
+    setup = ControllerSetup("joint_state_broadcaster", parameters, (), plan.description, layout)
+    broadcaster: JointStateBroadcaster = builder.AddNamedSystem(
+        _free_name(builder, setup.name), JointStateBroadcaster(setup)
+    )
+    return broadcaster
 
 
 def _free_name(builder: DiagramBuilder, name: str) -> str:
-    """A name for a system that no controller has: Drake ends the process when two are the same."""
+    """Return a name that no system has: Drake ends the process when two are the same."""
     while builder.HasSubsystemNamed(name):
         name += "_"
     return name
@@ -107,16 +143,12 @@ def _free_name(builder: DiagramBuilder, name: str) -> str:
 def _add_controllers(
     builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float, *, continuous: bool
 ) -> tuple[dict[str, Controller], tuple[str, ...]]:
-    """Adds a system for each controller that could be activated, now or later."""
-    usable = {
-        item.name: item for item in plan.controllers if item.problem is None and item.type != JOINT_STATE_BROADCASTER
-    }
+    """Add a system for each controller that could be activated, now or later."""
+    usable = {item.name: item for item in plan.controllers if item.problem is None}
     depths = {name: _depth(name, usable) for name in usable}
     controllers: dict[str, Controller] = {}
     warnings = _too_fast(plan, time_step)
     for name, item in sorted(usable.items(), key=lambda entry: depths[entry[0]]):  # a chain from its upper end
-        kind = controller_class(item.type)
-        assert kind is not None
         steps = max(1, ceil(1.0 / item.update_rate / time_step - 1e-6))
         setup = ControllerSetup(
             name=name,
@@ -132,11 +164,13 @@ def _add_controllers(
                 other: Upstream(controllers[other].get_command_interfaces_output_port().size(), indices)
                 for other, indices in _upstream(item, usable).items()
             },
-            true_odometry=item.true_odometry,
+            true_odometry=item.wiring is not None and item.wiring.true_odometry,
             physics_step=0.0 if continuous else time_step,
             position_time_constant=plan.position_time_constant or SETTLING_TIME,
             tells_of_motion=True,
         )
+        kind = controller_class(item.type)
+        assert kind is not None, "a controller of an unknown type has a problem"
         controllers[name] = builder.AddNamedSystem(name, kind(setup))
         warnings += [f"controller {name}: {warning}" for warning in controllers[name].warnings]
     return {name: controllers[name] for name in usable}, tuple(warnings)
@@ -237,7 +271,6 @@ def _wire_controller(
     for topic in controller.published:
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, PeriodicController):
-        builder.ConnectInput("state", controller.get_state_input_port())
         for other in controller.setup.upstream:
             builder.Connect(
                 controllers[other].get_command_interfaces_output_port(), controller.get_upstream_input_port(other)
@@ -250,9 +283,9 @@ def _add_sensors(
     plant: MultibodyPlant,
     instance: ModelInstanceIndex,
     controllers: Mapping[str, Controller],
-) -> dict[str, OutputPort]:
-    """Adds the sensors whose broadcasters are there; returns which of the plant's ports they need."""
-    needed: dict[str, OutputPort] = {}
+    inputs: _PlantInputs,
+) -> None:
+    """Add the sensors whose broadcasters are there."""
     for name, controller in controllers.items():
         if not isinstance(controller, SensorBroadcaster):
             continue
@@ -265,36 +298,9 @@ def _add_sensors(
             )
             builder.Connect(nothing.get_output_port(), port)
             continue
-        kind: type[ImuSensor] | type[ForceTorqueSensor] = ImuSensor if sensor.kind == "imu" else ForceTorqueSensor
-        system = builder.AddNamedSystem(_free_name(builder, f"{name}_sensor"), kind.of(plant, instance, sensor))
+        system = builder.AddNamedSystem(
+            _free_name(builder, f"{name}_sensor"), sensor_class(sensor.kind).of(plant, instance, sensor)
+        )
         builder.Connect(system.get_output_port(), port)
         for output, own_port in system.inputs_from(plant):
-            if output.get_name() not in needed:
-                builder.ExportInput(own_port, output.get_name())
-                needed[output.get_name()] = output
-            else:
-                builder.ConnectInput(output.get_name(), own_port)
-    return needed
-
-
-def _broadcaster(plan: RobotPlan, description: RobotDescription) -> tuple[JointStateBroadcasterParameters, str]:
-    """What the joint_state_broadcaster's parameters say, and the frame of its messages as /tf has it."""
-    for item in plan.controllers:
-        if item.type == JOINT_STATE_BROADCASTER and item.parameters is not None:
-            frame = item.parameters.frame_id
-            is_link = frame in description.links
-            return item.parameters, f"{plan.frame_prefix}{frame}" if is_link else frame
-    return JointStateBroadcasterParameters(), ""
-
-
-def _state_interfaces(description: RobotDescription) -> dict[str, tuple[str, ...]]:
-    """Joint → state interfaces: those of ``<ros2_control>``, or all of every movable joint where there is none."""
-    movable = {joint.name for joint in description.movable_joints}
-    if not description.systems:
-        return dict.fromkeys((joint.name for joint in description.movable_joints), ("position", "velocity"))
-    interfaces = {
-        name: tuple(item.name for item in joint.state_interfaces)
-        for name, joint in description.controlled_joints.items()
-        if name in movable
-    }
-    return {name: names for name, names in interfaces.items() if names}
+            inputs.connect(output, output.get_name(), own_port)

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, nan
 
-from drake_twin.controllers.types import JOINT_STATE_BROADCASTER
+from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
 from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
@@ -15,8 +15,9 @@ from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, texts
-from drake_twin.planning.controller_plan import ControllerPlan, broadcast_sensor, plan_controllers
+from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
+from drake_twin.planning.plan_controllers import plan_controllers
 from drake_twin.scenario import Robot, ScenarioError
 
 
@@ -57,6 +58,12 @@ class RobotPlan:
     def warnings(self) -> tuple[str, ...]:
         """What was given up or changed."""
         return texts(self.findings, Kind.WARNING, Kind.MENDED)
+
+    @property
+    def errors(self) -> tuple[InputError, ...]:
+        """Controllers that are to be loaded and are missing or wrong; those that are missing come first."""
+        errors = [item.error for item in self.controllers if item.error is not None]
+        return tuple(sorted(errors, key=lambda error: not isinstance(error, ScenarioError)))
 
     @property
     def name(self) -> str:
@@ -123,7 +130,7 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     model = replace(model, description=with_actuators(own, drives))
     description = model.description
     warnings += _unused_interfaces(description)
-    manager = _controller_manager(robot, path, own, packages, xacro_args)
+    manager = _with_added(robot, path, _controller_manager(robot, path, own, packages, xacro_args))
     controllers, controller_findings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )
@@ -162,7 +169,7 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
 
 def _unpublished_sensors(description: RobotDescription, controllers: Sequence[ControllerPlan]) -> Iterator[Finding]:
     """IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
-    published = {name for controller in controllers if (name := broadcast_sensor(controller)) is not None}
+    published = {name for controller in controllers if (name := controller.sensor) is not None}
     for sensor in description.sensors:
         if sensor.name.strip("/") not in published and sensor.name not in published:
             what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
@@ -227,6 +234,20 @@ def _controller_manager(
         if not parameters.controllers and plugin.namespace:  # written for the namespace that the robot's file gives
             parameters = read_controllers(resolved, f"/{plugin.namespace.strip('/')}", placeholders)
     return parameters
+
+
+def _with_added(robot: Robot, path: ValuePath, manager: ControllerManagerParameters) -> ControllerManagerParameters:
+    """Return the parameters files' controllers with those that the scenario adds."""
+    added = []
+    for name, entry in robot.added_controllers.items():
+        parameters = dict(entry)
+        kind = parameters.pop("type", None)
+        if not isinstance(kind, str):
+            raise ScenarioError((*path, "added_controllers", name), "the controller has no type")
+        if any(controller.name == name for controller in manager.controllers):
+            raise ScenarioError((*path, "added_controllers", name), "the parameters files have one of this name")
+        added.append(ControllerParameters(name, kind, parameters))
+    return replace(manager, controllers=(*added, *manager.controllers)) if added else manager
 
 
 def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:

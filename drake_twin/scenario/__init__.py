@@ -20,6 +20,7 @@ from drake_twin.scenario.scenario import (
     StaticTransform,
     World,
     field_types,
+    name_in_twin,
 )
 
 __all__ = [
@@ -42,4 +43,5 @@ __all__ = [
     "StaticTransform",
     "World",
     "field_types",
+    "name_in_twin",
 ]

@@ -104,6 +104,7 @@ class Robot:
         contact: ``hydroelastic``: its flat shapes touch with their faces; or ``point``: in a point.
         remappings: topic → the topic in its place, both in full.
         without_repairs: names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
+        added_controllers: controller name → its ``type`` and its parameters, beside those of the parameters files.
     """
 
     name: str
@@ -122,6 +123,7 @@ class Robot:
     contact: str = HYDROELASTIC
     remappings: Mapping[str, str] = field(default_factory=dict)
     without_repairs: tuple[str, ...] = ()
+    added_controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def topic_namespace(self) -> str:
@@ -213,6 +215,12 @@ class ScenarioError(InputError):
         self.reason = reason
         self.more = more
         super().__init__(f"{'.'.join(map(str, path))}: {reason}", **more)
+
+
+def name_in_twin(name: str) -> str:
+    """Return a robot's name as the twin can take it: letters, digits, ``_`` and ``-``, and not a reserved name."""
+    name = "".join(character if character.isalnum() or character in "_-" else "_" for character in name)
+    return f"{name}_robot".lstrip("_") if name in RESERVED_NAMES or not name else name
 
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:

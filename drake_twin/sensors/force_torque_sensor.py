@@ -9,11 +9,13 @@ from pydrake.multibody.tree import Joint, ModelInstanceIndex
 from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
 
 from drake_twin.description.robot_description import Sensor
+from drake_twin.sensors.registry import sensor
+from drake_twin.sensors.sensor import SensorSystem
 from drake_twin.systems.weak_callback import weakly
-from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class ForceTorqueSensor(WitnesslessSystem):
+@sensor("force_torque")
+class ForceTorqueSensor(SensorSystem):
     """Measures the wrench that a joint's two links exert on each other, without noise.
 
     As gz-sim's ForceTorque system: the torque is about the sensor's origin, the axes are those of the child link, the
@@ -42,6 +44,8 @@ class ForceTorqueSensor(WitnesslessSystem):
         axes: ``child``, ``parent`` or ``sensor``.
     """
 
+    size = 6
+
     def __init__(self, joint: Joint, pose: RigidTransform, measured_on: str = "parent", axes: str = "child"):
         super().__init__()
         self._joint = int(joint.index())
@@ -59,7 +63,7 @@ class ForceTorqueSensor(WitnesslessSystem):
             ports.append(self._poses)
         self._wrench = self.DeclareVectorOutputPort(
             "wrench",
-            6,
+            self.size,
             weakly(self._calc_wrench),
             {self.input_port_ticket(port.get_index()) for port in ports},
         )

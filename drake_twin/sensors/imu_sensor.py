@@ -10,11 +10,13 @@ from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPor
 
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Sensor
+from drake_twin.sensors.registry import sensor
+from drake_twin.sensors.sensor import SensorSystem
 from drake_twin.systems.weak_callback import weakly
-from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class ImuSensor(WitnesslessSystem):
+@sensor("imu")
+class ImuSensor(SensorSystem):
     """Measures orientation, angular velocity and specific force at a place on a link, without noise.
 
     As gz-sim's Imu system: the linear acceleration has gravity in it, so that an IMU that lies still measures +9.81
@@ -45,6 +47,8 @@ class ImuSensor(WitnesslessSystem):
         gravity: gravity in the world (m/s²).
     """
 
+    size = 10
+
     def __init__(self, body: BodyIndex, pose: RigidTransform, reference: RotationMatrix, gravity: np.ndarray):
         super().__init__()
         self._body = int(body)
@@ -59,7 +63,7 @@ class ImuSensor(WitnesslessSystem):
         )
         self._spatial = self.DeclareVectorOutputPort(
             "spatial",
-            10,
+            self.size,
             weakly(self._calc_spatial),
             {self.input_port_ticket(port.get_index()) for port in (self._poses, self._velocities, self._accelerations)},
         )

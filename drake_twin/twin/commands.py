@@ -10,7 +10,8 @@ from pydrake.common.value import Value
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.controller import Controller
-from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
+from drake_twin.diagram.topics import CommandTopic
+from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages import Numbers, shortened
 from drake_twin.scenario import Command
 from drake_twin.twin.plain_data import from_plain, to_plain

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from drake_twin.controllers.controller import Interface
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.registry import controller_types
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan, chained_to
 from drake_twin.planning.robot_plan import RobotPlan
 
@@ -144,9 +145,7 @@ class ControllerManager:
 
     def list_controller_types(self) -> tuple[str, ...]:
         """The types that controllers may have."""
-        from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER
-
-        return tuple(sorted([*CONTROLLER_TYPES, JOINT_STATE_BROADCASTER]))
+        return controller_types()
 
     def list_hardware_interfaces(self) -> tuple[tuple[HardwareInterface, ...], tuple[HardwareInterface, ...]]:
         """The command interfaces, and the state interfaces."""

@@ -8,8 +8,8 @@ from typing import Any
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
-from drake_twin.controllers.controller import Controller, PeriodicController
-from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.controllers.controller import Controller
+from drake_twin.controllers.stateful_controller import StatefulController
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.servo_assignment import assign
@@ -24,7 +24,8 @@ from drake_twin.diagram.servo_modes import (
     slipping_range,
     without_commands,
 )
-from drake_twin.diagram.twin_diagram import CommandTopic, TwinDiagram
+from drake_twin.diagram.topics import CommandTopic
+from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import CommandError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.joint_servo import ServoAssignment
@@ -195,7 +196,7 @@ class RobotControl:
         """What of the robot's controllers goes on from here: their states, what they keep, the servos' assignment."""
         samples: dict[str, Any] = {}
         for name, controller in self.controllers.items():
-            if isinstance(controller, PeriodicController | SensorBroadcaster):
+            if isinstance(controller, StatefulController):
                 samples[name] = to_plain(controller.sample(self.context_of(name)))
         servo = self._parts.servo
         return {
@@ -212,7 +213,7 @@ class RobotControl:
         samples = {
             name: controller
             for name, controller in self.controllers.items()
-            if isinstance(controller, PeriodicController | SensorBroadcaster)
+            if isinstance(controller, StatefulController)
         }
         if set(saved["samples"]) != set(samples):
             raise ValueError(f"samples of {', '.join(samples)} are needed")

@@ -4,7 +4,7 @@ A plant cannot change once it is finalized. When a robot comes or goes, or the s
 and every state is carried over by name; the old one is let go of, so that its memory comes back.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,10 +16,9 @@ from pydrake.multibody.tree import QuaternionFloatingJoint
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
 
-from drake_twin.controllers.controller import PeriodicController
-from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.controllers.stateful_controller import StatefulController
 from drake_twin.diagram.let_go import let_go
-from drake_twin.diagram.twin_diagram import TwinDiagram, build_twin_diagram
+from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
@@ -55,7 +54,9 @@ class Running:
     Args:
         scenario: what to run.
         meshcat: the page to draw on.
-        known: a diagram that was built before; what it shares with this one is not made again.
+        known: A diagram that was built before; what it shares with this one is not made again.
+        plans: Plans of robots that were made before.
+        extensions: Add a user's own systems to the diagram.
 
     Attributes:
         built: the diagram.
@@ -64,8 +65,15 @@ class Running:
         plant_context: the plant's part of it.
     """
 
-    def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None, known: TwinDiagram | None = None):
-        self.built = build_twin_diagram(scenario, meshcat, known)
+    def __init__(
+        self,
+        scenario: Scenario,
+        meshcat: Meshcat | None = None,
+        known: TwinDiagram | None = None,
+        plans: Iterable[RobotPlan] = (),
+        extensions: Sequence[Extension] = (),
+    ):
+        self.built = build_twin_diagram(scenario, meshcat, known, plans, extensions)
         self.simulator = Simulator(self.built.diagram)
         if scenario.engine == CENIC:
             configuration = SimulatorConfig(
@@ -80,7 +88,7 @@ class Running:
             item
             for parts in self.built.parts.values()
             for item in parts.controllers.values()
-            if isinstance(item, PeriodicController | SensorBroadcaster)
+            if isinstance(item, StatefulController)
         ]
         self._keepers = [(item, item.GetMyMutableContextFromRoot(self.context)) for item in keepers]
         plant = self.built.plant
@@ -229,14 +237,14 @@ class Running:
         return {
             name: controller.sample(controller.GetMyContextFromRoot(self.context))
             for name, controller in self.built.parts[robot].controllers.items()
-            if isinstance(controller, PeriodicController | SensorBroadcaster)
+            if isinstance(controller, StatefulController)
         }
 
     def set_samples(self, robot: str, samples: Mapping[str, Any]) -> None:
         """Puts back what controllers keep."""
         for name, sample in samples.items():
             controller = self.built.parts[robot].controllers[name]
-            assert isinstance(controller, PeriodicController | SensorBroadcaster)
+            assert isinstance(controller, StatefulController)
             controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
 
     def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:

@@ -46,8 +46,7 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
     state = plant.GetPositionsAndVelocities(plant_context, parts.instance)
     efforts = np.zeros(layout.num_actuators)
     if with_efforts:
-        publisher = built.parts[plan.name].joint_states
-        efforts = publisher.efforts(publisher.GetMyContextFromRoot(context))
+        efforts = plant.get_net_actuation_output_port(parts.instance).Eval(plant_context)
     names = tuple(joint.name for joint in plan.description.movable_joints)
     root = plant.GetBodyByName(plan.model.root_body, parts.instance)
     pose = plant.EvalBodyPoseInWorld(plant_context, root)

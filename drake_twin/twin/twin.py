@@ -6,7 +6,7 @@ repeatable to the last bit.
 
 import functools
 import logging
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import floor, isfinite
 from numbers import Real
@@ -17,9 +17,10 @@ import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 
-from drake_twin.controllers.controller import Interface
+from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.contact import TouchingShape
-from drake_twin.diagram.twin_diagram import CommandTopic, PublishedTopic
+from drake_twin.diagram.topics import CommandTopic, PublishedTopic
+from drake_twin.diagram.twin_diagram import Extension
 from drake_twin.errors import CommandError, InputError, RunError, TwinError
 from drake_twin.findings import Finding, Kind, texts
 from drake_twin.messages import Numbers, float64_multi_array, shortened
@@ -75,8 +76,11 @@ class Twin:
     """A scenario, running.
 
     Args:
-        scenario: what to run.
-        meshcat: the page to draw on; `draw` and `run` do so.
+        scenario: What to run.
+        meshcat: The page to draw on; `draw` and `run` do so.
+        plans: Plans of its robots that were made before; the others are made here.
+        extensions: Functions that add your own systems to the diagram before it is built, whenever it is built; see
+            `drake_twin.diagram.twin_diagram.build_twin_diagram`.
 
     Attributes:
         scenario: what runs.
@@ -87,14 +91,21 @@ class Twin:
         InputError: a file or a value of the scenario that cannot be used.
     """
 
-    def __init__(self, scenario: Scenario, meshcat: Meshcat | None = None):
+    def __init__(
+        self,
+        scenario: Scenario,
+        meshcat: Meshcat | None = None,
+        plans: Iterable[RobotPlan] = (),
+        extensions: Sequence[Extension] = (),
+    ):
         self.scenario = scenario
         self._meshcat = meshcat
+        self._extensions = tuple(extensions)
         self._subscriptions = Subscriptions(self._latest, scenario.time_step)
         self._controls: dict[str, RobotControl] = {}
         self._commands = Commands()
         self.recorder = Recorder(lambda: self.time)
-        self._run(Running(scenario, meshcat))
+        self._run(Running(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._goals: list[ActionGoal] = []
         self._unheard: set[str] = set()
         self._sunk: dict[str, tuple[Finding, ...]] = {}
@@ -147,7 +158,7 @@ class Twin:
             scenario: the scenario.
             step: the present step, counted in the scenario's steps; None where they are as long as before.
         """
-        running, old = Running(scenario, self._meshcat, self._built), self._running
+        running, old = Running(scenario, self._meshcat, self._built, extensions=self._extensions), self._running
         known = list(self._controls.values())
         self._step = self._step if step is None else step
         running.carry_over(old, self._step)

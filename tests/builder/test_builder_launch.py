@@ -1,8 +1,8 @@
 """The launch entities as a builder in plain Python."""
 
 from drake_twin import TwinBuilder
+from drake_twin.builder.launch_file import launch_file_scenario
 from drake_twin.description.package_index import share_folder
-from drake_twin.from_launch.launch_file import launch_file_scenario
 from drake_twin.launch import LaunchDescription
 
 MAIN = share_folder("models") / "rover_gazebo" / "launch" / "main.launch.xml"

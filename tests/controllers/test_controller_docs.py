@@ -3,7 +3,7 @@ from pathlib import Path
 
 import drake_twin
 from drake_twin.controllers.docs import controllers_page
-from drake_twin.controllers.types import CONTROLLER_TYPES, JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.controllers.registry import controller_class, controller_types
 
 
 def test_the_page_is_what_the_parameters_classes_say():
@@ -14,7 +14,7 @@ def test_the_page_is_what_the_parameters_classes_say():
 
 def test_every_controller_type_is_on_the_page_and_every_parameter_has_a_meaning():
     page = controllers_page()
-    for name in (*CONTROLLER_TYPES, JOINT_STATE_BROADCASTER):
+    for name in controller_types():
         assert f"`{name}`" in page
     rows = [line for line in page.splitlines() if line.startswith("| `")]
     assert [row for row in rows if row.split("|")[-2].strip() == ""] == []
@@ -32,7 +32,7 @@ def test_the_page_tells_defaults_bounds_and_why_a_parameter_is_ignored():
 
 
 def test_each_controller_has_a_frozen_parameters_class():
-    for name in CONTROLLER_TYPES:
+    for name in controller_types():
         parameters = controller_class(name).Parameters
         assert dataclasses.is_dataclass(parameters)
         assert parameters.__dataclass_params__.frozen

@@ -4,16 +4,16 @@ from pydrake.common.value import AbstractValue
 
 from drake_twin import messages
 from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.effort_controllers import JointGroupEffortController
 from drake_twin.controllers.forward_command_controller import (
     ForwardCommandController,
     ForwardCommandParameters,
-    JointGroupEffortController,
-    JointGroupParameters,
-    JointGroupPositionController,
-    JointGroupVelocityController,
     MultiInterfaceForwardCommandController,
     MultiInterfaceForwardCommandParameters,
 )
+from drake_twin.controllers.joint_group_controller import JointGroupParameters
+from drake_twin.controllers.position_controllers import JointGroupPositionController
+from drake_twin.controllers.velocity_controllers import JointGroupVelocityController
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.systems.state_layout import StateLayout

@@ -5,17 +5,19 @@ import pytest
 from device_harness import ROBOT, Running, setup_of
 
 from drake_twin import messages
-from drake_twin.controllers.controller import Interface
-from drake_twin.controllers.goal_state import GoalState
-from drake_twin.controllers.gripper_action_controller import (
+from drake_twin.controllers.effort_controllers import (
     EffortGripperActionController,
     EffortGripperActionParameters,
-    GripperActionParameters,
     GripperGains,
+)
+from drake_twin.controllers.goal_state import GoalState
+from drake_twin.controllers.gripper_action_controller import GripperActionParameters
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.parallel_gripper_action_controller import (
     ParallelGripperActionController,
     ParallelGripperActionParameters,
-    PositionGripperActionController,
 )
+from drake_twin.controllers.position_controllers import PositionGripperActionController
 from drake_twin.errors import CommandError
 
 START = [0.2, 0.0, 0.0, 0.0]

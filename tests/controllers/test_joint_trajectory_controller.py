@@ -13,7 +13,8 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup, Interface
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_trajectory_controller import ACTION, TOPIC, JointTrajectoryController
 from drake_twin.controllers.joint_trajectory_parameters import (
     JointConstraints,
@@ -22,7 +23,7 @@ from drake_twin.controllers.joint_trajectory_parameters import (
     SpeedScaling,
     TrajectoryConstraints,
 )
-from drake_twin.controllers.types import controller_class
+from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters, read_controllers
 from drake_twin.description.parameters import parameter_names, read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription

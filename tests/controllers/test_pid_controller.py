@@ -11,7 +11,8 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup, Interface, Upstream
+from drake_twin.controllers.controller import ControllerSetup, Upstream
+from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.pid_controller import PidController, PidControllerGains, PidControllerParameters
 from drake_twin.errors import CommandError, InputError
 from drake_twin.systems.state_layout import StateLayout

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drive_harness import Driven
 
-from drake_twin.controllers.types import controller_class
+from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.gazebo_drive import PLANAR_MOVE
 from drake_twin.description.gazebo_drives import gazebo_drives

@@ -2,9 +2,8 @@
 
 import pytest
 
-from drake_twin.controllers.joint_state_publisher import JointStateBroadcasterParameters
 from drake_twin.controllers.pid_controller import PidControllerGains
-from drake_twin.controllers.types import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters, read_controllers
 from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import InputError
@@ -33,10 +32,9 @@ def test_other_peoples_parameters_are_read_without_a_warning(corpus, file):
     seen = set()
     for entry in read_controllers(corpus / file, "", {}).controllers:
         controller = controller_class(entry.type)
-        kind = JointStateBroadcasterParameters if entry.type == JOINT_STATE_BROADCASTER else None
-        if controller is None and kind is None:
+        if controller is None:
             continue
-        parameters, warnings = read_parameters(kind or controller.Parameters, entry)
+        parameters, warnings = read_parameters(controller.Parameters, entry)
         assert [warning for warning in warnings if "since Jazzy" not in warning.what] == []
         if entry.name in FILES[file]:
             sensor, of_kind = FILES[file][entry.name]

@@ -6,10 +6,10 @@ import pytest
 from conftest import rovers
 
 from drake_twin import Twin
+from drake_twin.builder.launch_file import launch_file_scenario
 from drake_twin.description.package_index import share_folder
 from drake_twin.diagram.picture import dot_text, dot_text_of_svg, write_picture
 from drake_twin.errors import InputError
-from drake_twin.from_launch.launch_file import launch_file_scenario
 from drake_twin.scenario.scenario_file import ScenarioFile
 
 needs_graphviz = pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz's program dot is not installed")

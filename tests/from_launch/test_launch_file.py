@@ -6,9 +6,9 @@ import pytest
 from hinge import command, create, gz, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
 from launch_files import not_started, write, write_python
 
+from drake_twin.builder.launch_file import launch_description_scenario, launch_file_scenario
 from drake_twin.description.package_index import share_folder
 from drake_twin.findings import Kind
-from drake_twin.from_launch.launch_file import launch_description_scenario, launch_file_scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.twin import Twin
 

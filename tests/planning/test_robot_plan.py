@@ -3,8 +3,9 @@ from conftest import ARM, ROVER
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
+from drake_twin.planning.plans import plan_robots
 from drake_twin.planning.robot_plan import plan_robot
-from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.scenario import Robot, Scenario, ScenarioError
 
 PACKAGES = PackageIndex()
 
@@ -41,7 +42,9 @@ def cart(tmp_path):
         if controllers is not None:
             (tmp_path / "controllers.yaml").write_text(controllers)
             files = (str(tmp_path / "controllers.yaml"),)
-        return plan_robot(Robot("cart", str(tmp_path / "cart.urdf"), controllers=files, **options), PACKAGES)
+        robot = Robot("cart", str(tmp_path / "cart.urdf"), controllers=files, **options)
+        (plan,) = plan_robots(Scenario((robot,)), PACKAGES)
+        return plan
 
     return make
 

@@ -8,7 +8,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from drake_twin.controllers.controller import Interface
+from drake_twin.controllers.interface import Interface
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.robot_plan import plan_robot

@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
+from drake_twin.controllers.controller import Controller, ControllerSetup
+from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.state_layout import StateLayout
-from drake_twin.systems.weak_callback import weakly
-from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 _INTERFACES = ("position", "velocity", "effort")
 _CONSTANTS = np.array([np.nan, 0.0])
@@ -77,11 +79,9 @@ class JointStateBroadcasterParameters:
         return interface
 
 
-_ALL = JointStateBroadcasterParameters()
-
-
-class JointStatePublisher(WitnesslessSystem):
-    """Puts a robot's state into ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
+@controller(JOINT_STATE_BROADCASTER)
+class JointStateBroadcaster(Controller):
+    """Publishes a robot's state as ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
     Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN for what a joint has no state
     interface for, 0 for extra joints. Joints stand in the order of the parameter ``joints`` or else of
@@ -90,7 +90,7 @@ class JointStatePublisher(WitnesslessSystem):
 
     .. pydrake_system::
 
-        name: JointStatePublisher
+        name: JointStateBroadcaster
         input_ports:
         - state
         - net_actuation
@@ -103,23 +103,20 @@ class JointStatePublisher(WitnesslessSystem):
     - ``joint_states``: ``sensor_msgs/msg/JointState``; topic ``joint_states``.
     - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``, ``None`` when parameters turn it off; topic
       ``dynamic_joint_states``.
-
-    Args:
-        interfaces: joint name → its state interfaces (``position``, ``velocity``, ``effort``).
-        layout: where the joints stand in the input ports.
-        parameters: what is broadcast.
-        frame_id: the frame in the messages' headers, as /tf has it.
     """
 
-    def __init__(
-        self,
-        interfaces: Mapping[str, Sequence[str]],
-        layout: StateLayout,
-        parameters: JointStateBroadcasterParameters = _ALL,
-        frame_id: str = "",
-    ):
-        super().__init__()
-        self._frame_id = frame_id
+    Parameters: ClassVar[type] = JointStateBroadcasterParameters
+
+    @classmethod
+    def topic_name(cls, name: str, parameters: JointStateBroadcasterParameters | None, topic: str) -> str:
+        """Return the topic's name itself, or below the controller's name with ``use_local_topics``."""
+        return f"{name}/{topic}" if parameters is not None and parameters.use_local_topics else topic
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        parameters: JointStateBroadcasterParameters = setup.parameters
+        layout, interfaces = setup.layout, _state_interfaces(setup.description)
+        self._frame_id = setup.frame(parameters.frame_id)
         self._with_dynamic = parameters.publish_dynamic_joint_states
         # Behind the last value stand NaN for what is missing and 0 for extra joints.
         missing = layout.size + layout.num_actuators
@@ -142,23 +139,21 @@ class JointStatePublisher(WitnesslessSystem):
         self._places = {
             joint: (tuple(where), np.array([*where.values()], dtype=int)) for joint, where in places.items()
         }
-        # Efforts are not asked for in vain: after a command they take as long as a step.
+        # Efforts are evaluated only if they are published: after a command they take as long as a step.
         self._no_efforts = np.full(layout.num_actuators, np.nan)
         self._has_efforts = any(layout.size <= place < missing for where in places.values() for place in where.values())
-        self._state = self.DeclareVectorInputPort("state", layout.size)
-        self._net_actuation = self.DeclareVectorInputPort("net_actuation", layout.num_actuators)
+        self._state = self.declare_robot_input("state", layout.size)
+        self._net_actuation = self.declare_robot_input("net_actuation", layout.num_actuators)
         prerequisites = {
             self.time_ticket(),
             self.input_port_ticket(self._state.get_index()),
             self.input_port_ticket(self._net_actuation.get_index()),
         }
-        self._joint_states = self.DeclareAbstractOutputPort(
-            "joint_states", lambda: AbstractValue.Make(None), weakly(self._calc_joint_states), prerequisites
-        )
-        self._dynamic_joint_states = self.DeclareAbstractOutputPort(
+        self.declare_topic_output("joint_states", "sensor_msgs/msg/JointState", self._calc_joint_states, prerequisites)
+        self.declare_topic_output(
             "dynamic_joint_states",
-            lambda: AbstractValue.Make(None),
-            weakly(self._calc_dynamic_joint_states),
+            "control_msgs/msg/DynamicJointState",
+            self._calc_dynamic_joint_states,
             prerequisites,
         )
 
@@ -172,14 +167,14 @@ class JointStatePublisher(WitnesslessSystem):
 
     def get_joint_states_output_port(self) -> OutputPort:
         """The port ``joint_states``."""
-        return self._joint_states
+        return self.GetOutputPort("joint_states")
 
     def get_dynamic_joint_states_output_port(self) -> OutputPort:
         """The port ``dynamic_joint_states``."""
-        return self._dynamic_joint_states
+        return self.GetOutputPort("dynamic_joint_states")
 
     def efforts(self, context: Context) -> np.ndarray:
-        """The efforts that the robot's actuators apply (N·m or N)."""
+        """Return the efforts that the robot's actuators apply (N·m or N)."""
         efforts: np.ndarray = self._net_actuation.Eval(context)
         return efforts
 
@@ -220,3 +215,16 @@ def _place(layout: StateLayout, joint: str, interface: str) -> int:
     if interface == "effort" and joint in layout.efforts:
         return layout.size + layout.efforts[joint]
     return missing
+
+
+def _state_interfaces(description: RobotDescription) -> dict[str, tuple[str, ...]]:
+    """Return each joint's state interfaces: those of ``<ros2_control>``, or without it all of each movable joint."""
+    movable = [joint.name for joint in description.movable_joints]
+    if not description.systems:
+        return dict.fromkeys(movable, ("position", "velocity"))
+    interfaces = {
+        name: tuple(item.name for item in joint.state_interfaces)
+        for name, joint in description.controlled_joints.items()
+        if name in movable
+    }
+    return {name: names for name, names in interfaces.items() if names}

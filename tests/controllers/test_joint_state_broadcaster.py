@@ -1,10 +1,20 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from drake_twin.controllers.joint_state_publisher import (
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.joint_state_broadcaster import (
+    JointStateBroadcaster,
     JointStateBroadcasterParameters,
     JointStateInterfaceMap,
-    JointStatePublisher,
+)
+from drake_twin.description.robot_description import (
+    ControlledJoint,
+    HardwareSystem,
+    Joint,
+    RobotDescription,
+    StateInterface,
 )
 from drake_twin.systems.state_layout import StateLayout
 
@@ -21,6 +31,22 @@ LAYOUT = StateLayout(
 ALL = ("position", "velocity", "effort")
 
 
+def broadcaster(interfaces, layout, parameters=None, frame_id=""):
+    """A broadcaster of a robot whose ``<ros2_control>`` tag has these state interfaces."""
+    joints = tuple(
+        ControlledJoint(joint, state_interfaces=tuple(StateInterface(name) for name in names))
+        for joint, names in interfaces.items()
+    )
+    parameters = replace(parameters or JointStateBroadcasterParameters(), frame_id=frame_id)
+    description = RobotDescription(
+        "robot",
+        ("base", "link"),
+        tuple(Joint(name, "continuous", "base", "link") for name in layout.positions),
+        systems=(HardwareSystem("system", "system", "plugin", joints),),
+    )
+    return JointStateBroadcaster(ControllerSetup("broadcaster", parameters, (), description, layout))
+
+
 @pytest.fixture
 def state():
     return np.arange(17.0)
@@ -35,7 +61,7 @@ def evaluate(dut, state, port="joint_states", time=0.0):
 
 
 def test_joints_come_in_the_order_of_ros2_control_with_their_own_values(state):
-    message = evaluate(JointStatePublisher({"b": ALL, "a": ALL}, LAYOUT), state)
+    message = evaluate(broadcaster({"b": ALL, "a": ALL}, LAYOUT), state)
     assert message.name == ["b", "a"]
     assert message.position.tolist() == [8, 7]
     assert message.velocity.tolist() == [16, 15]
@@ -43,19 +69,19 @@ def test_joints_come_in_the_order_of_ros2_control_with_their_own_values(state):
 
 
 def test_what_a_joint_has_no_state_interface_for_is_nan(state):
-    message = evaluate(JointStatePublisher({"a": ("position",), "b": ("velocity",)}, LAYOUT), state)
+    message = evaluate(broadcaster({"a": ("position",), "b": ("velocity",)}, LAYOUT), state)
     assert message.position[0] == 7
     assert message.velocity[1] == 16
     assert np.isnan([message.position[1], message.velocity[0], *message.effort]).all()
 
 
 def test_the_stamp_is_simulation_time_to_the_nanosecond(state):
-    stamp = evaluate(JointStatePublisher({"a": ALL}, LAYOUT), state, time=3.000000001).header.stamp
+    stamp = evaluate(broadcaster({"a": ALL}, LAYOUT), state, time=3.000000001).header.stamp
     assert (stamp.sec, stamp.nanosec) == (3, 1)
 
 
 def test_dynamic_joint_states_list_each_joints_own_interfaces(state):
-    dut = JointStatePublisher({"b": ("effort", "position"), "a": ("velocity",)}, LAYOUT)
+    dut = broadcaster({"b": ("effort", "position"), "a": ("velocity",)}, LAYOUT)
     message = evaluate(dut, state, "dynamic_joint_states")
     assert message.joint_names == ["b", "a"]
     assert [list(item.interface_names) for item in message.interface_values] == [["effort", "position"], ["velocity"]]
@@ -63,7 +89,7 @@ def test_dynamic_joint_states_list_each_joints_own_interfaces(state):
 
 
 def test_a_message_already_published_does_not_change_when_time_goes_on(state):
-    dut = JointStatePublisher({"a": ALL}, LAYOUT)
+    dut = broadcaster({"a": ALL}, LAYOUT)
     context = dut.CreateDefaultContext()
     port = dut.get_state_input_port().FixValue(context, state)
     dut.get_net_actuation_input_port().FixValue(context, [0.0, 0.0])
@@ -78,7 +104,7 @@ def test_messages_serialise_to_ros_wire_format_and_back(state):
     from drake_twin.messages import type_store
 
     store = type_store()
-    dut = JointStatePublisher({"b": ALL, "a": ALL}, LAYOUT)
+    dut = broadcaster({"b": ALL, "a": ALL}, LAYOUT)
     for port, name in (
         ("joint_states", "sensor_msgs/msg/JointState"),
         ("dynamic_joint_states", "control_msgs/msg/DynamicJointState"),
@@ -90,7 +116,7 @@ def test_messages_serialise_to_ros_wire_format_and_back(state):
 
 def broadcast(state, of_robot, port="joint_states", **parameters):
     parameters = JointStateBroadcasterParameters(**parameters)
-    return evaluate(JointStatePublisher(of_robot, LAYOUT, parameters, "robot_1/base_link"), state, port)
+    return evaluate(broadcaster(of_robot, LAYOUT, parameters, "robot_1/base_link"), state, port)
 
 
 def test_conformance_broadcaster_order_is_that_of_the_parameter_joints(state):

@@ -1,0 +1,192 @@
+"""The scenario of a ROS 2 launch file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_twin.builder.robot_file import PlannedScenario, height_on_ground
+from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.findings import Finding, Kind, merged
+from drake_twin.from_launch.launched_entities import LaunchedEntities, LaunchedFrame, RobotHint, launched_entities
+from drake_twin.planning.controller_plan import ACTIVE, UNLOADED
+from drake_twin.planning.robot_plan import RobotPlan, plan_robot
+from drake_twin.planning.topics import topics_with_one_owner
+from drake_twin.scenario import Command, Scenario, ScenarioError, StaticTransform
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.entity import LaunchDescription
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaunchedTwin(PlannedScenario):
+    """A launch file as a scenario, whose findings name what the launch file asks for and the twin does not do.
+
+    Attributes:
+        paused: Whether the simulator is started paused, as gz without ``-r``.
+        only_displayed: Whether no robot is spawned or controlled, so that there is no physics.
+        log: What the launch file prints, and what was assumed.
+    """
+
+    paused: bool
+    only_displayed: bool
+    log: tuple[str, ...]
+
+
+def launch_file_scenario(
+    file: str | Path,
+    arguments: Mapping[str, str] | None = None,
+    package_paths: Sequence[str] = (),
+    *,
+    time_step: float | None = None,
+) -> LaunchedTwin:
+    """Evaluate a launch file.
+
+    Args:
+        file: A Python, XML or YAML launch file.
+        arguments: Values for its arguments.
+        package_paths: Folders of ROS packages to look in first.
+        time_step: The physics step (s); by default the world's, or 0.001.
+
+    Raises:
+        InputError: If the file cannot be used, or starts no robot; the text names all that is missing.
+    """
+    from drake_twin.ros2.evaluate import evaluate
+
+    packages = PackageIndex(package_paths)
+    return _settled(launched_entities(evaluate(file, arguments, packages), Path(file), packages), time_step)
+
+
+def launch_description_scenario(
+    description: LaunchDescription,
+    arguments: Mapping[str, str] | None = None,
+    package_paths: Sequence[str] = (),
+    *,
+    time_step: float | None = None,
+) -> LaunchedTwin:
+    """Evaluate a launch description made in Python; see `launch_file_scenario`."""
+    from drake_twin.ros2.evaluate import evaluate_description
+
+    packages = PackageIndex(package_paths)
+    file = Path("launch description" if description.place is None else description.place.file)
+    launched = evaluate_description(description, arguments, packages)
+    return _settled(launched_entities(launched, file, packages), time_step)
+
+
+def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwin:
+    """Plan each robot once, and turn the hints of a launch file into numbers and findings."""
+    findings = list(launched.findings)
+    plans: list[RobotPlan] = []
+    taken: set[str] = set()
+    for hint in launched.robots:
+        plan = _planned(hint, launched, taken, findings)
+        taken |= topics_with_one_owner(plan)
+        plans.append(plan)
+    step = time_step or launched.time_step or 0.001
+    scenario = Scenario(
+        robots=tuple(plan.robot for plan in plans),
+        time_step=step,
+        world=launched.world,
+        package_paths=launched.folders,
+        static_transforms=tuple(_usable_frames(launched.frames, plans, findings)),
+        commands=tuple(_at_most_once_a_step(command, step) for command in launched.commands),
+        findings=tuple(merged(findings)),
+    )
+    return LaunchedTwin(
+        scenario=scenario,
+        plans=tuple(plans),
+        paused=launched.paused,
+        only_displayed=launched.only_displayed,
+        log=launched.log,
+    )
+
+
+def _planned(hint: RobotHint, launched: LaunchedEntities, taken: set[str], findings: list[Finding]) -> RobotPlan:
+    """Plan a robot, without remappings to topics that other robots have."""
+    remappings = {own: topic for own, topic in hint.robot.remappings.items() if topic not in taken}
+    plan = plan_robot(replace(hint.robot, remappings=remappings), launched.packages)
+    plan = _without_missing_controllers(plan, hint, findings)
+    if launched.only_displayed:
+        return _displayed(plan)
+    if hint.on_ground and not plan.model.is_fixed:
+        return replace(plan, robot=replace(plan.robot, xyz=(0.0, 0.0, height_on_ground(plan))))
+    return plan
+
+
+def _without_missing_controllers(plan: RobotPlan, hint: RobotHint, findings: list[Finding]) -> RobotPlan:
+    """Drop the controllers that are missing or wrong, with a finding: a spawner would wait for them in vain.
+
+    Raises:
+        InputError: If a wrong controller is not one that a spawner asks for, but a Gazebo plugin's.
+    """
+    failed = {item.name: item.error for item in plan.controllers if item.error is not None}
+    if not failed:
+        return plan
+    robot = plan.robot
+    active, inactive = robot.active_controllers or (), robot.inactive_controllers
+    for name, error in failed.items():
+        if name not in (*active, *inactive):
+            raise error
+        reason = error.reason if isinstance(error, ScenarioError) else str(error)
+        what = f"controller {name} of {robot.name}: {reason}"
+        findings.append(Finding.at(Kind.NOT_STARTED, what, hint.requests[name].place))
+    known = [item for item in plan.controllers if item.error is None]
+    known += [replace(item, error=None, state=UNLOADED) for item in plan.controllers if item.error and item.type]
+    robot = replace(
+        robot,
+        active_controllers=tuple(name for name in active if name not in failed),
+        inactive_controllers=tuple(name for name in inactive if name not in failed),
+    )
+    return replace(plan, robot=robot, controllers=tuple(known))
+
+
+def _displayed(plan: RobotPlan) -> RobotPlan:
+    """Activate the joint state broadcaster alone, in place of a joint_state_publisher."""
+    first = next((item for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), None)
+    names = () if first is None else (first.name,)
+    controllers = [
+        replace(item, state=ACTIVE if item is first and item.problem is None else UNLOADED) for item in plan.controllers
+    ]
+    return replace(
+        plan,
+        robot=replace(plan.robot, active_controllers=names, inactive_controllers=()),
+        controllers=tuple(controllers),
+    )
+
+
+def _usable_frames(
+    frames: Sequence[LaunchedFrame], plans: Sequence[RobotPlan], findings: list[Finding]
+) -> Iterator[StaticTransform]:
+    """Yield the static transforms that leave each frame, those of the robots included, one parent."""
+    parents = {
+        plan.frame_prefix + joint.child: plan.frame_prefix + joint.parent
+        for plan in plans
+        for joint in plan.description.joints
+    }
+    for frame in frames:
+        parent, child = frame.transform.parent, frame.transform.child
+        if child in parents:
+            reason = f"it hangs on {parents[child]!r} already"
+        elif child in _ancestors(parent, parents):
+            reason = "it would hang on itself"
+        else:
+            parents[child] = parent
+            yield frame.transform
+            continue
+        what = f"{frame.process.what} (frame {child!r}: {reason})"
+        findings.append(Finding.at(Kind.NOT_STARTED, what, frame.process.place))
+
+
+def _at_most_once_a_step(command: Command, step: float) -> Command:
+    return command if command.period is None else replace(command, period=max(command.period, step))
+
+
+def _ancestors(frame: str, parents: Mapping[str, str]) -> set[str]:
+    found = {frame}
+    while frame in parents and parents[frame] not in found:
+        frame = parents[frame]
+        found.add(frame)
+    return found

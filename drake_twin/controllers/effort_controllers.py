@@ -1,0 +1,87 @@
+"""The controllers of ROS 2's package effort_controllers."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import ClassVar
+
+from pydrake.systems.framework import Context
+
+from drake_twin.control.gripper import GripperGoal
+from drake_twin.control.pid import Pid, PidGains, PidMemory
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.gripper_action_controller import GripperActionController, GripperActionParameters
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.joint_group_controller import JointGroupController
+from drake_twin.controllers.registry import controller
+from drake_twin.description.robot_description import RobotDescription
+
+
+@controller("effort_controllers/JointGroupEffortController")
+class JointGroupEffortController(JointGroupController):
+    """``effort_controllers/JointGroupEffortController``."""
+
+    interface = "effort"
+
+
+@dataclass(frozen=True)
+class GripperGains:
+    """The gains from a gripper's position error to its effort.
+
+    Attributes:
+        p: proportional gain (N·m/rad or N/m).
+        i: integral gain (per second).
+        d: derivative gain (times second).
+        i_clamp: the largest integral term, either way (N·m or N); 0 for none at all.
+    """
+
+    p: float = 0.0
+    i: float = 0.0
+    d: float = 0.0
+    i_clamp: float = field(default=0.0, metadata={"lower": 0.0})
+
+
+@dataclass(frozen=True)
+class EffortGripperActionParameters(GripperActionParameters):
+    """Parameters of ``effort_controllers/GripperActionController``.
+
+    Attributes:
+        max_effort: the largest effort until a goal brings its own (N·m or N): with 0 the gripper is limp until then.
+        gains: the gains of the joint.
+    """
+
+    gains: Mapping[str, GripperGains] = field(default_factory=dict)
+
+
+@controller("effort_controllers/GripperActionController")
+class EffortGripperActionController(GripperActionController):
+    """``effort_controllers/GripperActionController``: a PID on the position error drives the joint's effort interface.
+
+    The effort stays within the goal's ``max_effort``, either way.
+    """
+
+    Parameters: ClassVar[type] = EffortGripperActionParameters
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: EffortGripperActionParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The joint's effort."""
+        return (Interface(parameters.joint, "effort"),)
+
+    def __init__(self, setup: ControllerSetup):
+        super().__init__(setup)
+        gains = setup.parameters.gains.get(setup.parameters.joint, GripperGains())
+        self._pid = Pid(
+            PidGains(p=gains.p, i=gains.i, d=gains.d, i_clamp_max=gains.i_clamp, i_clamp_min=-gains.i_clamp)
+        )
+
+    def _effort(self, context: Context, goal: GripperGoal) -> float:
+        (command,) = self.sample(context).commands  # upstream too reports the effort of the update before
+        return command if isfinite(command) else 0.0
+
+    def _commands(
+        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
+    ) -> tuple[list[float], PidMemory]:
+        command, pid = self._pid.compute(goal.position - position, -velocity, dt, pid)
+        return [min(max(command, -abs(goal.effort)), abs(goal.effort))], pid

@@ -1,0 +1,115 @@
+"""The controller of ROS 2's package parallel_gripper_controller."""
+
+from dataclasses import dataclass, field
+from math import nan
+from typing import Any, ClassVar
+
+import numpy as np
+from pydrake.systems.framework import Context
+
+from drake_twin import messages
+from drake_twin.control.gripper import GripperGoal
+from drake_twin.control.pid import PidMemory
+from drake_twin.controllers.gripper_action_controller import NOT_MONITORED, GripperActionController
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.registry import controller
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.errors import CommandError
+
+
+@dataclass(frozen=True)
+class ParallelGripperActionParameters:
+    """Parameters of ``parallel_gripper_action_controller/GripperActionController``.
+
+    Attributes:
+        joint: the gripper's joint.
+        action_monitor_rate: how often the action's state is looked at (Hz).
+        state_interfaces: the joint's state interfaces.
+        goal_tolerance: how near the goal is near enough (rad or m).
+        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
+        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
+        stall_timeout: how long it stands still before it has stalled (s).
+        max_effort_interface: the full name of a command interface that takes the largest effort; empty for none.
+        max_effort: the largest effort where a goal gives none (N·m or N).
+        max_velocity_interface: the full name of a command interface that takes the largest velocity; empty for none.
+        max_velocity: the largest velocity where a goal gives none (rad/s or m/s).
+    """
+
+    joint: str
+    action_monitor_rate: float = field(default=20.0, metadata=NOT_MONITORED)
+    state_interfaces: tuple[str, ...] = field(
+        default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
+    )
+    goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
+    allow_stalling: bool = False
+    stall_velocity_threshold: float = 0.001
+    stall_timeout: float = field(default=1.0, metadata={"lower": 0.0})
+    max_effort_interface: str = ""
+    max_effort: float = field(default=10.0, metadata={"lower": 0.0})
+    max_velocity_interface: str = ""
+    max_velocity: float = field(default=0.1, metadata={"lower": 0.0})
+
+
+@controller("parallel_gripper_action_controller/GripperActionController")
+class ParallelGripperActionController(GripperActionController):
+    """``parallel_gripper_action_controller/GripperActionController``: position, and the limits where they are claimed.
+
+    Its claims are the joint's position, then ``max_effort_interface`` and ``max_velocity_interface`` where they are
+    given; these take the goal's limits as they are.
+    """
+
+    Parameters: ClassVar[type] = ParallelGripperActionParameters
+    action = "control_msgs/action/ParallelGripperCommand"
+
+    @classmethod
+    def claimed_interfaces(
+        cls, parameters: ParallelGripperActionParameters, description: RobotDescription
+    ) -> tuple[Interface, ...]:
+        """The joint's position, and the interfaces of the limits."""
+        names = (parameters.max_effort_interface, parameters.max_velocity_interface)
+        limits = [Interface(*name.rpartition("/")[::2]) for name in names if name]
+        return (Interface(parameters.joint, "position"), *limits)
+
+    def feedback(self, context: Context) -> Any:
+        """The present goal's feedback message."""
+        return messages.ParallelGripperCommand_Feedback(state=self._joint_state(context))
+
+    def result(self, context: Context) -> Any:
+        """The last goal's result message; all zero for one that was cancelled."""
+        run = self._run(context)
+        return messages.ParallelGripperCommand_Result(
+            state=self._joint_state(context), stalled=run.stalled, reached_goal=run.reached_goal
+        )
+
+    def _joint_state(self, context: Context) -> Any:
+        run = self._run(context)
+        return messages.JointState(
+            header=messages.header(self.sample(context).time),
+            name=[self.setup.parameters.joint],
+            position=np.array([run.position]),
+            velocity=np.array([]),
+            effort=np.array([run.effort]),
+        )
+
+    def _default_limits(self) -> tuple[float, float]:
+        return self.setup.parameters.max_effort, self.setup.parameters.max_velocity
+
+    def _wanted(self, message: Any) -> tuple[float, float, float]:
+        command, parameters = message.command, self.setup.parameters
+        if len(command.position) != 1:
+            raise CommandError(f"the goal has {len(command.position)} positions, and the gripper has one joint")
+        effort, velocity = parameters.max_effort, parameters.max_velocity
+        if parameters.max_effort_interface and len(command.effort):
+            effort = float(command.effort[0])
+        if parameters.max_velocity_interface and len(command.velocity):
+            velocity = float(command.velocity[0])
+        return float(command.position[0]), effort, velocity
+
+    def _commands(
+        self, goal: GripperGoal, pid: PidMemory, position: float, velocity: float, dt: float
+    ) -> tuple[list[float], PidMemory]:
+        limits = {
+            self.setup.parameters.max_effort_interface: goal.effort,
+            self.setup.parameters.max_velocity_interface: goal.velocity,
+        }
+        return [goal.position, *(limits.get(str(claim), nan) for claim in self.claims[1:])], pid

@@ -1,0 +1,177 @@
+"""Controllers that are updated at a rate of their own, as the controller manager's loop does."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import inf, isnan
+from typing import Any
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPort, State
+
+from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.position_reach import PositionReach
+from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.systems.weak_callback import weakly
+
+
+@dataclass(frozen=True)
+class Update:
+    """What an update returns.
+
+    Attributes:
+        memory: The new frozen memory.
+        commands: One element for each claim and hint; NaN where nothing is written.
+        notice: Whether to end the advance at this step, for example because a goal has ended.
+    """
+
+    memory: Any
+    commands: Sequence[float] | np.ndarray
+    notice: bool = False
+
+
+class PeriodicController(StatefulController):
+    """A controller that is updated at its rate.
+
+    It samples its inputs at an update and holds its output until the next. What it writes acts in the physics step
+    that starts there: Drake makes unrestricted updates before the discrete plant's. Its memory is one frozen value in
+    the Context. After an update that raises it writes nothing, and the advance ends so that the controller can be
+    deactivated. With ``tells_of_motion`` an update that starts or stops a joint ends the advance, too.
+
+    A position that it writes is no farther from the joint than the joint's servo approaches within the velocity limit;
+    `drake_twin.diagram.servo_modes` describes what Gazebo does.
+
+    - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
+    - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
+    """
+
+    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
+        self._nothing = (float("nan"),) * (len(setup.claims) + len(hints))
+        super().__init__(setup, tuple(hints), Sample(commands=self._nothing))
+        self._reaches = self._position_reaches()
+        self._velocities = [
+            index
+            for index, claim in enumerate(self.claims)
+            if setup.tells_of_motion and claim.name == "velocity" and claim.joint in setup.layout.velocities
+        ]
+        self._state_port = self.declare_robot_input("state", setup.layout.size)
+        self._upstream_ports = {
+            name: self.DeclareVectorInputPort(name, upstream.size) for name, upstream in setup.upstream.items()
+        }
+        self.declare_command_interfaces(self._calc_command_interfaces, {self.sample_ticket()})
+        self.DeclarePeriodicUnrestrictedUpdateEvent(
+            setup.update_period, setup.update_offset, weakly(self._update_sample)
+        )
+
+    def start(self, context: Context) -> Any:
+        """Return the memory at activation."""
+        return None
+
+    def update(self, context: Context, time: float, memory: Any) -> Update:
+        """Make one update.
+
+        Args:
+            context: The controller's own context.
+            time: The present time (s); the last update was at ``self.sample(context).time``.
+            memory: What `start` or the last update returned.
+
+        Raises:
+            Exception: The controller is deactivated, with the exception's text as the reason.
+        """
+        return Update(memory, self._nothing)
+
+    def starts_or_stops(self, before: Any, now: Any) -> bool:
+        """Return False: how joints are driven changes at the next update, which ends the advance if it does."""
+        return False
+
+    def get_state_input_port(self) -> InputPort:
+        """The port ``state``."""
+        return self._state_port
+
+    def get_upstream_input_port(self, controller: str) -> InputPort:
+        """The port of a controller that may write this controller's references."""
+        return self._upstream_ports[controller]
+
+    def activate(self, context: Context) -> None:
+        """Start at the present time from the memory that `start` returns."""
+        self.set_sample(context, Sample(True, context.get_time(), self.start(context), self._nothing))
+
+    def deactivate(self, context: Context) -> None:
+        """Stop writing and updating; the memory stays readable."""
+        self.set_sample(context, replace(self.sample(context), active=False, commands=self._nothing))
+
+    def positions(self, context: Context, joints: Sequence[str]) -> np.ndarray:
+        """Return the positions of joints at the present time (rad or m)."""
+        state = self._state_port.Eval(context)
+        return np.array([state[self.setup.layout.positions[joint]] for joint in joints])
+
+    def velocities(self, context: Context, joints: Sequence[str]) -> np.ndarray:
+        """Return the velocities of joints at the present time (rad/s or m/s)."""
+        state = self._state_port.Eval(context)
+        return np.array([state[self.setup.layout.velocities[joint]] for joint in joints])
+
+    def references(self, context: Context) -> np.ndarray | None:
+        """Return what upstream controllers write to the references, NaN where nothing; None if all are NaN."""
+        for name, upstream in self.setup.upstream.items():
+            values = np.append(self._upstream_ports[name].Eval(context), np.nan)[list(upstream.indices)]
+            if np.isfinite(values).any():
+                return np.asarray(values)
+        return None
+
+    def _update_sample(self, context: Context, state: State) -> EventStatus:
+        sample = self.sample(context)
+        if not sample.active or sample.fault is not None:
+            return EventStatus.DidNothing()
+        time = context.get_time()
+        notice = False
+        try:
+            update = self.update(context, time, sample.memory)
+            commands = tuple(map(float, update.commands))
+            if self._reaches:
+                commands = self._within_reach(context, commands)
+            notice = update.notice or (bool(self._velocities) and self._starts_or_stops(sample.commands, commands))
+            sample = Sample(True, time, update.memory, commands)
+        except Exception as error:  # concerns this controller alone
+            sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
+            notice = True
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
+        return EventStatus.ReachedTermination(self, self.setup.name) if notice else EventStatus.Succeeded()
+
+    def _position_reaches(self) -> tuple[PositionReach, ...]:
+        """Return the reach of each position that is written to a joint with a velocity limit."""
+        setup, interfaces = self.setup, (*self.claims, *self.hints)
+        reaches = []
+        for index, (name, interface) in enumerate(interfaces):
+            joint = setup.description.joints_by_name.get(name)  # None for a reference of another controller
+            if interface == "position" and joint is not None and 0 < joint.limits.velocity < inf:
+                hint = Interface(name, "velocity")
+                reaches.append(
+                    PositionReach.of_joint(
+                        position=index,
+                        velocity=interfaces.index(hint) if hint in interfaces else None,
+                        joint=setup.layout.positions[name],
+                        velocity_limit=joint.limits.velocity,
+                        time_constant=setup.position_time_constant,
+                        period=setup.update_period,
+                    )
+                )
+        return tuple(reaches)
+
+    def _within_reach(self, context: Context, commands: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the commands with each position limited to its reach."""
+        state, limited = self._state_port.Eval(context).tolist(), list(commands)
+        for reach in self._reaches:
+            limited[reach.position] = reach.limited(commands, state)
+        return tuple(limited)
+
+    def _starts_or_stops(self, before: Sequence[float], now: Sequence[float]) -> bool:
+        """Return whether a commanded velocity changes between zero (or none) and nonzero."""
+        return any(is_motion(before[index]) != is_motion(now[index]) for index in self._velocities)
+
+    def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self.sample(context).commands)
+
+
+def is_motion(velocity: float) -> bool:
+    """Return whether a commanded velocity, NaN for none, moves a joint."""
+    return velocity != 0.0 and not isnan(velocity)

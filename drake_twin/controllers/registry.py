@@ -1,0 +1,86 @@
+"""Which controller types there are: each class registers itself, the modules are imported when a type is asked for."""
+
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from drake_twin.controllers.controller import Controller
+
+_C = TypeVar("_C", bound="type[Controller]")
+
+JOINT_STATE_BROADCASTER = "joint_state_broadcaster/JointStateBroadcaster"
+
+ENTRY_POINTS = "drake_twin.controllers"
+
+_PACKAGE = "drake_twin.controllers"
+
+_classes: "dict[str, type[Controller]]" = {}
+
+
+def controller(kind: str) -> Callable[[_C], _C]:
+    """Register a controller class under the type that parameters files name.
+
+    Args:
+        kind: The plugin's name, for example ``my_pkg/MyController``.
+
+    Raises:
+        ValueError: If another class is registered under the type.
+    """
+
+    def register(cls: _C) -> _C:
+        known = _classes.get(kind, cls)
+        if (known.__module__, known.__qualname__) != (cls.__module__, cls.__qualname__):
+            raise ValueError(f"controller type {kind!r} is registered by {known.__module__} and by {cls.__module__}")
+        _classes[kind] = cls
+        return cls
+
+    return register
+
+
+def controller_class(kind: str) -> "type[Controller] | None":
+    """Return the class of a controller type; None for an unknown type.
+
+    Looks at the types registered so far, then at this package's modules (a type's own is named like the part before its
+    slash), then at the entry points of the group ``drake_twin.controllers``, whose names are types.
+    """
+    if kind not in _classes:
+        name = kind.partition("/")[0]
+        if name.isidentifier() and find_spec(f"{_PACKAGE}.{name}") is not None:
+            import_module(f"{_PACKAGE}.{name}")
+    if kind not in _classes:
+        _import_own()
+    if kind not in _classes and kind in _third_parties():
+        return _third_party(kind)
+    return _classes.get(kind)
+
+
+def controller_types() -> tuple[str, ...]:
+    """Return all controller types in alphabetical order, of third parties too."""
+    _import_own()
+    return tuple(sorted({*_classes, *_third_parties()}))
+
+
+@cache
+def _import_own() -> None:
+    for module in iter_modules(import_module(_PACKAGE).__path__):
+        import_module(f"{_PACKAGE}.{module.name}")
+
+
+@cache
+def _third_parties() -> dict[str, str]:
+    from importlib.metadata import entry_points
+
+    return {point.name: point.value for point in entry_points(group=ENTRY_POINTS)}
+
+
+@cache
+def _third_party(kind: str) -> "type[Controller]":
+    from importlib.metadata import entry_points
+
+    (point,) = entry_points(group=ENTRY_POINTS, name=kind)
+    cls: type[Controller] = point.load()
+    return _classes.setdefault(kind, cls)

@@ -1,0 +1,57 @@
+"""Controllers that keep something from one moment to the next."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import AbstractStateIndex, Context
+
+from drake_twin.controllers.controller import Controller, ControllerSetup
+from drake_twin.controllers.interface import Interface
+from drake_twin.frozen import Frozen
+from drake_twin.saved import saved
+
+
+@saved("Sample")
+@dataclass(frozen=True)
+class Sample(Frozen):
+    """What a stateful controller keeps: its one abstract state.
+
+    Attributes:
+        active: Whether the controller is updated.
+        time: The time of the last update or of the activation (s).
+        memory: The subclass's own frozen value; register its class with `drake_twin.saved.saved`.
+        commands: The values on ``command_interfaces``.
+        fault: Why the last update failed.
+    """
+
+    active: bool = False
+    time: float = 0.0
+    memory: Any = None
+    commands: tuple[float, ...] = ()
+    fault: str | None = None
+
+
+class StatefulController(Controller):
+    """A controller whose state is one `Sample` in the Context, so that a saved Context is a saved controller."""
+
+    def __init__(self, setup: ControllerSetup, hints: tuple[Interface, ...] = (), initial: Sample | None = None):
+        super().__init__(setup, hints)
+        self._sample_index: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(initial or Sample()))
+
+    def sample(self, context: Context) -> Sample:
+        """Return the state after the last update."""
+        sample: Sample = context.get_abstract_state(int(self._sample_index)).get_value()
+        return sample
+
+    def set_sample(self, context: Context, sample: Sample) -> None:
+        """Set the state, of a saved run for example."""
+        context.SetAbstractState(int(self._sample_index), sample)
+
+    def sample_ticket(self) -> Any:
+        """Return the dependency ticket of an output port that follows from the last update."""
+        return self.abstract_state_ticket(self._sample_index)
+
+    def fault(self, context: Context) -> str | None:
+        """Return why the last update failed; None if it did not."""
+        return self.sample(context).fault

@@ -1,0 +1,120 @@
+"""The frames of all robots on /tf and /tf_static."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from pydrake.systems.framework import DiagramBuilder
+
+from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.robot_description import POSED_JOINT_TYPES, Pose
+from drake_twin.diagram.plant import PlantOfTwin
+from drake_twin.diagram.robot_diagram import RobotDiagram
+from drake_twin.diagram.topics import Topics
+from drake_twin.errors import InputError
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.topics import ROBOT_DESCRIPTION, robot_topic
+from drake_twin.scenario import Scenario
+from drake_twin.systems.robot_state_publisher import FixedFrame, LinkFrame, RobotFrames, RobotStatePublisher
+
+TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is no topic of its own
+
+
+def add_frames(
+    builder: DiagramBuilder,
+    scenario: Scenario,
+    parts: PlantOfTwin,
+    plans: Sequence[RobotPlan],
+    robots: Mapping[str, RobotDiagram],
+    topics: Topics,
+) -> RobotStatePublisher:
+    """Add the system that publishes the robots' descriptions and all frames.
+
+    A frame has one parent: a true base pose goes to tf only where nothing else places that frame.
+
+    Raises:
+        InputError: If two robots have a frame of one name, or a frame would have two parents or hang on itself.
+    """
+    static_transforms = [
+        FixedFrame(item.parent, item.child, Pose(item.xyz, item.rpy)) for item in scenario.static_transforms
+    ]
+    placed = {frame.child for frame in static_transforms} | {"world"}
+    link_frames: dict[str, str] = {}
+    for plan in plans:
+        for link in plan.description.links:
+            frame = plan.frame_prefix + link
+            if frame in link_frames and frame != "world":
+                raise InputError(
+                    f"robots {link_frames[frame]!r} and {plan.name!r} would both publish the frame {frame!r}:"
+                    " give them different frame prefixes"
+                )
+            link_frames[frame] = plan.name
+            if frame in placed and link != plan.description.root_link:
+                raise InputError(f"frame {frame!r} of robot {plan.name!r} would have two parents", value=frame)
+    own = [plan for plan in plans if plan.base_frame not in placed]
+    fixed_bases = [FixedFrame("world", plan.base_frame, plan.spawn_pose) for plan in own if plan.model.is_fixed]
+    _refuse_circles(plans, static_transforms)
+    odometry = {
+        (robot, name): controller.odometry_frames
+        for robot, parts in robots.items()
+        for name, controller in parts.controllers.items()
+        if controller.odometry_frames is not None
+    }
+    placed_by_odometry = {child for _, child in odometry.values()}
+    bases = {
+        plan.name: plan.base_frame
+        for plan in own
+        if not plan.model.is_fixed and plan.base_frame not in placed_by_odometry
+    }
+    links = [frame for plan in plans for frame in _posed_links(parts, plan)]
+    publisher = RobotStatePublisher(
+        [
+            RobotFrames(
+                plan.name,
+                plan.description,
+                parts.robots[plan.name].layout_in_plant,
+                plan.frame_prefix,
+                bases.get(plan.name, ""),
+            )
+            for plan in plans
+        ],
+        parts.plant.num_multibody_states(),
+        static_transforms=[*static_transforms, *fixed_bases],
+        odometry=[f"{robot}/{name}/{TF_ODOMETRY}" for robot, name in odometry],
+        links=links,
+    )
+    builder.AddNamedSystem("tf", publisher)
+    builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
+    if links:
+        builder.Connect(parts.plant.get_body_poses_output_port(), publisher.GetInputPort("body_poses"))
+    for robot, name in odometry:
+        port = robots[robot].diagram.GetOutputPort(f"{name}/{TF_ODOMETRY}")
+        builder.Connect(port, publisher.GetInputPort(f"{robot}/{name}/{TF_ODOMETRY}"))
+    for plan in plans:
+        topic = robot_topic(plan, ROBOT_DESCRIPTION)
+        port = publisher.GetOutputPort(f"{plan.name}/robot_description")
+        topics.publish(topic, port, "std_msgs/msg/String", None, plan.name)
+    return publisher
+
+
+def _posed_links(parts: PlantOfTwin, plan: RobotPlan) -> Iterator[LinkFrame]:
+    """The links at joints whose positions do not say where they are."""
+    for joint in plan.description.joints:
+        if joint.type in POSED_JOINT_TYPES:
+            parent, child = (
+                int(parts.plant.GetBodyByName(drake_link_name(link), parts.robots[plan.name].instance).index())
+                for link in (joint.parent, joint.child)
+            )
+            yield LinkFrame(plan.frame_prefix + joint.parent, plan.frame_prefix + joint.child, parent, child)
+
+
+def _refuse_circles(plans: Sequence[RobotPlan], static_transforms: Sequence[FixedFrame]) -> None:
+    """A static transform may place a robot's base in another frame, but not in one that hangs on that base."""
+    parents = {frame.child: frame.parent for frame in static_transforms}
+    for plan in plans:
+        parents.update({plan.frame_prefix + j.child: plan.frame_prefix + j.parent for j in plan.description.joints})
+    for frame in [plan.base_frame for plan in plans]:
+        seen = []
+        while frame in parents and frame not in seen:
+            seen.append(frame)
+            frame = parents[frame]
+        if frame in seen:
+            raise InputError(f"the static transforms put frame {frame!r} in a circle: {' in '.join([*seen, frame])}")

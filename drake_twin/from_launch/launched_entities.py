@@ -1,0 +1,316 @@
+"""What an evaluated launch file starts, as robots, frames, commands and a world: plain data and hints.
+
+Nothing is planned here. What depends on a robot's files beyond its description (which controllers they have, how high
+it stands) is a hint that `drake_twin.builder.launch_file` turns into a scenario.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
+from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind, Place
+from drake_twin.from_launch.bridges import bridged_topics
+from drake_twin.from_launch.controller_managers import requests_by_robot
+from drake_twin.from_launch.launched_controllers import (
+    ControllerRequest,
+    as_nodes,
+    check_parameter_files,
+    controller_requests,
+    published_commands,
+)
+from drake_twin.from_launch.launched_robots import (
+    LaunchedRobot,
+    LaunchedRobots,
+    is_spawner,
+    is_state_publisher,
+    parameter_file,
+    parameters,
+)
+from drake_twin.from_launch.launched_world import launched_world, world_start
+from drake_twin.from_launch.not_started import is_window, why_not_started
+from drake_twin.from_launch.static_frames import static_frame
+from drake_twin.ros2.launched import Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
+from drake_twin.scenario import Command, Robot, StaticTransform, World, name_in_twin
+
+_FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
+
+# What the twin does itself.
+_BUILT_IN = {
+    ("ros_gz_bridge", "parameter_bridge"),
+    ("ros_ign_bridge", "parameter_bridge"),
+    ("controller_manager", "ros2_control_node"),
+}
+
+
+@dataclass(frozen=True)
+class RobotHint:
+    """A robot that is started, as far as its launch file says.
+
+    Attributes:
+        robot: The scenario's entry. Its controllers may be missing, its remappings may name topics of other robots.
+        on_ground: Whether it is spawned without a pose, to stand on the ground.
+        requests: Controller → the process that asks for it.
+    """
+
+    robot: Robot
+    on_ground: bool
+    requests: Mapping[str, LaunchedProcess]
+
+
+@dataclass(frozen=True)
+class LaunchedFrame:
+    """A static transform and the process that publishes it."""
+
+    transform: StaticTransform
+    process: LaunchedProcess
+
+
+@dataclass(frozen=True)
+class LaunchedEntities:
+    """What a launch file starts.
+
+    Attributes:
+        robots: The robots; one at least.
+        frames: The static transforms; some may place a frame that a robot places.
+        commands: What is published; on some topics there may be no subscriber.
+        world: The world.
+        time_step: The physics step that the world's file asks for (s).
+        packages: Finds the packages that its files name.
+        folders: The folders of these packages.
+        paused: Whether the simulator is started paused, as gz without ``-r``.
+        only_displayed: Whether no robot is spawned or controlled, so that there is no physics.
+        findings: What the launch file asks for and the twin does not do.
+        log: What the launch file prints, and what was assumed.
+    """
+
+    robots: tuple[RobotHint, ...]
+    frames: tuple[LaunchedFrame, ...]
+    commands: tuple[Command, ...]
+    world: World
+    time_step: float | None
+    packages: PackageIndex
+    folders: tuple[str, ...]
+    paused: bool
+    only_displayed: bool
+    findings: tuple[Finding, ...] = ()
+    log: tuple[str, ...] = field(default=())
+
+
+def launched_entities(launched: Launched, file: Path, packages: PackageIndex) -> LaunchedEntities:
+    """Sort what a launch file starts.
+
+    Args:
+        launched: What its evaluation gave.
+        file: The launch file.
+        packages: The folders of packages to look in first.
+
+    Raises:
+        InputError: If it starts no robot; the text names all that is missing.
+    """
+    return _Sorter(launched, file, packages).entities()
+
+
+class _Sorter:
+    def __init__(self, launched: Launched, file: Path, packages: PackageIndex):
+        self._launched = launched
+        self._file = file
+        self._processes = [command for process in launched.processes for command in as_nodes(process)]
+        folders = [*map(str, packages.folders), *_folders_of(file, self._processes)]
+        self._folders = tuple(dict.fromkeys(folders))
+        self._packages = PackageIndex(self._folders)
+        self._log = list(launched.log)
+        self._findings: list[Finding] = []
+        self._requests: list[ControllerRequest] = []
+        self._commands: list[Command] = []
+        self._frames: list[LaunchedFrame] = []
+        self._worlds: list[tuple[WorldStart, Place]] = []
+
+    def entities(self) -> LaunchedEntities:
+        found = LaunchedRobots(self._processes, self._packages)
+        self._findings += found.findings
+        self._log += found.warnings
+        for process in self._processes:
+            self._sort(process, found)
+        self._findings += _never_happened(self._launched, self._file)
+        if not found.robots:
+            raise self._no_robot()
+        robots = tuple(self._robots(found))
+        if found.only_displayed:
+            world, step = World(gravity=(0.0, 0.0, 0.0), ground=False), None
+        else:
+            world, step = launched_world(self._worlds, self._file, self._packages, self._findings)
+        return LaunchedEntities(
+            robots=robots,
+            frames=tuple(self._frames),
+            commands=tuple(self._commands),
+            world=world,
+            time_step=step,
+            packages=self._packages,
+            folders=self._folders,
+            paused=bool(self._worlds) and self._worlds[-1][0].paused,
+            only_displayed=found.only_displayed,
+            findings=tuple(self._findings),
+            log=tuple(self._log),
+        )
+
+    def _sort(self, process: LaunchedProcess, found: LaunchedRobots) -> None:
+        try:
+            requests = controller_requests(process)
+            commands = published_commands(process)
+            if requests is not None:
+                self._requests += requests
+            elif commands is not None:
+                self._commands += commands
+            elif process.executable == "static_transform_publisher":
+                self._frames.append(LaunchedFrame(static_frame(process), process))
+            elif (start := world_start(process)) is not None:
+                self._worlds += [] if start.window_only else [(start, process.place)]
+            elif not (
+                is_spawner(process)
+                or is_state_publisher(process)
+                or (process.package, process.executable) in _BUILT_IN
+                or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
+            ):
+                self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)
+        except InputError as error:
+            self._drop(f"{process.what}: {error}", process)
+
+    def _drop(self, what: str, process: LaunchedProcess, kind: Kind = Kind.NOT_STARTED) -> None:
+        """Note what is not started, with the place that asks for it."""
+        self._findings.append(Finding.at(kind, what, process.place))
+
+    def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:
+        managers = requests_by_robot(found.robots, self._requests, self._findings, self._log)
+        namespaces: set[str] = set()
+        links: set[str] = set()
+        for launched in found.robots:
+            name = name_in_twin(launched.name)
+            requests = managers.get(launched.name, [])
+            namespace = launched.namespace
+            if namespace in namespaces:
+                namespace = f"{namespace.rstrip('/')}/{name}"
+                self._log.append(f"{name}: another robot has its namespace, so that its topics are below {namespace}")
+            namespaces.add(namespace)
+            prefix = _frame_prefix(launched)
+            if any(prefix + link in links for link in launched.links if prefix + link != "world"):
+                prefix = f"{name}/"
+                self._log.append(
+                    f"{name}: another robot has frames of the same names, so that its own begin with {prefix}"
+                )
+            links |= {prefix + link for link in launched.links}
+            if launched.process.start_time > 0:
+                self._log.append(f"{name}: it is spawned after {launched.process.start_time:g} s; here from the start")
+            pose = launched.pose
+            robot = Robot(
+                name=name,
+                model=launched.model,
+                xyz=(0.0, 0.0, 0.0) if pose is None else pose.xyz,
+                rpy=(0.0, 0.0, 0.0) if pose is None else pose.rpy,
+                namespace=namespace,
+                frame_prefix=prefix,
+                controllers=self._parameter_files(launched, requests),
+                active_controllers=tuple(dict.fromkeys(item.name for item in requests if item.active)),
+                inactive_controllers=tuple(dict.fromkeys(item.name for item in requests if not item.active)),
+                remappings=self._remappings(launched, requests, namespace),
+            )
+            yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
+
+    def _parameter_files(self, launched: LaunchedRobot, requests: Sequence[ControllerRequest]) -> tuple[str, ...]:
+        given = []
+        for request in requests:
+            error = check_parameter_files(request)
+            if error is None:
+                given += [self._filled_in(Path(file)) for file in request.parameter_files]
+            else:
+                self._drop(f"controller {request.name}: {error}", request.process)
+        if not given:
+            return launched.parameter_files
+        return tuple(dict.fromkeys((*(launched.parameter_files or launched.plugin_files), *given)))
+
+    def _filled_in(self, file: Path) -> str:
+        """Return a spawner's parameters file with the launch configurations for its ``$(var name)``."""
+        text = file.read_text(encoding="utf-8", errors="replace")
+        known = self._launched.configurations
+        filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
+        return str(file) if filled == text else parameter_file(ParameterText(file, filled))
+
+    def _remappings(
+        self, launched: LaunchedRobot, requests: Sequence[ControllerRequest], namespace: str
+    ) -> dict[str, str]:
+        """Return the topics that the launch file gives another name.
+
+        They are the controllers' by what their spawners or the ros2_control_node say, the description's, and Gazebo's
+        own through a bridge.
+        """
+        found = {}
+        own = namespace.rstrip("/")
+        for request in requests:
+            node = f"{own}/{request.name}"
+            for source, target in request.remappings:
+                found[absolute_name(source, namespace, node)] = absolute_name(target, namespace, node)
+        if launched.process.executable == "ros2_control_node":  # the controllers are nodes of its process
+            for source, target in launched.process.remappings:
+                if not source.startswith("~"):
+                    found[absolute_name(source, namespace)] = absolute_name(target, namespace)
+        if launched.publisher is not None:
+            topic = launched.publisher.resolve("robot_description")
+            if topic != f"{own}/robot_description":
+                found[f"{own}/robot_description"] = topic
+        for process in self._processes:
+            if (process.package, process.executable) in _BUILT_IN and process.executable == "parameter_bridge":
+                found |= bridged_topics(process)
+        return found
+
+    def _no_robot(self) -> InputError:
+        text = "the launch file starts no robot"
+        if self._requests:
+            names = ", ".join(dict.fromkeys(request.name for request in self._requests))
+            text += f" for its controllers ({names}): it is a part of a launch, to be included where a robot is"
+        if self._launched.shutdown is not None:
+            text += f": it ends itself ({self._launched.shutdown})"
+        reasons = dict.fromkeys(item.what for item in self._findings if item.kind is Kind.NOT_STARTED)
+        if reasons:
+            text += f". Not started: {'; '.join(reasons)}"
+        if self._launched.absent_packages:
+            text += (
+                f". Absent packages: {', '.join(self._launched.absent_packages)}: name the folders that hold them with"
+                " --package-path"
+            )
+        return InputError(text, file=self._file)
+
+
+def _folders_of(file: Path, processes: Iterable[LaunchedProcess]) -> Iterable[str]:
+    """Yield the folders of the launch files' own packages, and those of Gazebo's search paths."""
+    files = dict.fromkeys([str(file), *(process.place.file for process in processes)])
+    for name in files:
+        package = containing_package(name)
+        if package is not None:
+            yield str(workspace_of(package))
+            repository = next((folder for folder in package.parents if (folder / ".git").exists()), None)
+            if repository is not None:
+                yield str(repository)
+    for process in processes:
+        for variable in _FOLDER_VARIABLES:
+            for folder in (process.environment.get(variable) or "").split(os.pathsep):
+                if folder and Path(folder).is_dir():
+                    yield os.path.abspath(folder)
+
+
+def _frame_prefix(robot: LaunchedRobot) -> str:
+    prefix = "" if robot.publisher is None else parameters(robot.publisher).get("frame_prefix", "")
+    return prefix if isinstance(prefix, str) else ""
+
+
+def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:
+    for include in launched.failed_includes:
+        yield Finding.at(Kind.NOT_STARTED, f"include {include.what} ({include.reason})", include.place)
+    for handler in launched.unfired_handlers:
+        yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
+    for name in launched.undeclared_arguments:
+        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it)", Place(str(file)))

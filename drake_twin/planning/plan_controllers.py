@@ -1,0 +1,256 @@
+"""Plan a robot's controllers: those of its parameters files and those that its Gazebo plugins become."""
+
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from drake_twin.controllers.interface import Interface
+from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerManagerParameters, ControllerParameters
+from drake_twin.description.gazebo_drive import GazeboDrive
+from drake_twin.description.parameters import read_parameters
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.yaml_document import ValuePath
+from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.controller_plan import (
+    ACTIVE,
+    INACTIVE,
+    UNLOADED,
+    ControllerPlan,
+    Wiring,
+    chained_to,
+    is_chained,
+)
+from drake_twin.scenario import Robot, ScenarioError
+
+
+def plan_controllers(
+    robot: Robot,
+    path: ValuePath,
+    description: RobotDescription,
+    manager: ControllerManagerParameters,
+    prefix: str,
+    drives: Sequence[GazeboDrive] = (),
+) -> tuple[tuple[ControllerPlan, ...], list[Finding]]:
+    """Plan all controllers of a robot's parameters files.
+
+    Args:
+        robot: The scenario's entry; it says which controllers are to be active.
+        path: The place of the entry in the scenario, for error messages.
+        description: The robot.
+        manager: Its parameters files.
+        prefix: The text before the robot's joints that the names in the parameters files lack.
+        drives: Gazebo plugins that become controllers; active from the start.
+
+    Returns:
+        The controllers, those to be loaded first. One that is to be loaded and is missing, or has wrong parameters, has
+        an ``error``. And the findings: which controllers are not active for another reason, and what is ignored.
+
+    Raises:
+        InputError: If controllers claim each other's references in a circle.
+    """
+    by_name = {controller.name: controller for controller in manager.controllers}
+    chosen = _chosen(robot, by_name)
+    by_drive = _drives_by_name(drives, by_name)
+    chosen |= dict.fromkeys(by_drive, ACTIVE)
+    by_name |= {name: replace(drive.controller, name=name) for name, drive in by_drive.items() if drive.controller}
+    plans: dict[str, ControllerPlan] = {}
+    findings: list[Finding] = []
+    for name, controller in by_name.items():
+        plan, ignored = _plan_or_error(controller, description, manager.update_rate, prefix, by_name)
+        if name in by_drive:
+            drive = by_drive[name]
+            plan = replace(plan, wiring=Wiring(drive.topics, drive.gz_topics, drive.types, drive.true_odometry))
+        plans[name] = plan
+        if name in chosen:
+            findings += ignored
+    _check_references(plans, by_name)
+    for name in plans.keys() - chosen.keys():
+        plans[name] = replace(plans[name], error=None)  # matters to nobody until it is loaded
+    for error in _missing(robot, path, by_name):
+        name = str(error.value)
+        plans[name] = ControllerPlan(name, "", problem=error.reason, error=error)
+    for name, plan, taken_by in _settled(chosen, plans):
+        plans[name] = plan
+        problem = taken_by or plan.problem
+        if problem is not None and plan.error is None:
+            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", by_name[name].place()))
+    ordered = [*chosen, *(name for name in plans if name not in chosen)]
+    return tuple(plans[name] for name in ordered), findings
+
+
+def _settled(
+    chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan]
+) -> Iterator[tuple[str, ControllerPlan, str | None]]:
+    """Yield each chosen controller with its state at the start, and the conflict that keeps it from being active."""
+    claimed_by: dict[Interface, str] = {}
+    for name, wanted in chosen.items():
+        plan, state, conflict = plans[name], wanted, None
+        taken = next((claim for claim in plan.claims if claim in claimed_by), None)
+        if plan.problem is not None:
+            state = UNLOADED
+        elif wanted == ACTIVE and taken is not None:
+            conflict = f"resource conflict, {taken} is already claimed by {claimed_by[taken]}"
+            state = INACTIVE
+        if state == ACTIVE:
+            claimed_by.update(dict.fromkeys(plan.claims, name))
+        yield name, replace(plan, state=state), conflict
+
+
+def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:
+    """Return plugins under unused names; of two joint state broadcasters, ros2_control's is kept."""
+    has_broadcaster = any(item.type == JOINT_STATE_BROADCASTER for item in taken.values())
+    found: dict[str, GazeboDrive] = {}
+    for drive in drives:
+        if drive.controller is None or (has_broadcaster and drive.controller.type == JOINT_STATE_BROADCASTER):
+            continue
+        name = drive.controller.name
+        while name in taken or name in found:
+            name += "_plugin"
+        found[name] = drive
+    return found
+
+
+def _chosen(robot: Robot, known: Mapping[str, ControllerParameters]) -> dict[str, str]:
+    """Return the controllers to be loaded, in the order in which they are activated, and their wanted state."""
+    active = known if robot.active_controllers is None else robot.active_controllers
+    inactive = [name for name in robot.inactive_controllers if robot.active_controllers is None or name not in active]
+    chosen = {name: ACTIVE for name in active if name not in inactive}
+    chosen |= dict.fromkeys(inactive, INACTIVE)
+    return {name: state for name, state in chosen.items() if name in known}
+
+
+def _missing(robot: Robot, path: ValuePath, known: Mapping[str, ControllerParameters]) -> Iterator[ScenarioError]:
+    """Yield an error for each controller that is to be loaded and that the parameters files lack."""
+    for entry in ("active_controllers", "inactive_controllers"):
+        for name in getattr(robot, entry) or ():
+            if name not in known:
+                text = f"the parameters files have no controller {name!r}"
+                yield ScenarioError((*path, entry), text, value=name, valid=known)
+
+
+def _plan_or_error(
+    controller: ControllerParameters,
+    description: RobotDescription,
+    manager_rate: float,
+    prefix: str,
+    known: Container[str],
+) -> tuple[ControllerPlan, tuple[Finding, ...]]:
+    try:
+        return _plan(controller, description, manager_rate, prefix, known)
+    except InputError as error:
+        return ControllerPlan(controller.name, controller.type, problem=str(error), error=error), ()
+
+
+def _plan(
+    controller: ControllerParameters,
+    description: RobotDescription,
+    manager_rate: float,
+    prefix: str,
+    known: Container[str],
+) -> tuple[ControllerPlan, tuple[Finding, ...]]:
+    rate = controller.parameters.get("update_rate", manager_rate)
+    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
+        raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
+    plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
+    kind = controller_class(controller.type)
+    if kind is None:
+        return replace(plan, problem=f"type {controller.type} is not supported"), ()
+    if prefix:
+        joints = description.joints_by_name
+        own = replace(controller, parameters=_with_prefix(controller.parameters, prefix, joints))
+    else:
+        own = controller
+    parameters, ignored = read_parameters(kind.Parameters, own)
+    try:
+        claims = kind.claimed_interfaces(parameters, description)
+    except InputError as error:
+        raise controller.error(error.message, value=error.value, valid=error.valid) from None
+    _check_joints(controller, claims, description, known)
+    own_joints = [claim for claim in claims if not is_chained(claim, known)]
+    problem = next(filter(None, (_unusable(claim, description) for claim in own_joints)), None)
+    problem = problem or kind.problem(parameters, description)
+    references = kind.reference_interfaces(parameters, description)
+    return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
+
+
+def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:
+    """Names of joints without their prefix, wherever they stand, as the robot has them."""
+    if isinstance(value, str):
+        return prefix + value if value not in joints and prefix + value in joints else value
+    if isinstance(value, Mapping):
+        return {_with_prefix(key, prefix, joints): _with_prefix(item, prefix, joints) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_with_prefix(item, prefix, joints) for item in value]
+    return value
+
+
+def _check_joints(
+    controller: ControllerParameters, claims: Sequence[Interface], description: RobotDescription, known: Container[str]
+) -> None:
+    seen = set()
+    for claim in claims:
+        owner, separator, _ = claim.joint.partition("/")
+        if claim.joint not in description.joints_by_name and not (separator and owner in known):
+            place = next(_places(controller.parameters, claim.joint), ())
+            valid = [joint.name for joint in description.movable_joints]
+            raise controller.error(f"the robot has no joint {claim.joint!r}", *place, value=claim.joint, valid=valid)
+        if claim in seen:
+            *_, place = _places(controller.parameters, claim.joint)
+            raise controller.error(f"joint {claim.joint!r} stands twice", *place)
+        seen.add(claim)
+
+
+def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Where a name stands in the parameters."""
+    if isinstance(value, str):
+        if value == name:
+            yield path
+    elif isinstance(value, Mapping | list):
+        for key, item in value.items() if isinstance(value, Mapping) else enumerate(value):
+            yield from _places(item, name, (*path, key))
+
+
+def _unusable(claim: Interface, description: RobotDescription) -> str | None:
+    """Why a command interface cannot be claimed; None when it can."""
+    joint = description.joints_by_name[claim.joint]
+    if not joint.is_movable:
+        return f"joint {joint.name} is {joint.type} and cannot be commanded"
+    controlled = description.controlled_joints.get(joint.name)
+    interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
+    if claim.name not in interfaces:
+        has = f"it has {', '.join(interfaces)}" if interfaces else "it has none"
+        return f"joint {joint.name} has no {claim.name} command interface in <ros2_control> ({has})"
+    if joint.mimic is not None:
+        return f"joint {joint.name} follows another joint (mimic) and cannot be commanded"
+    if claim.name not in ("position", "velocity", "effort"):
+        return f"joint {joint.name}: the command interface {claim.name} has no meaning in the twin"
+    lower, upper = description.limits_of_command(joint.name, claim.name)
+    if lower > upper:
+        return f"joint {joint.name}: no {claim.name} is within both its URDF and its <ros2_control> limits"
+    return None
+
+
+def _check_references(plans: dict[str, ControllerPlan], by_name: Mapping[str, ControllerParameters]) -> None:
+    """Note an error where a controller claims a reference that another one does not have.
+
+    Raises:
+        InputError: If controllers claim each other's references in a circle.
+    """
+    for name, plan in plans.items():
+        for claim in plan.claims:
+            if not is_chained(claim, plans):
+                continue
+            owner, _, joint = claim.joint.partition("/")
+            if Interface(joint, claim.name) not in plans[owner].references:
+                valid = [f"{owner}/{reference}" for reference in plans[owner].references]
+                error = by_name[name].error(f"controller {owner!r} has no reference {claim}", valid=valid)
+                plans[name] = replace(plan, problem=str(error), error=error)
+                break
+    for name in plans:
+        circle = [name]
+        while (below := next(iter(chained_to(plans[circle[-1]], plans)), None)) and below not in circle:
+            circle.append(below)
+        if below in circle:
+            raise by_name[name].error(f"the controllers {', '.join(circle)} claim each other's references in a circle")

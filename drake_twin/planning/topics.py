@@ -1,0 +1,53 @@
+"""The names of a robot's topics: below its namespace, as its parameters, plugins and remappings have them."""
+
+from drake_twin.controllers.controller import Controller
+from drake_twin.controllers.registry import controller_class
+from drake_twin.planning.controller_plan import ControllerPlan
+from drake_twin.planning.robot_plan import RobotPlan
+
+JOINT_STATES, DYNAMIC_JOINT_STATES = "joint_states", "dynamic_joint_states"
+ROBOT_DESCRIPTION, GROUND_TRUTH = "robot_description", "ground_truth/odom"
+
+# Every robot has these below its namespace.
+ROBOT_TOPICS = (JOINT_STATES, DYNAMIC_JOINT_STATES, ROBOT_DESCRIPTION, GROUND_TRUTH)
+
+
+def robot_topic(plan: RobotPlan, name: str) -> str:
+    """Return the full name of a robot's topic."""
+    return plan.robot.remapped(f"{plan.robot.topic_namespace}/{name}")
+
+
+def controller_topic(plan: RobotPlan, controller: ControllerPlan, own: str) -> str | None:
+    """Return the full name of a controller's topic; None where its Gazebo plugin does not have it.
+
+    Args:
+        plan: The robot.
+        controller: One of its controllers.
+        own: The topic as the controller's class names it.
+    """
+    wiring = controller.wiring
+    if wiring is None:
+        kind = controller_class(controller.type) or Controller
+        return robot_topic(plan, kind.topic_name(controller.name, controller.parameters, own))
+    topic = wiring.topics.get(own)
+    if topic is None:
+        return None
+    in_gazebo = wiring.gz_topics.get(own, "").format(model=plan.name)
+    in_gazebo = in_gazebo if in_gazebo.startswith("/") else f"/{in_gazebo}"
+    if in_gazebo in plan.robot.remappings:  # by a parameter_bridge
+        return plan.robot.remapped(in_gazebo)
+    return plan.robot.remapped(topic) if topic.startswith("/") else robot_topic(plan, topic)
+
+
+def topics_with_one_owner(plan: RobotPlan) -> set[str]:
+    """Return the topics that no other robot can have once this robot has them."""
+    robot, namespace = plan.robot, plan.robot.topic_namespace
+    names = [f"{namespace}/{name}" for name in ROBOT_TOPICS]
+    for item in plan.controllers:
+        names += [name for name in robot.remappings if name.startswith(f"{namespace}/{item.name}/")]
+        if item.wiring is not None:
+            names += ["/" + name.format(model=robot.name).lstrip("/") for name in item.wiring.gz_topics.values()]
+            names += [
+                name if name.startswith("/") else f"{namespace}/{name}" for name in item.wiring.topics.values() if name
+            ]
+    return {robot.remapped(name) for name in names}
