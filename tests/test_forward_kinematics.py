@@ -33,8 +33,8 @@ def pose_in_world(frame, tree):
 @pytest.mark.parametrize("model", [ROVER, ARM], ids=["rover", "arm"])
 def test_tf_of_every_link_agrees_with_pinocchio(model, seed):
     twin = TwinBuilder().robot("robot_1", model, xyz=(0.3, -0.2, 0.5), rpy=(0.1, 0.2, 0.3)).build()
-    (plan,) = twin._built.plans
-    robot = twin._built.robots["robot_1"]
+    (plan,) = twin._session.built.plans
+    robot = twin._session.built.robots["robot_1"]
     layout = robot.layout
     rng = np.random.default_rng(seed)
 
@@ -44,7 +44,7 @@ def test_tf_of_every_link_agrees_with_pinocchio(model, seed):
     root = [pinocchio.JointModelFreeFlyer()] if floats else []
     reference = pinocchio.buildModelFromXML(text, *root)
     q = pinocchio.neutral(reference)
-    state = twin.plant.GetPositions(twin._plant_context, robot.instance)
+    state = twin.plant.GetPositions(twin._session.physics.plant_context, robot.instance)
     for joint in plan.description.movable_joints:
         value = rng.uniform(-1.5, 1.5)
         state[layout.positions[joint.name]] = value

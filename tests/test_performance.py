@@ -75,12 +75,18 @@ def test_a_physics_step_is_one_discrete_update_of_the_plant_and_nothing_else():
     """An unrestricted update would copy all systems' states, and ask each for its witness functions."""
     twin = driving(2)
     listening(twin, "/joint_states", "/tf", "/clock")
-    before = twin._simulator.get_num_steps_taken(), twin._simulator.get_num_discrete_updates()
+    before = (
+        twin._session.physics.simulator.get_num_steps_taken(),
+        twin._session.physics.simulator.get_num_discrete_updates(),
+    )
     twin.advance_to(1.1)
-    after = twin._simulator.get_num_steps_taken(), twin._simulator.get_num_discrete_updates()
+    after = (
+        twin._session.physics.simulator.get_num_steps_taken(),
+        twin._session.physics.simulator.get_num_discrete_updates(),
+    )
     assert [new - old for new, old in zip(after, before, strict=True)] == [1000, 1000]
-    assert twin._simulator.get_num_unrestricted_updates() == 0
-    assert twin._simulator.get_num_publishes() == 0
+    assert twin._session.physics.simulator.get_num_unrestricted_updates() == 0
+    assert twin._session.physics.simulator.get_num_publishes() == 0
 
 
 def test_a_controller_that_samples_is_updated_at_its_rate_and_no_oftener(tmp_path):
@@ -88,7 +94,7 @@ def test_a_controller_that_samples_is_updated_at_its_rate_and_no_oftener(tmp_pat
     twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
     twin.advance_to(0.1)
     assert python_calls(twin, 1.1)["_update_sample"] == 100
-    assert twin._simulator.get_num_unrestricted_updates() == 110  # at 0 s, and not yet at 1.1 s
+    assert twin._session.physics.simulator.get_num_unrestricted_updates() == 110  # at 0 s, and not yet at 1.1 s
 
 
 def test_no_state_of_a_controller_or_servo_is_copied_piece_by_piece(tmp_path):

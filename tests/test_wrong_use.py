@@ -159,10 +159,10 @@ def test_a_topic_or_robot_of_any_type_that_does_not_exist_is_told_with_those_tha
     for call in (twin.latest, lambda topic: twin.subscribe(topic, print)):
         with pytest.raises(InputError, match=r"nothing is published on .*Valid: /r/joint_states"):
             call(name)
-    with pytest.raises(InputError, match=r"there is no action .*Valid: /r/trajectories/follow_joint_trajectory"):
+    with pytest.raises(InputError, match=r"unknown action .*Valid: /r/trajectories/follow_joint_trajectory"):
         twin.send_goal(name, {})
     for call in (twin.controller_manager, twin.emergency_stop, twin.robot_state):
-        with pytest.raises(InputError, match=r"there is no robot .*Valid: r"):
+        with pytest.raises(InputError, match=r"unknown robot .*Valid: r"):
             call(name)
 
 

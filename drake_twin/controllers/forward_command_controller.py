@@ -116,7 +116,7 @@ class ForwardCommandController(Controller):
             return True
         if before.data == now.data:
             return False
-        return [value != 0.0 for value in before.data] != [value != 0.0 for value in now.data]
+        return [*map(bool, before.data)] != [*map(bool, now.data)]
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         numbers = self._commands.Eval(context)

@@ -4,11 +4,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
@@ -45,7 +44,8 @@ class TwinDiagram:
         findings: what became of what the files say, where it is not simply used.
         visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
         world_models: what moves in the world and is no robot, by name: its model instances.
-        shapes: how each collision shape touches.
+        shapes: How each collision shape touches.
+        extensions: The systems that a user has added.
     """
 
     diagram: Diagram
@@ -63,6 +63,7 @@ class TwinDiagram:
     world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     shapes: tuple[TouchingShape, ...]
+    extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
 
     def owners(self) -> dict[ModelInstanceIndex, str]:
@@ -71,11 +72,6 @@ class TwinDiagram:
         for name, instances in self.world_models.items():
             owners |= dict.fromkeys(instances, name)
         return owners
-
-    def fix_commands(self, context: Context) -> None:
-        """Puts "no message yet" on every command port of a new root context."""
-        for topic in (*self.commanded.values(), *self.actions.values()):
-            topic.port.FixValue(context, AbstractValue.Make(None))
 
 
 # Adds a user's own systems to the diagram before it is built; see `build_twin_diagram`.
@@ -169,9 +165,11 @@ def _build(
     _add_ground_truth(builder, parts, plans, topics)
     _add_entity_states(builder, parts, plans, topics)
     visualizer = _add_visualizer(builder, parts.scene_graph, meshcat)
+    own = {system.get_name() for system in builder.GetSystems()}
     for extend in extensions:
         systems = {name: robot.diagram for name, robot in robots.items()}
         extend(builder, DiagramParts(parts.plant, parts.scene_graph, systems, plans))
+    added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     tell("building the diagram")
     diagram = builder.Build()
     diagram.set_name("twin")
@@ -191,6 +189,7 @@ def _build(
         world_file=world_file,
         world_models=parts.world_models,
         shapes=parts.shapes,
+        extensions=added,
         findings=(
             *scenario.findings,
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),

@@ -139,6 +139,8 @@ class Numbers(Frozen):
         """
         if data is None:
             raise ValueError("None is not a list")
+        if type(data) in (list, tuple) and {*map(type, data)} <= {float}:
+            return cls(tuple(data))
         items = data.tolist() if _is_vector(data) else [*_list(data, "data.")]
         if not {*map(type, items)} <= {float}:
             items = [_base("float64", item, f"data[{index}].") for index, item in enumerate(items)]

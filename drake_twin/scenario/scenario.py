@@ -157,12 +157,14 @@ class Command:
         data: the numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
         time: when (s).
         period: when given, it is published again every so many seconds.
+        optional: whether it is dropped, with a finding, where no controller accepts it.
     """
 
     topic: str
     data: tuple[float, ...] | Mapping[str, Any]
     time: float = 0.0
     period: float | None = None
+    optional: bool = False
 
 
 @saved("Scenario")

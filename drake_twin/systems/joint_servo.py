@@ -136,26 +136,35 @@ class JointServo(WitnesslessSystem):
             raise ValueError(f"there are {count} actuators, and {values} values of controllers for them")
 
     def commanded(self, context: Context) -> tuple[list[float], list[float]]:
-        """The positions and the velocities that are commanded at present, for each actuator; NaN where none is."""
-        assignment, values = self.assignment(context), self._values(context)
+        """Return the commanded positions and velocities of all actuators, within their limits; NaN for none."""
+        return self._commanded(self.assignment(context), self._values(context))
+
+    def _commanded(self, assignment: ServoAssignment, values: Sequence[float]) -> tuple[list[float], list[float]]:
         return self._clamped(0, values, assignment.positions), self._clamped(1, values, assignment.velocities)
 
     def _values(self, context: Context) -> list[float]:
-        """All controllers' values, and NaN as the last one."""
-        return [value for port in self._ports for value in port.Eval(context).tolist()] + [nan]
+        """Return all controllers' values, and NaN as the last one."""
+        values: list[float] = []
+        for port in self._ports:
+            values += port.Eval(context).tolist()
+        values.append(nan)
+        return values
 
     def _clamped(self, row: int, values: Sequence[float], sources: Sequence[int]) -> list[float]:
-        """What is commanded of each actuator, within its limits; NaN where nothing is."""
-        limits = zip(sources, self._lower[row], self._upper[row], strict=True)
-        return [min(max(values[source], lower), upper) for source, lower, upper in limits]
+        """Return the command of each actuator within its limits; NaN for none."""
+        clamped = []
+        for source, lower, upper in zip(sources, self._lower[row], self._upper[row], strict=True):
+            clamped.append(min(max(values[source], lower), upper))
+        return clamped
 
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
         assignment = self.assignment(context)
-        commanded, velocities = self.commanded(context)
-        positions = [hold if isnan(value) else value for hold, value in zip(assignment.holds, commanded, strict=True)]
-        for index, (source, position) in enumerate(zip(assignment.positions, positions, strict=True)):
-            # At the end of its range a joint does not go on at the velocity that goes with a position beyond.
-            at_end = source >= 0 and not self._lower[0][index] < position < self._upper[0][index]
+        positions, velocities = self._commanded(assignment, self._values(context))
+        for index, source in enumerate(assignment.positions):
+            if isnan(positions[index]):
+                positions[index] = assignment.holds[index]
+            # At the end of its range a joint does not continue at the velocity that goes with a position beyond.
+            at_end = source >= 0 and not self._lower[0][index] < positions[index] < self._upper[0][index]
             if at_end or isnan(velocities[index]):
                 velocities[index] = 0.0
             if assignment.modes[index] in self._own_velocities:

@@ -1,27 +1,26 @@
-"""What is commanded of the controllers: messages that wait, that hold, that expire, and that the scenario schedules."""
+"""The commands of the controllers: pending, valid, expiring, and those that the scenario schedules."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from math import isfinite
 from operator import attrgetter
 from typing import Any
 
-from pydrake.common.value import Value
-from pydrake.systems.framework import Context
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, FixedInputPortValue
 
 from drake_twin.controllers.controller import Controller
 from drake_twin.diagram.topics import CommandTopic
-from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.messages import Numbers, shortened
 from drake_twin.scenario import Command
+from drake_twin.twin.clock import Clock
+from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.schedule import ScheduledCommand, step_at
-from drake_twin.twin.snapshot import Snapshot
 
 _ROUNDING = 1e-9  # s
 _published = attrgetter("published")
-_ObjectValue = Value[object]  # what AbstractValue.Make would look up each time
 
 
 @dataclass(frozen=True)
@@ -38,178 +37,206 @@ class Commands:
     """The values on the ports of topics and actions.
 
     Attributes:
-        values: topic or action → the value that holds.
-        expiries: topic → when its value no longer holds (s).
-        schedule: the scenario's own commands.
-        silenced: topics whose scheduled commands are dropped.
+        values: Topic or action → the valid value.
+        expiries: Topic → when its value expires (s).
+        queue: Pending topics and values, applied at the next step in this order.
+        schedule: The scenario's own commands.
+        silenced: Topics whose scheduled commands are dropped.
     """
+
+    _context: Context
+    _controls: Mapping[str, RobotControl]
+    _clock: Clock
 
     def __init__(self) -> None:
         self.values: dict[str, Any] = {}
         self.expiries: dict[str, float] = {}
+        self.queue: list[tuple[str, Any]] = []
         self.schedule: list[ScheduledCommand] = []
         self.silenced: set[str] = set()
-        self._queue: list[tuple[str, Any]] = []
         self._ports: dict[str, CommandTopic] = {}
+        self._fixed: dict[str, FixedInputPortValue] = {}
         self._before: _Before | None = None
 
-    def use(self, built: TwinDiagram, context: Context, controls: Mapping[str, RobotControl], time_step: float) -> None:
-        """Works with a diagram from now on; what its topics do not have is forgotten."""
-        self._ports = built.commanded | built.actions
-        self._context = context
+    def use(self, physics: Physics, controls: Mapping[str, RobotControl], clock: Clock) -> None:
+        """Switch to a newly built diagram, without any command."""
+        self._ports = physics.built.commanded | physics.built.actions
+        self._context = physics.context
         self._controls = controls
-        self._time_step = time_step
-        self.values = {topic: value for topic, value in self.values.items() if topic in self._ports}
-        self.expiries = {topic: time for topic, time in self.expiries.items() if topic in self._ports}
-        self.schedule = [item for item in self.schedule if item.topic in self._ports]
-        self._queue = [entry for entry in self._queue if entry[0] in self._ports]
-        for topic, value in self.values.items():
-            self._fix(topic, value)
+        self._clock = clock
+        self.start(())
 
     def start(self, commands: Sequence[Command]) -> None:
-        """Begins anew: nothing holds, nothing waits, and a scenario's commands are ahead."""
+        """Remove all commands; those of a scenario are ahead."""
         self.values.clear()
         self.expiries.clear()
-        self._queue.clear()
+        self.queue = []
         self.schedule = [ScheduledCommand(command) for command in commands]
+        self._fixed = {
+            topic: item.port.FixValue(self._context, AbstractValue.Make(None)) for topic, item in self._ports.items()
+        }
 
-    def wait(self, topic: str, value: Any) -> None:
-        """Lets a value wait for the next step."""
-        self._queue.append((topic, value))
+    def last(self, topic: str) -> Any:
+        """Return the value published last on a topic, pending or valid; None if there is none."""
+        return next((value for name, value in reversed(self.queue) if name == topic), self.values.get(topic))
 
-    def waiting(self, topic: str) -> Iterator[Any]:
-        """What waits for a topic, in the order of arrival."""
-        return (value for queued_topic, value in self._queue if queued_topic == topic)
-
-    def put_waiting(self, time: float, action: CommandTopic | None = None) -> None:
-        """Puts what waits onto its ports, or only what waits for an action's controller, so that it precedes a goal.
+    def put_pending(self, time: float, action: CommandTopic | None = None) -> None:
+        """Apply the pending commands to their input ports.
 
         Args:
-            time: the present time (s).
-            action: the action.
+            time: The present time (s).
+            action: Apply only the commands of this action's controller, so that they precede a goal.
         """
-        waiting, self._queue = self._queue, []
-        for topic, value in waiting:
-            item = self._ports[topic]
-            if action is None or (item.robot, item.controller) == (action.robot, action.controller):
+        pending, self.queue = self.queue, []
+        for topic, value in pending:
+            if action is None or _is_of(self._ports[topic], action.robot, action.controller):
                 self.set(topic, value, time)
             else:
-                self._queue.append((topic, value))
+                self.queue.append((topic, value))
 
-    def apply(self, step: int, time: float, publish: Callable[[ScheduledCommand], None]) -> None:
-        """Puts onto the ports what is due at a step: what expires, what is scheduled, what waits.
+    def apply(self, time: float, publish: Callable[[ScheduledCommand], None]) -> None:
+        """Apply what is due at the present step: expired, scheduled and pending commands.
 
         Args:
-            step: the present step.
-            time: the present time (s).
-            publish: does with a scheduled command what is done with one that somebody publishes.
+            time: The present time (s).
+            publish: Publishes a scheduled command as if a user had published it.
         """
-        self._before = None
-        if not (self.schedule or self.expiries or self._queue):
+        if not (self.schedule or self.expiries or self.queue):
+            self._before = None
             return
         published = list(map(_published, self.schedule))
-        self._before = _Before(dict(self.values), dict(self.expiries), self._queue, published)
+        self._before = _Before(dict(self.values), dict(self.expiries), self.queue, published)
         due = []
         for scheduled in self.schedule:
-            if scheduled.due_step(self._time_step) <= step:
+            if scheduled.due_step(self._clock.time_step) <= self._clock.step:
                 if scheduled.topic not in self.silenced:
                     due.append(scheduled)
                 scheduled.pass_step()
-        for topic in [topic for topic, until in self.expiries.items() if until <= time + _ROUNDING]:
-            self.set(topic, None, time)
-        waiting, self._queue = self._queue, []
+        for topic in [*self.expiries]:
+            if self.expiries[topic] <= time + _ROUNDING:
+                self.set(topic, None, time)
+        pending, self.queue = self.queue, []
         for scheduled in due:
             publish(scheduled)
-        self._queue += waiting
-        self.put_waiting(time)
+        for topic, value in self.queue + pending:
+            self.set(topic, value, time)
+        self.queue = []
 
     def take_back(self) -> None:
-        """Undoes what `apply` did last: the step that was to follow has failed."""
+        """Undo the last `apply`: the step that was to follow has failed."""
         if self._before is None:
             return
         for topic in self._ports:
             if self.values.get(topic) is not self._before.values.get(topic):
                 self._fix(topic, self._before.values.get(topic))
-        self.values, self.expiries, self._queue = self._before.values, self._before.expiries, self._before.queue
+        self.values, self.expiries, self.queue = self._before.values, self._before.expiries, self._before.queue
         for item, published in zip(self.schedule, self._before.published, strict=True):
             item.published = published
         self._before = None
 
     def set(self, topic: str, value: Any, time: float) -> None:
-        """Puts a value onto a port at a time (s); None clears it."""
-        before, item = self.values.get(topic), self._ports[topic]
+        """Set the value of a port at a time (s); None clears it."""
+        item, before = self._ports[topic], self.values.pop(topic, None)
         control = self._controls[item.robot]
         controller = control.controllers[item.controller]
-        self._put(topic, value, time, controller)
+        self._put(topic, item, controller, value, time)
         if controller.starts_or_stops(before, value):
             control.follow_commands()
 
-    def _put(self, topic: str, value: Any, time: float, controller: Controller) -> None:
-        self._fix(topic, value)
-        self.values.pop(topic, None)
+    def _put(self, topic: str, item: CommandTopic, controller: Controller, value: Any, time: float) -> None:
+        self._fixed[topic].GetMutableData().set_value(value)  # without the copy that FixValue makes
         self.expiries.pop(topic, None)
         if value is None:
             return
         self.values[topic] = value
-        timeout = controller.timeout(self._ports[topic].name)
+        timeout = controller.timeout(item.name)
         if timeout is not None and isfinite(timeout):
-            self.expiries[topic] = time + max(timeout, self._time_step)
+            self.expiries[topic] = time + max(timeout, self._clock.time_step)
 
     def clear(self, robot: str, controller: str) -> None:
-        """Forgets what was commanded of a controller."""
-        own = {name for name, item in self._ports.items() if (item.robot, item.controller) == (robot, controller)}
-        self._queue = [entry for entry in self._queue if entry[0] not in own]
+        """Remove the commands of a controller."""
+        own = {name for name, item in self._ports.items() if _is_of(item, robot, controller)}
+        self.queue = [entry for entry in self.queue if entry[0] not in own]
         for name in own:
             self._fix(name, None)
             self.values.pop(name, None)
             self.expiries.pop(name, None)
 
     def due_steps(self) -> list[float]:
-        """The steps at which something is due."""
-        due = [item.due_step(self._time_step) for item in self.schedule]
-        return due + [step_at(time, self._time_step) for time in self.expiries.values()]
+        """Return the steps at which something is due."""
+        due = [item.due_step(self._clock.time_step) for item in self.schedule]
+        return due + [step_at(time, self._clock.time_step) for time in self.expiries.values()]
 
-    def snapshot(self) -> dict[str, Any]:
-        """The entries of a `Snapshot` that are commands."""
+    def state(self) -> dict[str, Any]:
+        """Return the entries of a snapshot that this part keeps."""
         return {
             "commands": {topic: to_plain(value) for topic, value in self.values.items()},
             "expiries": dict(self.expiries),
-            "waiting": [[topic, to_plain(value)] for topic, value in self._queue],
+            "waiting": [[topic, to_plain(value)] for topic, value in self.queue],
             "schedule": [item.published for item in self.schedule],
             "silenced": sorted(self.silenced & {item.topic for item in self.schedule}),
         }
 
-    def restore(self, snapshot: Snapshot, time: float) -> None:
-        """Goes back from the start to the commands of a snapshot at a time (s).
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Set the entries that `state` returned, after `start` with the same scenario's commands.
 
         Raises:
-            ValueError: they are those of other robots.
-            KeyError: likewise.
+            ValueError: If they are those of other robots.
+            KeyError: Likewise.
         """
-        for topic, value in snapshot.commands.items():
-            saved, port = self._saved(topic, value), self._ports[topic]
-            self._put(topic, saved, time, self._controls[port.robot].controllers[port.controller])
-        if not set(snapshot.expiries) <= set(snapshot.commands):
+        time = self._clock.time
+        for topic, value in state["commands"].items():
+            item = self._ports[topic]
+            controller = self._controls[item.robot].controllers[item.controller]
+            self._put(topic, item, controller, self._saved(topic, value), time)
+        if not set(state["expiries"]) <= set(state["commands"]):
             raise ValueError("what expires is not commanded")
-        self.expiries = dict(snapshot.expiries)
-        for topic, value in snapshot.waiting:
-            self.wait(topic, self._saved(topic, value))
-        for item, published in zip(self.schedule, snapshot.schedule, strict=True):
-            item.published = published
-        self.silenced = set(snapshot.silenced)
+        self.expiries = dict(state["expiries"])
+        self.queue = [(topic, self._saved(topic, value)) for topic, value in state["waiting"]]
+        for scheduled, published in zip(self.schedule, state["schedule"], strict=True):
+            scheduled.published = published
+        self.silenced = set(state["silenced"])
+
+    def transfer(self, state: Mapping[str, Any], before: Sequence[Command], now: Sequence[Command]) -> None:
+        """Set what of another diagram's state has a place in this one.
+
+        Args:
+            state: What `state` returned then.
+            before: The scenario's commands then.
+            now: The scenario's commands now; some of those then.
+        """
+        self.start(now)
+        published, rest = [], [*zip(before, state["schedule"], strict=True)]
+        for command in now:
+            index = next((index for index, (known, _) in enumerate(rest) if known is command), None)
+            published.append(0 if index is None else rest.pop(index)[1])
+        kept = {topic: value for topic, value in state["commands"].items() if topic in self._ports}
+        self.set_state(
+            {
+                "commands": kept,
+                "expiries": {topic: time for topic, time in state["expiries"].items() if topic in kept},
+                "waiting": [entry for entry in state["waiting"] if entry[0] in self._ports],
+                "schedule": published,
+                "silenced": self.silenced,
+            }
+        )
 
     def _saved(self, topic: str, plain: Any) -> Any:
-        """A command of a snapshot."""
+        """Return a saved command as its port takes it."""
         item = self._ports[topic]
         value = from_plain(plain)
         kind = getattr(value, "__msgtype__", None)
-        subscribed = self._controls[item.robot].controllers[item.controller].subscribed.get(item.name, kind)
-        if not is_dataclass(value) or (kind is not None and kind != subscribed):
-            raise ValueError(f"{shortened(plain)} is no message of {topic}")
+        control = self._controls[item.robot]
+        controller = control.controllers[item.controller]
+        if not is_dataclass(value) or (kind is not None and kind != controller.subscribed.get(item.name, kind)):
+            raise ValueError(f"{shortened(plain)} is not a message of {topic}")
         if isinstance(value, Numbers) or kind == "std_msgs/msg/Float64MultiArray":
-            control = self._controls[item.robot]
-            return control.controllers[item.controller].read(item.name, value, control.context_of(item.controller))
+            return controller.read(item.name, value, control.context_of(item.controller))
         return value
 
     def _fix(self, topic: str, value: Any) -> None:
-        self._ports[topic].port.FixValue(self._context, _ObjectValue(value))
+        self._fixed[topic].GetMutableData().set_value(value)
+
+
+def _is_of(item: CommandTopic, robot: str, controller: str) -> bool:
+    return (item.robot, item.controller) == (robot, controller)

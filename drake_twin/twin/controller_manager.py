@@ -108,8 +108,8 @@ class ControllerManager:
         self._switched = lambda started, stopped: None
         self._note = lambda *call: None
 
-    def take_up(self, states: Mapping[str, str]) -> None:
-        """Goes back to states that were asked for before, without telling anybody.
+    def set_states(self, states: Mapping[str, str]) -> None:
+        """Set the states that `states` returned, without a call of ``switched``.
 
         Raises:
             ValueError: a controller that the parameters files lack, or a state that is none.
@@ -248,7 +248,7 @@ class ControllerManager:
             self._switched(tuple(started), tuple(stopped))
         return Response(True, message)
 
-    def give_up(self, name: str) -> tuple[str, ...]:
+    def deactivate_failed(self, name: str) -> tuple[str, ...]:
         """Deactivates a controller that has failed, and those that write to it.
 
         Returns:

@@ -4,7 +4,7 @@ Names are Gazebo's: a robot or a model of the world (``robot_1``), or a link of 
 twists are in the world, or in the frame of another entity.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
@@ -17,7 +17,9 @@ from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.saved import saved
+from drake_twin.twin.clock import is_number
 
 WORLD = "world"
 
@@ -150,6 +152,28 @@ def set_entity_state(
     from pydrake.multibody.math import SpatialVelocity
 
     plant.SetFreeBodySpatialVelocity(plant_context, body, SpatialVelocity(w=angular_W, v=linear_W))
+
+
+def set_joint_positions(
+    built: TwinDiagram, plant_context: Context, plan: RobotPlan, positions: Mapping[str, float]
+) -> None:
+    """Set joint positions (rad or m) of a robot, without forces.
+
+    Raises:
+        InputError: If a joint is unknown, or a position is not a finite number.
+    """
+    if not isinstance(positions, Mapping):
+        raise InputError(f"{positions!r} is not a mapping of joints to positions")
+    parts = built.robots[plan.name]
+    q = built.plant.GetPositions(plant_context, parts.instance)
+    for joint, position in positions.items():
+        if joint not in plan.start_positions:
+            text = f"robot {plan.name!r} has no movable joint {joint!r}"
+            raise InputError(text, value=str(joint), valid=plan.start_positions)
+        if not is_number(position):
+            raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
+        q[parts.layout.positions[joint]] = position
+    built.plant.SetPositions(plant_context, parts.instance, q)
 
 
 def make_wrench(

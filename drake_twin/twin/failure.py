@@ -13,7 +13,7 @@ from pydrake.systems.framework import Context
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError
-from drake_twin.twin.running import ABSURD, Moment
+from drake_twin.twin.physics import ABSURD, Moment
 
 _MOST_NAMED = 3  # joints in a message
 _NOTABLE = 100.0  # rad/s² or m/s²: what accelerates less is not what a step fails for

@@ -120,17 +120,17 @@ class Recorder:
 
     def __init__(self, time: Callable[[], float]):
         self._time = time
-        self._start: Snapshot | None = None
+        self.start: Snapshot | None = None
         self._calls: list[Call] = []
 
     @property
     def is_on(self) -> bool:
         """Whether it has begun."""
-        return self._start is not None
+        return self.start is not None
 
     def begin(self, start: Snapshot) -> None:
         """Begins anew at a moment."""
-        self._start = start
+        self.start = start
         self._calls = []
 
     def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
@@ -139,7 +139,7 @@ class Recorder:
         Returns:
             Its index, which `refuse` takes; None where it takes no note.
         """
-        if self._start is None:
+        if self.start is None:
             return None
         try:
             plain, plain_named = from_plain(to_plain((arguments, named)))
@@ -159,9 +159,9 @@ class Recorder:
         Raises:
             InputError: it has not begun.
         """
-        if self._start is None:
+        if self.start is None:
             raise InputError("nothing has been recorded: call record() first")
-        return Recording(self._start, tuple(self._calls), self._time())
+        return Recording(self.start, tuple(self._calls), self._time())
 
 
 def recorded(method: _Method) -> _Method:
@@ -172,7 +172,7 @@ def recorded(method: _Method) -> _Method:
     @functools.wraps(method)
     def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
         recorder = twin.recorder
-        if not recorder.is_on:
+        if recorder.start is None:
             return method(twin, *arguments, **named)
         given = signature.bind(twin, *arguments, **named)
         for name, value in given.arguments.items():

@@ -2,9 +2,10 @@
 
 import functools
 import logging
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
@@ -25,11 +26,11 @@ from drake_twin.diagram.servo_modes import (
     without_commands,
 )
 from drake_twin.diagram.topics import CommandTopic
-from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import CommandError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.joint_servo import ServoAssignment
 from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 
 _log = logging.getLogger(__name__)
@@ -50,32 +51,42 @@ class RobotControl:
         check_period: how often `check_joints` is to be called (s); None while no joint needs it.
     """
 
-    _built: TwinDiagram
+    _plant: MultibodyPlant
+    _plant_context: Context
+    _servo_context: Context
     _parts: RobotDiagram
     _in_plant: RobotInPlant
-    _context: Context
 
     def __init__(self, plan: RobotPlan, clear: Callable[[str, str], None], note: Callable[..., object]):
         self._plan = plan
         self._clear = clear
         self._note = note
+        self.controllers: dict[str, Controller] = {}
+        self._contexts: dict[str, Context] = {}
         self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
         self.stopped = False
         self.check_period: float | None = None
         self.kept: ServoAssignment | None = None
 
-    def use(self, built: TwinDiagram, context: Context) -> None:
-        """Works with a diagram from now on; states have been carried over to it."""
-        self._built = built
-        self._parts = built.parts[self._plan.name]
-        self._in_plant = built.robots[self._plan.name]
-        self._context = context
+    def use(self, physics: Physics) -> None:
+        """Switch to a newly built diagram."""
+        self._plant = physics.built.plant
+        self._plant_context = physics.plant_context
+        self._parts = physics.built.parts[self._plan.name]
+        self._in_plant = physics.built.robots[self._plan.name]
+        self.controllers = self._parts.controllers
+        self._contexts = {
+            name: controller.GetMyMutableContextFromRoot(physics.context)
+            for name, controller in self.controllers.items()
+        }
+        if self._parts.servo is not None:
+            self._servo_context = self._parts.servo.GetMyMutableContextFromRoot(physics.context)
         self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
         layout = self._in_plant.layout
         names = [joint or next(iter(layout.positions)) for joint in self._parts.joints]  # any, where it models friction
         self._positions = [layout.positions[name] for name in names]
         self._velocities = [layout.velocities[name] for name in names]
-        self._put_gains_in_force()
+        self._apply_gains()
 
     @property
     def plan(self) -> RobotPlan:
@@ -85,12 +96,9 @@ class RobotControl:
     def retire(self) -> None:
         """Lets go of the diagram: the robot has been deleted, and whoever still asks its manager hears of nothing."""
         self.manager.retire()
-        del self._built, self._parts, self._in_plant, self._context
-
-    @property
-    def controllers(self) -> dict[str, Controller]:
-        """Controller name → its system."""
-        return self._parts.controllers
+        self.controllers, self._contexts = {}, {}
+        del self._plant, self._plant_context, self._parts, self._in_plant
+        self.__dict__.pop("_servo_context", None)
 
     def start(self) -> None:
         """Activates what is active at the start, in a context that holds the default state."""
@@ -99,11 +107,11 @@ class RobotControl:
         for name in self.manager.active:
             if name in self.controllers:
                 self.controllers[name].activate(self.context_of(name))
-        self._put_gains_in_force()
+        self._apply_gains()
 
     def context_of(self, controller: str) -> Context:
         """A controller's own context."""
-        return self.controllers[controller].GetMyMutableContextFromRoot(self._context)
+        return self._contexts[controller]
 
     def read(self, topic: CommandTopic, data: Any) -> Any:
         """What goes onto a topic's port for a message.
@@ -125,7 +133,7 @@ class RobotControl:
         controller = self.controllers[topic.controller]
         if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
             message = messages.Numbers((message.data,) * len(controller.claims))
-        return controller.read(topic.name, message, self.context_of(topic.controller))
+        return controller.read(topic.name, message, self._contexts[topic.controller])
 
     def accepts(self, topic: CommandTopic) -> bool:
         """Whether a message on a topic reaches its controller: one that is not active hears nothing."""
@@ -136,25 +144,25 @@ class RobotControl:
         self._note("cancel", self._plan.name, controller)
         self.controllers[controller].cancel(self.context_of(controller))
 
-    def give_up_faulty(self) -> None:
+    def deactivate_faulty(self) -> None:
         """Deactivates the controllers whose last update failed."""
         for name in self.manager.active:
             if name in self.controllers:
                 fault = self.controllers[name].fault(self.context_of(name))
                 if fault is not None:
-                    self.give_up(name, fault)
+                    self.deactivate(name, fault)
 
-    def give_up(self, controller: str, why: str) -> None:
+    def deactivate(self, controller: str, why: str) -> None:
         """Deactivates a controller, and says so."""
-        stopped = self.manager.give_up(controller)
+        stopped = self.manager.deactivate_failed(controller)
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
 
     def take_back(self) -> None:
         """Drives the joints as `kept` has it: the step that was to follow has failed."""
         servo = self._parts.servo
         if servo is not None and self.kept is not None:
-            servo.assign(servo.GetMyMutableContextFromRoot(self._context), self.kept)
-            self._put_gains_in_force()
+            servo.assign(self._servo_context, self.kept)
+            self._apply_gains()
             self.kept = None
 
     def follow_commands(self) -> None:
@@ -170,10 +178,10 @@ class RobotControl:
         """Holds joints that a velocity is commanded of where they have been put, and not where they were."""
         servo = self._parts.servo
         if servo is not None:
-            context = servo.GetMyMutableContextFromRoot(self._context)
+            context = self._servo_context
             indices = [index for index, joint in enumerate(self._parts.joints) if joint in joints]
             servo.assign(context, released(servo.assignment(context), indices))
-            self._put_gains_in_force()
+            self._apply_gains()
 
     def emergency_stop(self) -> None:
         """Brakes all joints until they are at rest, and holds them; goals are cancelled."""
@@ -192,41 +200,48 @@ class RobotControl:
             active = tuple(name for name in self.manager.active)
             self._switch(active, active)
 
-    def snapshot(self) -> dict[str, Any]:
-        """What of the robot's controllers goes on from here: their states, what they keep, the servos' assignment."""
-        samples: dict[str, Any] = {}
-        for name, controller in self.controllers.items():
-            if isinstance(controller, StatefulController):
-                samples[name] = to_plain(controller.sample(self.context_of(name)))
+    def state(self) -> dict[str, Any]:
+        """Return the entries of a snapshot that this part keeps: controllers, their memory, the servo's assignment."""
         servo = self._parts.servo
         return {
-            "controllers": self.manager.states,
-            "samples": samples,
-            "servo": None if servo is None else to_plain(servo.assignment(servo.GetMyContextFromRoot(self._context))),
-            "stopped": self.stopped,
+            "robots": {
+                self._plan.name: {
+                    "controllers": self.manager.states,
+                    "samples": {
+                        name: to_plain(controller.sample(context)) for name, controller, context in self._stateful()
+                    },
+                    "servo": None if servo is None else to_plain(servo.assignment(self._servo_context)),
+                    "stopped": self.stopped,
+                }
+            }
         }
 
-    def restore(self, saved: Mapping[str, Any]) -> None:
-        """Goes back to what `snapshot` gave."""
-        self.manager.take_up(saved["controllers"])
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Set the entries that `state` returned.
+
+        Raises:
+            ValueError: If they are those of another robot.
+        """
+        saved = state["robots"][self._plan.name]
+        self.manager.set_states(saved["controllers"])
         self.stopped = bool(saved["stopped"])
-        samples = {
-            name: controller
-            for name, controller in self.controllers.items()
-            if isinstance(controller, StatefulController)
-        }
-        if set(saved["samples"]) != set(samples):
-            raise ValueError(f"samples of {', '.join(samples)} are needed")
-        for name, controller in samples.items():
-            context = self.context_of(name)
-            context.SetAbstractState(0, _like(controller.sample(context), from_plain(saved["samples"][name])))
+        stateful = list(self._stateful())
+        if set(saved["samples"]) != {name for name, _, _ in stateful}:
+            raise ValueError(f"samples of {', '.join(name for name, _, _ in stateful)} are needed")
+        for name, controller, context in stateful:
+            sample = from_plain(saved["samples"][name])
+            controller.set_sample(context, _like(controller.sample(context), sample))
         servo = self._parts.servo
         if servo is not None:
-            context = servo.GetMyMutableContextFromRoot(self._context)
-            assignment = _like(servo.assignment(context), from_plain(saved["servo"]))
+            assignment = _like(servo.assignment(self._servo_context), from_plain(saved["servo"]))
             servo.check(assignment)
-            servo.assign(context, assignment)
-        self._put_gains_in_force()
+            servo.assign(self._servo_context, assignment)
+        self._apply_gains()
+
+    def _stateful(self) -> Iterator[tuple[str, StatefulController, Context]]:
+        for name, controller in self.controllers.items():
+            if isinstance(controller, StatefulController):
+                yield name, controller, self.context_of(name)
 
     def _switch(self, started: tuple[str, ...], stopped: tuple[str, ...]) -> None:
         modes, holds = self._stopped_joints()
@@ -246,9 +261,7 @@ class RobotControl:
         if servo is None:
             return (), ()
         self.follow_commands()
-        return without_commands(
-            servo.assignment(servo.GetMyContextFromRoot(self._context)), self._joints, self._motion()
-        )
+        return without_commands(servo.assignment(self._servo_context), self._joints, self._motion())
 
     def _assign(self, modes: Sequence[str], holds: Sequence[float]) -> None:
         """Lets the joints follow the controllers that are active now."""
@@ -259,15 +272,15 @@ class RobotControl:
         active = () if self.stopped else self.manager.active
         hold_joints = self._plan.hold_joints or self.stopped
         assignment = assign(self._parts.joints, driving, active, holds, modes, hold_joints=hold_joints)
-        servo.assign(servo.GetMyMutableContextFromRoot(self._context), assignment)
-        self._put_gains_in_force()
+        servo.assign(self._servo_context, assignment)
+        self._apply_gains()
         self.follow_commands()
 
     def _next_modes(self, *, is_check: bool) -> None:
         servo = self._parts.servo
         if servo is None:
             return
-        context = servo.GetMyMutableContextFromRoot(self._context)
+        context = self._servo_context
         now = servo.assignment(context)
         new = next_modes(
             now, self._joints, self._motion(with_gravity=is_check and BRAKE in now.modes), is_check=is_check
@@ -275,19 +288,18 @@ class RobotControl:
         if new is not now:
             self.kept = self.kept or now
             servo.assign(context, new)
-            self._put_gains_in_force()
+            self._apply_gains()
 
     def _is_pushed_away(self) -> bool:
         """Whether a joint slips, which is sooner told than how all are driven."""
-        plant = self._built.plant
-        q = plant.GetPositions(plant.GetMyContextFromRoot(self._context), self._in_plant.instance)
+        q = self._plant.GetPositions(self._plant_context, self._in_plant.instance)
         return not all(lower <= q[self._positions[index]] <= upper for index, lower, upper in self._slipping)
 
     def _motion(self, *, with_gravity: bool = False) -> JointMotion:
         """How the joints move, and what is commanded of them."""
-        servo, plant, instance = self._parts.servo, self._built.plant, self._in_plant.instance
+        servo, plant, instance = self._parts.servo, self._plant, self._in_plant.instance
         assert servo is not None
-        context = plant.GetMyContextFromRoot(self._context)
+        context = self._plant_context
         state = plant.GetPositionsAndVelocities(context, instance).tolist()
         gravity = [0.0] * len(state)
         if with_gravity:
@@ -297,14 +309,14 @@ class RobotControl:
             list(map(state.__getitem__, self._positions)),
             list(map(state.__getitem__, self._velocities)),
             list(map(gravity.__getitem__, self._velocities)),
-            *servo.commanded(servo.GetMyContextFromRoot(self._context)),
+            *servo.commanded(self._servo_context),
         )
 
-    def _put_gains_in_force(self) -> None:
+    def _apply_gains(self) -> None:
         servo = self._parts.servo
         if servo is not None:
-            assignment = servo.assignment(servo.GetMyContextFromRoot(self._context))
-            set_gains(self._built.plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
+            assignment = servo.assignment(self._servo_context)
+            set_gains(self._plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
             self.check_period = check_period(assignment)
             self._slipping = slipping_range(assignment, self._joints)
 

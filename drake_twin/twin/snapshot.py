@@ -1,7 +1,7 @@
 """A twin at one moment as plain data: kept in memory or in a file, and gone back to."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -33,6 +33,7 @@ class Snapshot:
         schedule: how often each of the scenario's commands has been published.
         silenced: topics whose scheduled commands are dropped.
         next_time_step: the step that waits for its next multiple (s); None when none does.
+        systems: The state vectors of the user's own systems, by their names.
 
     Raises:
         InputError: an entry is of another kind.
@@ -51,6 +52,7 @@ class Snapshot:
     schedule: list[int]
     silenced: list[str]
     next_time_step: float | None
+    systems: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         kinds = {
@@ -62,6 +64,7 @@ class Snapshot:
             "parameters": isinstance(self.parameters, Mapping)
             and all(isinstance(values, list) for values in self.parameters.values()),
             "commands": isinstance(self.commands, Mapping),
+            "systems": isinstance(self.systems, Mapping),
             "expiries": isinstance(self.expiries, Mapping) and all(map(_is_number, self.expiries.values())),
             "waiting": isinstance(self.waiting, list)
             and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
@@ -74,13 +77,18 @@ class Snapshot:
             if not is_right:
                 raise InputError(f"a saved state cannot have {shortened(getattr(self, name))} as its {name}")
 
+    def state(self) -> dict[str, Any]:
+        """Return all entries but the scenario, by name."""
+        entries = {name: value for name, value in vars(self).items() if name != "scenario"}
+        return entries if self.systems else {name: value for name, value in entries.items() if name != "systems"}
+
     def save(self, file: str | Path) -> None:
         """Writes it as JSON.
 
         Raises:
             RunError: the file cannot be written.
         """
-        write_saved(file, _KIND, _VERSION, dict(vars(self)))
+        write_saved(file, _KIND, _VERSION, {"scenario": self.scenario, **self.state()})
 
     @classmethod
     def load(cls, file: str | Path) -> "Snapshot":
@@ -91,8 +99,8 @@ class Snapshot:
         """
         data = read_saved(file, _KIND, _VERSION)
         names = set(cls.__dataclass_fields__)
-        if set(data) != names:
-            raise InputError(f"a saved state has the entries {', '.join(sorted(names))}", file=file)
+        if not names - {"systems"} <= set(data) <= names:
+            raise InputError(f"a saved state has the entries {', '.join(sorted(names - {'systems'}))}", file=file)
         try:
             return cls(**data)
         except InputError as error:

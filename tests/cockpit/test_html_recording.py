@@ -62,4 +62,4 @@ def test_recording_does_not_change_the_run(drawn):
     plain.advance_to(0.5)
     assert twin.state_sha256() == plain.state_sha256()
     twin.advance_to(0.6)  # and nothing is recorded any more
-    assert twin._subscriptions._items == []
+    assert twin._session.subscriptions._items == []

@@ -341,7 +341,7 @@ def test_joint_states_say_what_the_joints_do(twin):
 
 
 def test_an_unknown_robot_is_named_with_those_that_exist(twin):
-    with pytest.raises(InputError, match=r"there is no robot 'robot_3'.*Valid: robot_1, robot_2"):
+    with pytest.raises(InputError, match=r"unknown robot 'robot_3'.*Valid: robot_1, robot_2"):
         twin.joint_states("robot_3")
 
 

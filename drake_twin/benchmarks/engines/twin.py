@@ -42,13 +42,13 @@ class TwinEngine:
     def python_time(self, run: Callable[[], object]) -> float:
         """The wall time (s) of a run but for Drake's share in it: advancing, and solving for the efforts to be told."""
         twin, clock = self.twin, _ClockedSimulator(self.twin)
-        twin._simulator = clock
+        twin._session.physics.simulator = clock
         try:
             begin = perf_counter()
             run()
             return perf_counter() - begin - clock.time
         finally:
-            twin._simulator = clock.simulator
+            twin._session.physics.simulator = clock.simulator
 
     def positions(self) -> np.ndarray:
         """The commanded joints' positions."""
@@ -63,7 +63,7 @@ class _ClockedSimulator:
     """A twin's simulator that notes how long it has worked (s)."""
 
     def __init__(self, twin: Twin):
-        self.simulator = twin._simulator
+        self.simulator = twin._session.physics.simulator
         self.time = 0.0
         self._efforts = twin.plant.get_net_actuation_output_port()
         self._plant_context = twin.plant.GetMyContextFromRoot(twin.context)

@@ -1,11 +1,12 @@
-"""A diagram that runs: its simulator and context, and what becomes of them when the diagram is built anew.
+"""A scenario's diagram with its simulator, and the state of its plant.
 
-A plant cannot change once it is finalized. When a robot comes or goes, or the step changes, the diagram is built anew,
-and every state is carried over by name; the old one is let go of, so that its memory comes back.
+A plant cannot change once it is finalized. When a robot comes or goes, or the step changes, the diagram is built again,
+every state is transferred by name, and the old diagram is released, so that its memory is freed.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import starmap
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,14 @@ from pydrake.multibody.tree import QuaternionFloatingJoint
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
 
-from drake_twin.controllers.stateful_controller import StatefulController
+from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.entities import Wrench, find_body
+from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.state import read_robot_state
 
@@ -48,7 +50,11 @@ class Moment:
     samples: tuple[Any, ...]
 
 
-class Running:
+def _sample(controller: StatefulController, context: Context) -> Sample:
+    return controller.sample(context)
+
+
+class Physics:
     """A scenario's diagram with its simulator.
 
     Args:
@@ -91,6 +97,7 @@ class Running:
             if isinstance(item, StatefulController)
         ]
         self._keepers = [(item, item.GetMyMutableContextFromRoot(self.context)) for item in keepers]
+        self._extensions = ExtensionState(self.built, self.context)
         plant = self.built.plant
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]
@@ -133,15 +140,15 @@ class Running:
     def moment(self) -> Moment:
         """The present moment, which `go_back` returns to. Asked for before each advance: it copies one vector."""
         state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
-        samples = tuple(item.sample(context) for item, context in self._keepers)
+        samples = tuple(starmap(_sample, self._keepers))
         return Moment(self.context.get_time(), state, samples)
 
     def go_back(self, moment: Moment) -> None:
         """Goes back to a moment of this diagram, as far as steps have changed what it holds."""
         self.context.SetTime(moment.time)
         self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
-        for (_, context), sample in zip(self._keepers, moment.samples, strict=True):
-            context.SetAbstractState(0, sample)
+        for (item, context), sample in zip(self._keepers, moment.samples, strict=True):
+            item.set_sample(context, sample)
         self.initialize()
 
     def time_of(self, step: int) -> float:
@@ -156,36 +163,9 @@ class Running:
         return max((update for update in updates if abs(update - time) < _SAME_TIME), default=time)
 
     def start_at_rest(self) -> None:
-        """Puts the context into its default state at time zero, with no command on any port."""
+        """Set the context to its default state at time zero."""
         self.built.diagram.SetDefaultContext(self.context)
         self.context.SetTime(0.0)
-        self.built.fix_commands(self.context)
-
-    def carry_over(self, old: "Running", step: int) -> None:
-        """Takes states from another diagram, by name: joints, bases, moving models, controllers, servos, parameters.
-
-        Args:
-            old: the other diagram.
-            step: the present step, counted in this one's.
-        """
-        self.context.SetTime(self.time_of(step))
-        self.built.fix_commands(self.context)
-        for name, parts in self.built.robots.items():
-            if self._is_same_robot(name, old):
-                self._carry_robot(name, old)
-                assert parts.layout == old.built.robots[name].layout
-        self._parameters.put(self.context, old.parameters(), leave_out_unknown=True)
-        if self.built.world != old.built.world:
-            return
-        for name, instances in self.built.world_models.items():
-            for new, before in zip(instances, old.built.world_models.get(name, ()), strict=False):
-                state = old.built.plant.GetPositionsAndVelocities(old.plant_context, before)
-                self.built.plant.SetPositionsAndVelocities(self.plant_context, new, state)
-
-    def _is_same_robot(self, name: str, old: "Running") -> bool:
-        """Whether another diagram has a robot of this name, made of the same files."""
-        plans = {plan.name: plan for plan in old.built.plans}
-        return name in plans and any(plan is plans[name] for plan in self.built.plans)
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Puts a robot's ``[q; v]`` where it belongs."""
@@ -196,8 +176,57 @@ class Running:
         instance = self.built.robots[robot].instance
         return np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context, instance))
 
-    def snapshot(self, plan: RobotPlan) -> dict[str, Any]:
-        """A robot's state as plain data: its vector ``[q; v]``, and the same in words."""
+    def state(self) -> dict[str, Any]:
+        """Return the entries of a snapshot that this part keeps, as plain data.
+
+        Of each robot these are its vector ``[q; v]`` and, to be read, the same by joint and the pose of its base.
+        """
+        self.settle()  # the context may hold a state that was written with Drake's own means
+        state = {
+            "robots": {plan.name: self._robot_entries(plan) for plan in self.built.plans},
+            "models": self._model_states(),
+            "parameters": self._parameters.changed(self.context),
+        }
+        if systems := self._extensions.state():
+            state["systems"] = systems
+        return state
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Set the entries that `state` returned, of the same robots and models.
+
+        Raises:
+            ValueError: If they are those of other robots or models, or cannot be used.
+        """
+        if set(state["robots"]) != {plan.name for plan in self.built.plans}:
+            raise ValueError("it has no state of some of them, or one of others")
+        if set(state["models"]) != set(self.built.world_models):
+            raise ValueError("the world's models are others")
+        self._set_models(state["models"])
+        self._parameters.put(self.context, state["parameters"])
+        for name, saved in state["robots"].items():
+            self.set_robot_state(name, np.array(saved["state"], dtype=float))
+        self._extensions.set_state(state.get("systems", {}))
+
+    def transfer(self, state: Mapping[str, Any], old: "Physics") -> None:
+        """Set what of another diagram's state has a place in this one.
+
+        Args:
+            state: What `state` of the other diagram returned.
+            old: The other diagram.
+        """
+        known = {plan.name: plan for plan in old.built.plans}
+        for plan in self.built.plans:
+            if plan is known.get(plan.name):
+                self.set_robot_state(plan.name, np.array(state["robots"][plan.name]["state"]))
+                assert self.built.robots[plan.name].layout == old.built.robots[plan.name].layout
+        self._parameters.put(self.context, state["parameters"], leave_out_unknown=True)
+        if self.built.world == old.built.world:
+            self._set_models(
+                {name: vectors for name, vectors in state["models"].items() if name in self.built.world_models}
+            )
+        self._extensions.set_state(state.get("systems", {}))
+
+    def _robot_entries(self, plan: RobotPlan) -> dict[str, Any]:
         state = read_robot_state(self.built, self.context, plan, with_efforts=False)
         return {
             "state": self.robot_state(plan.name).tolist(),
@@ -208,44 +237,18 @@ class Running:
             "base_pose": list(state.base_pose),
         }
 
-    def model_states(self) -> dict[str, list[list[float]]]:
-        """What moves in the world and is no robot → ``[q; v]`` of each of its model instances."""
+    def _model_states(self) -> dict[str, list[list[float]]]:
+        """Return ``[q; v]`` of each model instance of the world's moving models, by the model's name."""
         plant = self.built.plant
         return {
             name: [plant.GetPositionsAndVelocities(self.plant_context, instance).tolist() for instance in instances]
             for name, instances in self.built.world_models.items()
         }
 
-    def set_model_states(self, states: Mapping[str, list[list[float]]]) -> None:
-        """Puts them back."""
-        if set(states) != set(self.built.world_models):
-            raise ValueError("the world's models are others")
+    def _set_models(self, states: Mapping[str, list[list[float]]]) -> None:
         for name, vectors in states.items():
             for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
-
-    def parameters(self) -> dict[str, list[Any]]:
-        """The parameters of the plant and its shapes that somebody has changed, by name."""
-        return self._parameters.changed(self.context)
-
-    def set_parameters(self, changed: Mapping[str, Sequence[Any]]) -> None:
-        """Puts them back, and all others to what they were built with."""
-        self._parameters.put(self.context, changed)
-
-    def samples(self, robot: str) -> dict[str, Any]:
-        """Controller → what it keeps from one update to the next."""
-        return {
-            name: controller.sample(controller.GetMyContextFromRoot(self.context))
-            for name, controller in self.built.parts[robot].controllers.items()
-            if isinstance(controller, StatefulController)
-        }
-
-    def set_samples(self, robot: str, samples: Mapping[str, Any]) -> None:
-        """Puts back what controllers keep."""
-        for name, sample in samples.items():
-            controller = self.built.parts[robot].controllers[name]
-            assert isinstance(controller, StatefulController)
-            controller.GetMyMutableContextFromRoot(self.context).SetAbstractState(0, sample)
 
     def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
         """Lets forces and torques act on links, and no others."""
@@ -261,14 +264,7 @@ class Running:
         port.FixValue(self.plant_context, forces)
 
     def discard(self) -> None:
-        """Lets go of the diagram, so that it can be freed."""
+        """Release the diagram, so that its memory can be freed."""
         let_go([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
-
-    def _carry_robot(self, name: str, old: "Running") -> None:
-        self.set_robot_state(name, old.robot_state(name))
-        self.set_samples(name, old.samples(name))
-        servo, before = self.built.parts[name].servo, old.built.parts[name].servo
-        if servo is not None and before is not None:
-            assignment = before.assignment(before.GetMyContextFromRoot(old.context))
-            servo.assign(servo.GetMyMutableContextFromRoot(self.context), assignment)
+        del self._extensions

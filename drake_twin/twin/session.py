@@ -1,0 +1,267 @@
+"""The parts of a running twin, and the one list of its state.
+
+A part has ``state()``, which returns its entries of a `Snapshot` as plain data, and ``set_state()``. From this list
+follow snapshots, restoring, building the diagram again, replay and ``state_sha256``.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Protocol
+
+from pydrake.geometry import Meshcat
+
+from drake_twin.diagram.twin_diagram import Extension, TwinDiagram
+from drake_twin.errors import InputError, TwinError
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.scenario import Scenario, ScenarioError
+from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.twin.clock import Clock
+from drake_twin.twin.commands import Commands
+from drake_twin.twin.failure import is_possible
+from drake_twin.twin.goals import Goals
+from drake_twin.twin.physics import Physics
+from drake_twin.twin.robot_control import RobotControl
+from drake_twin.twin.schedule import step_at
+from drake_twin.twin.snapshot import Snapshot
+from drake_twin.twin.state import hash_plain
+from drake_twin.twin.subscriptions import Subscriptions
+from drake_twin.twin.sunk import sunk_robots
+from drake_twin.twin.wrenches import Wrenches
+
+# What goes wrong with saved values of another kind than they should be; some of Drake's checks end the process.
+_UNFIT = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RuntimeError, TwinError, SystemExit)
+
+
+class Part(Protocol):
+    """A part of a twin that has state."""
+
+    def state(self) -> dict[str, Any]:
+        """Return the entries of a snapshot that this part keeps, as plain data."""
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Set the entries that `state` returned."""
+
+
+class Session:
+    """A running scenario: its diagram and everything that has state.
+
+    Args:
+        scenario: What to run.
+        meshcat: The page to draw on.
+        plans: Plans of its robots that were made before.
+        extensions: Add a user's own systems to the diagram.
+        note: Takes note of calls to the controllers.
+        latest: Returns a topic's message at the present time, for subscriptions.
+
+    Attributes:
+        scenario: The scenario.
+        clock: The time.
+        physics: The diagram, its simulator and the state of its plant.
+        built: The diagram's parts.
+        controls: Robot → its controllers.
+        commands: The commands of all controllers.
+        wrenches: What pushes links.
+        goals: The goals of actions.
+        subscriptions: The callbacks of topics.
+        sunk: Robot → findings about what it stood in when it came.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        meshcat: Meshcat | None,
+        plans: Iterable[RobotPlan],
+        extensions: Sequence[Extension],
+        note: Callable[..., object],
+        latest: Callable[[str], Any],
+    ):
+        self._meshcat, self._extensions, self._note = meshcat, tuple(extensions), note
+        self.scenario = scenario
+        self.clock = Clock(scenario.time_step)
+        self.commands, self.wrenches, self.goals = Commands(), Wrenches(), Goals()
+        self.controls: dict[str, RobotControl] = {}
+        self.subscriptions = Subscriptions(latest, scenario.time_step)
+        self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
+        self._start()
+        self.sunk: dict[str, tuple[Finding, ...]] = self.find_sunk(tuple(self.controls))
+
+    @property
+    def built(self) -> TwinDiagram:
+        """The diagram's parts."""
+        return self.physics.built
+
+    @property
+    def robots(self) -> tuple[str, ...]:
+        """The robots' names."""
+        return tuple(plan.name for plan in self.built.plans)
+
+    def plan(self, robot: Any) -> RobotPlan:
+        """Return a robot's plan.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        for plan in self.built.plans:
+            if plan.name == robot:
+                return plan
+        raise InputError(f"unknown robot {robot!r}", value=str(robot), valid=self.robots)
+
+    def control(self, robot: Any) -> RobotControl:
+        """Return a robot's controllers.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        return self.controls[self.plan(robot).name]
+
+    def find_sunk(self, robots: Sequence[str]) -> dict[str, tuple[Finding, ...]]:
+        """Return findings about robots that stand in something else."""
+        return sunk_robots(self.built, self.physics.context, robots)
+
+    def check_commands(self, check: Callable[[str, Any], object]) -> None:
+        """Drop the scenario's optional commands that no controller accepts, each with a finding.
+
+        Args:
+            check: Called with the topic and the data of each command; raises what is wrong with it.
+
+        Raises:
+            ScenarioError: If a controller does not accept a command that is not optional.
+        """
+        kept, findings = [], []
+        for index, command in enumerate(self.scenario.commands):
+            try:
+                check(command.topic, command.data)
+            except InputError as error:
+                reason = str(error).rstrip(".")
+                if not command.optional:
+                    raise ScenarioError(("commands", index), reason) from None
+                findings.append(Finding(Kind.NOT_STARTED, f"ros2 topic pub {command.topic} ({reason})"))
+            else:
+                kept.append(replace(command, optional=False))
+        if findings or kept != [*self.scenario.commands]:
+            known = self.scenario.findings
+            rest = self.built.findings[len(known) :]
+            self.scenario = replace(self.scenario, commands=tuple(kept), findings=(*known, *findings))
+            self.physics.built = replace(self.built, findings=(*known, *findings, *rest))
+            self.commands.start(self.scenario.commands)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return everything that has state."""
+        return (self.clock, self.physics, self.commands, self.wrenches, *self.controls.values())
+
+    def state(self) -> dict[str, Any]:
+        """Return all entries of a snapshot but the scenario."""
+        found: dict[str, Any] = {}
+        for part in self.parts():
+            for name, value in part.state().items():
+                if name == "robots":
+                    robots = found.setdefault("robots", {})
+                    for robot, entries in value.items():
+                        robots.setdefault(robot, {}).update(entries)
+                else:
+                    found[name] = value
+        return found
+
+    def state_sha256(self) -> str:
+        """Return the hash of all entries of a snapshot but the scenario."""
+        return hash_plain(self.state())
+
+    def snapshot(self) -> Snapshot:
+        """Return the present moment."""
+        return Snapshot(scenario=scenario_to_yaml(self.scenario), **self.state())
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Set the state of a snapshot; without a change if its scenario cannot be used, else reset if its state cannot.
+
+        Raises:
+            InputError: If the snapshot cannot be used.
+        """
+        scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
+        if snapshot.time_step != scenario.time_step:
+            raise InputError(f"the saved state has steps of {snapshot.time_step} s, and its scenario others")
+        self.goals.drop_all()
+        self.clock.next_time_step = None
+        if scenario != self.scenario:
+            self.rebuild(scenario)
+        self._start()
+        state = snapshot.state()
+        try:
+            self.clock.set_state(state)
+            self.physics.context.SetTime(self.physics.time_of(self.clock.step))
+            for part in self.parts():
+                part.set_state(state)
+            if self.clock.next_time_step is not None:
+                self.clock.next_time_step = replace(scenario, time_step=self.clock.next_time_step).time_step
+            plant = self.built.plant
+            if not is_possible(plant.GetPositionsAndVelocities(self.physics.plant_context)):
+                raise ValueError("positions or velocities are not finite")
+        except _UNFIT as error:
+            self.reset()
+            reason = " ".join(str(error).split())
+            raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None
+        self.physics.initialize()
+        self.subscriptions.begin(self.clock.time)
+
+    def reset(self) -> None:
+        """Return to the start: time zero, start positions, no commands, the scenario's commands ahead."""
+        self.goals.drop_all()
+        self.commands.silenced.clear()
+        self._start()
+        self.subscriptions.begin(0.0)
+
+    def rebuild(self, scenario: Scenario) -> None:
+        """Switch to the diagram of another scenario, and transfer all state that has a place in it.
+
+        Raises:
+            InputError: If the scenario cannot be built; nothing is changed then.
+        """
+        old = self.physics
+        physics = Physics(scenario, self._meshcat, old.built, extensions=self._extensions)
+        state, before, known = self.state(), self.scenario.commands, dict(self.controls)
+        self.scenario = scenario
+        if scenario.time_step != self.clock.time_step:
+            self.clock.step = step_at(self.clock.time, scenario.time_step)
+            self.clock.time_step = scenario.time_step
+        physics.context.SetTime(physics.time_of(self.clock.step))
+        self._use(physics)
+        for name, control in self.controls.items():
+            if control is not known.get(name):
+                control.start()
+        physics.transfer(state, old)
+        self.commands.transfer(state, before, scenario.commands)
+        for name, control in self.controls.items():
+            if control is known.get(name):
+                control.set_state(state)
+        self.wrenches.put(self.wrenches.items)
+        self.goals.keep(self.controls.values())
+        self.subscriptions.use(scenario.time_step)
+        physics.initialize()
+        old.discard()
+        self.subscriptions.look_again()
+
+    def _start(self) -> None:
+        self.clock.step = 0
+        self.physics.start_at_rest()
+        self.commands.start(self.scenario.commands)
+        self.wrenches.clear()
+        for control in self.controls.values():
+            control.start()
+        self.physics.initialize()
+
+    def _use(self, physics: Physics) -> None:
+        """Let all parts work with a newly built diagram."""
+        self.physics = physics
+        controls = {}
+        for plan in physics.built.plans:
+            control = self.controls.get(plan.name)
+            if control is None or control.plan is not plan:
+                control = RobotControl(plan, self.commands.clear, self._note)
+            control.use(physics)
+            controls[plan.name] = control
+        for name, control in self.controls.items():
+            if controls.get(name) is not control:
+                control.retire()
+        self.controls = controls
+        self.commands.use(physics, controls, self.clock)
+        self.wrenches.use(physics, (*controls, *physics.built.world_models))

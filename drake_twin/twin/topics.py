@@ -1,0 +1,180 @@
+"""What is published to a twin and what it publishes: topics, actions and their callbacks."""
+
+import logging
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from pydrake.systems.framework import Context, OutputPort
+
+from drake_twin.controllers.interface import Interface
+from drake_twin.diagram.topics import CommandTopic, PublishedTopic
+from drake_twin.errors import CommandError, InputError
+from drake_twin.messages import Numbers, float64_multi_array
+from drake_twin.twin.action import ActionGoal
+from drake_twin.twin.clock import is_number
+from drake_twin.twin.failure import failure
+from drake_twin.twin.session import Session
+from drake_twin.twin.subscriptions import Subscription
+
+_log = logging.getLogger(__name__)
+_R = TypeVar("_R")
+_FREE = (-float("inf"), float("inf"))
+
+
+class Topics:
+    """The topics and actions of a session.
+
+    Args:
+        session: The session.
+    """
+
+    def __init__(self, session: Session):
+        self._session = session
+        self._unheard: set[str] = set()
+
+    def command_topic(self, topic: Any) -> CommandTopic:
+        """Return a topic that a controller listens to.
+
+        Raises:
+            InputError: If no controller listens to it.
+        """
+        commanded = self._session.built.commanded
+        if not isinstance(topic, str) or topic not in commanded:
+            raise InputError(f"nothing listens to {topic!r}", value=str(topic), valid=commanded)
+        return commanded[topic]
+
+    def published_topic(self, topic: Any) -> PublishedTopic:
+        """Return a topic that the twin publishes.
+
+        Raises:
+            InputError: If it does not publish the topic.
+        """
+        published = self._session.built.published
+        if not isinstance(topic, str) or topic not in published:
+            raise InputError(f"nothing is published on {topic!r}", value=str(topic), valid=published)
+        return published[topic]
+
+    def types(self) -> dict[str, str]:
+        """Return topic → ROS message type: the published topics, then those that controllers listen to."""
+        built = self._session.built
+        published = {topic: item.type for topic, item in built.published.items()}
+        return published | {topic: item.type for topic, item in built.commanded.items()}
+
+    def publish(self, topic: Any, data: Any) -> None:
+        """Publish a command; see `Twin.publish`."""
+        session = self._session
+        item = session.physics.built.commanded.get(topic) if isinstance(topic, str) else None
+        item = item or self.command_topic(topic)
+        control = session.controls[item.robot]
+        if control.stopped:
+            raise CommandError(f"{topic}: the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it")
+        if not control.manager.is_active(item.controller):
+            if topic not in self._unheard:
+                self._unheard.add(topic)
+                _log.warning("%s: nobody hears this: controller %s is not active", topic, item.controller)
+            return
+        try:
+            value = control.read(item, data)
+        except CommandError as error:
+            located = error.about(topic)
+            if error.deactivates:
+                control.deactivate(item.controller, located.message)
+            raise located from None
+        session.commands.queue.append((topic, value))
+
+    def check(self, topic: Any, data: Any) -> None:
+        """Check whether a controller accepts a command.
+
+        Raises:
+            InputError: If no controller listens to the topic, or its controller refuses the data.
+        """
+        item = self.command_topic(topic)
+        try:
+            self._session.controls[item.robot].read(item, data)
+        except CommandError as error:
+            raise error.about(topic) from None
+
+    def command(self, topic: Any) -> Any:
+        """Return the message published last on a topic; see `Twin.command`."""
+        self.command_topic(topic)
+        value = self._session.commands.last(topic)
+        return float64_multi_array(value.data) if isinstance(value, Numbers) else value
+
+    def command_limits(self, topic: Any) -> dict[Interface, tuple[float, float]]:
+        """Return the limits of a command's numbers; see `Twin.command_limits`."""
+        item = self.command_topic(topic)
+        if item.type != "std_msgs/msg/Float64MultiArray":
+            return {}
+        description = self._session.plan(item.robot).description
+        claims = self._session.controls[item.robot].controllers[item.controller].claims
+        return {
+            claim: _FREE if "/" in claim.joint else description.limits_of_command(claim.joint, claim.name)
+            for claim in claims
+        }
+
+    def send_goal(self, action: Any, goal: Any, on_result: Callable[[ActionGoal], None] | None) -> ActionGoal:
+        """Send a goal to an action; see `Twin.send_goal`."""
+        session = self._session
+        if not isinstance(action, str) or action not in session.built.actions:
+            raise InputError(f"unknown action {action!r}", value=str(action), valid=session.built.actions)
+        if on_result is not None and not callable(on_result):
+            raise InputError(f"{on_result!r} cannot be called with the goal when it ends")
+        item = session.built.actions[action]
+        control = session.controls[item.robot]
+        if control.stopped or not control.manager.is_active(item.controller):
+            why = "the emergency stop holds" if control.stopped else f"controller {item.controller} is not active"
+            raise CommandError(f"{action}: the goal is rejected: {why}")
+        session.commands.put_pending(session.clock.time, item)
+        try:
+            value = control.read(item, goal)
+        except CommandError as error:
+            raise error.about(f"{action}: the goal is rejected") from None
+        # At once, as the controller counts its goals, and this one may be cancelled before the next step.
+        session.commands.set(action, value, session.clock.time)
+        return session.goals.add(action, item, value, control, on_result)
+
+    def subscribe(self, topic: Any, callback: Any, rate: Any) -> Callable[[], None]:
+        """Call back with a topic's messages; see `Twin.subscribe`."""
+        if not callable(callback):
+            raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
+        if rate is not None and not is_number(rate, 1e-6):
+            raise InputError(f"invalid rate {rate!r} Hz: it must be a number above zero")
+        own_rate = self.published_topic(topic).rate
+        rate = own_rate and (rate or own_rate)
+        period = None if rate is None else 1.0 / rate
+        return self._session.subscriptions.add(Subscription(topic, callback, period, self._session.clock.time))
+
+    def latest(self, topic: Any) -> Any:
+        """Return a topic's message at the present time; see `Twin.latest`."""
+        return self._message(self.published_topic(topic))
+
+    def latest_or_none(self, topic: str) -> Any:
+        """Return a topic's message at the present time; None also if its robot has been deleted."""
+        item = self._session.built.published.get(topic)
+        return None if item is None else self._message(item)
+
+    def evaluate(self, port: OutputPort, context: Context) -> Any:
+        """Evaluate an output port.
+
+        Raises:
+            RunError: If it needs the step to come, and Drake cannot solve it.
+        """
+        return self.solving(lambda: port.Eval(context))
+
+    def solving(self, compute: Callable[[], _R]) -> _R:
+        """Return what a function computes.
+
+        Raises:
+            RunError: If it needs the step to come, and Drake cannot solve it.
+        """
+        try:
+            return compute()
+        except (RuntimeError, SystemExit) as error:
+            session = self._session
+            raise failure(session.built, session.physics.plant_context, session.clock.time, error) from error
+
+    def _message(self, item: PublishedTopic) -> Any:
+        session = self._session
+        if item.controller and not session.controls[item.robot].manager.is_active(item.controller):
+            return None
+        return self.evaluate(item.port, session.physics.context)
