@@ -108,7 +108,7 @@ def test_no_state_of_a_controller_or_servo_is_copied_piece_by_piece(tmp_path):
     )
     calls = python_calls(twin, 0.2)
     assert calls["_update_sample"] == 10
-    assert calls["deepcopy"] == calls["__deepcopy__"] > 20
+    assert calls["deepcopy"] == calls["__deepcopy__"] >= 20
 
 
 def test_drake_looks_for_nothing_in_a_python_system_each_time_it_advances(monkeypatch):

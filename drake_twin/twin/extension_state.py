@@ -39,8 +39,10 @@ class ExtensionState:
         """Set what `state` returned; a system that is not in it keeps its state.
 
         Raises:
-            ValueError: If a vector has another size.
+            ValueError: If a system is unknown, or a vector has another size.
         """
+        if unknown := state.keys() - {system.get_name() for system, _ in self._systems}:
+            raise ValueError(f"the diagram has no systems {', '.join(sorted(unknown))}")
         for system, context in self._systems:
             vectors = state.get(system.get_name())
             if vectors is None:

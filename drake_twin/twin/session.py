@@ -11,14 +11,14 @@ from typing import Any, Protocol
 from pydrake.geometry import Meshcat
 
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram
-from drake_twin.errors import InputError, TwinError
+from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
-from drake_twin.twin.failure import is_possible
+from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.robot_control import RobotControl
@@ -52,7 +52,6 @@ class Session:
         plans: Plans of its robots that were made before.
         extensions: Add a user's own systems to the diagram.
         note: Takes note of calls to the controllers.
-        latest: Returns a topic's message at the present time, for subscriptions.
 
     Attributes:
         scenario: The scenario.
@@ -74,14 +73,13 @@ class Session:
         plans: Iterable[RobotPlan],
         extensions: Sequence[Extension],
         note: Callable[..., object],
-        latest: Callable[[str], Any],
     ):
         self._meshcat, self._extensions, self._note = meshcat, tuple(extensions), note
         self.scenario = scenario
         self.clock = Clock(scenario.time_step)
         self.commands, self.wrenches, self.goals = Commands(), Wrenches(), Goals()
         self.controls: dict[str, RobotControl] = {}
-        self.subscriptions = Subscriptions(latest, scenario.time_step)
+        self.subscriptions = Subscriptions(scenario.time_step)
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._start()
         self.sunk: dict[str, tuple[Finding, ...]] = self.find_sunk(tuple(self.controls))
@@ -146,6 +144,10 @@ class Session:
             self.physics.built = replace(self.built, findings=(*known, *findings, *rest))
             self.commands.start(self.scenario.commands)
 
+    def failure(self, error: BaseException) -> RunError:
+        """Return what Drake raises at the present time as an error for the user."""
+        return failure(self.built, self.physics.plant_context, self.clock.time, error)
+
     def parts(self) -> tuple[Part, ...]:
         """Return everything that has state."""
         return (self.clock, self.physics, self.commands, self.wrenches, *self.controls.values())
@@ -197,6 +199,7 @@ class Session:
             if not is_possible(plant.GetPositionsAndVelocities(self.physics.plant_context)):
                 raise ValueError("positions or velocities are not finite")
         except _UNFIT as error:
+            self.clock.next_time_step = None
             self.reset()
             reason = " ".join(str(error).split())
             raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None

@@ -70,15 +70,15 @@ class Subscriptions:
     """All of a twin's subscriptions, told in the order in which they were made.
 
     Args:
-        latest: topic → its message at the present time; None when there is none, or no such topic.
-        time_step: the length of the steps that are counted (s).
+        time_step: The physics step (s).
 
     Attributes:
+        latest: Returns a topic's message at the present time; None when there is none, or no such topic.
         due_step: the step at which the next delivery is due; infinite when there is none.
     """
 
-    def __init__(self, latest: Callable[[str], Any], time_step: float):
-        self._latest = latest
+    def __init__(self, time_step: float, latest: Callable[[str], Any] = lambda topic: None):
+        self.latest = latest
         self._time_step = time_step
         self._items: list[Subscription] = []
         self.due_step: float = inf
@@ -102,7 +102,7 @@ class Subscriptions:
         while self.due_step <= step:
             for subscription in [item for item in self._items if item.due <= step]:
                 if subscription.due <= step:  # nobody has ended it
-                    message = self._latest(subscription.topic)
+                    message = self.latest(subscription.topic)
                     subscription.pass_step(step, self._time_step)
                     if message is not None:
                         subscription.take(message)
@@ -118,7 +118,7 @@ class Subscriptions:
         """Looks whether messages that never change have, because their robots are others."""
         for subscription in self._items:
             if subscription.is_latched:
-                subscription.look_again(self._latest(subscription.topic))
+                subscription.look_again(self.latest(subscription.topic))
                 subscription.use(self._time_step)
         self._note_due_step()
 

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 from pydrake.systems.framework import Context, OutputPort
 
@@ -12,12 +12,10 @@ from drake_twin.errors import CommandError, InputError
 from drake_twin.messages import Numbers, float64_multi_array
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.clock import is_number
-from drake_twin.twin.failure import failure
 from drake_twin.twin.session import Session
 from drake_twin.twin.subscriptions import Subscription
 
 _log = logging.getLogger(__name__)
-_R = TypeVar("_R")
 _FREE = (-float("inf"), float("inf"))
 
 
@@ -159,19 +157,10 @@ class Topics:
         Raises:
             RunError: If it needs the step to come, and Drake cannot solve it.
         """
-        return self.solving(lambda: port.Eval(context))
-
-    def solving(self, compute: Callable[[], _R]) -> _R:
-        """Return what a function computes.
-
-        Raises:
-            RunError: If it needs the step to come, and Drake cannot solve it.
-        """
         try:
-            return compute()
+            return port.Eval(context)
         except (RuntimeError, SystemExit) as error:
-            session = self._session
-            raise failure(session.built, session.physics.plant_context, session.clock.time, error) from error
+            raise self._session.failure(error) from error
 
     def _message(self, item: PublishedTopic) -> Any:
         session = self._session

@@ -84,10 +84,9 @@ class Twin:
         extensions: Sequence[Extension] = (),
     ):
         self.recorder = Recorder(lambda: self.time)
-        self._session = Session(
-            scenario, meshcat, plans, extensions, self.recorder.note, lambda topic: self._topics.latest_or_none(topic)
-        )
+        self._session = Session(scenario, meshcat, plans, extensions, self.recorder.note)
         self._topics = Topics(self._session)
+        self._session.subscriptions.latest = self._topics.latest_or_none
         self._stepper = Stepper(self._session, self._topics.publish)
         self._real_time_rate = 1.0
         self._session.check_commands(self._topics.check)
@@ -238,9 +237,10 @@ class Twin:
         """
         session = self._session
         plan = session.plan(robot)
-        return self._topics.solving(
-            lambda: read_robot_state(session.built, session.physics.context, plan, with_efforts=with_efforts)
-        )
+        try:
+            return read_robot_state(session.built, session.physics.context, plan, with_efforts=with_efforts)
+        except (RuntimeError, SystemExit) as error:
+            raise session.failure(error) from error
 
     def start_positions(self, robot: str) -> Mapping[str, float]:
         """Return the position of each movable joint at the start (rad or m).

@@ -94,7 +94,7 @@ class Calls(RuleBasedStateMachine):
 
     @rule(name=NAMES)
     def fail(self, name):
-        self.manager.give_up(name)
+        self.manager.deactivate_failed(name)
         assert name not in self.manager.active
 
     @rule()

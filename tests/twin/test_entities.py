@@ -115,7 +115,7 @@ def test_wrenches_are_in_a_snapshot_and_end_with_a_reset(boxes):
         (lambda twin: twin.set_entity_state("box_1::flag", (1, 2, 3)), "cannot be put anywhere"),
         (lambda twin: twin.apply_wrench("box_1", "up"), "not made of numbers"),
         (lambda twin: twin.apply_wrench("box_1", (1, 0, float("nan"))), "3 finite numbers"),
-        (lambda twin: twin.apply_wrench("box_1", duration=-1), "is no duration"),
+        (lambda twin: twin.apply_wrench("box_1", duration=-1), "invalid duration"),
     ],
 )
 def test_what_cannot_be_is_said(boxes, call, reason):

@@ -12,7 +12,7 @@ from drake_twin.run import main
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 from drake_twin.twin.recording import Recording, replay
 from drake_twin.twin.snapshot import Snapshot
-from drake_twin.twin.twin import Twin
+from drake_twin.twin.stepper import Stepper
 
 ENGINES = [{"time_step": 0.001}, {"time_step": 0.01}, {"engine": "cenic", "accuracy": 1e-3, "time_step": 0.01}]
 every_engine = pytest.mark.parametrize("engine", ENGINES, ids=["1ms", "10ms", "cenic"])
@@ -132,7 +132,7 @@ def test_a_wrench_that_ends_where_a_step_fails_is_not_forgotten(chains, engine):
 
 def test_what_drake_raises_is_said_with_the_largest_acceleration_before_it(chains, monkeypatch):
     twin = chains().build()
-    advance = type(twin)._advance_simulator
+    advance = Stepper._advance_simulator
 
     def raise_error(self, step):
         advance(self, min(step, 30))
@@ -140,7 +140,7 @@ def test_what_drake_raises_is_said_with_the_largest_acceleration_before_it(chain
             raise RuntimeError("the solver\n did not converge.")
         return False
 
-    monkeypatch.setattr(Twin, "_advance_simulator", raise_error)
+    monkeypatch.setattr(Stepper, "_advance_simulator", raise_error)
     twin.apply_wrench("second::lower", torque=(0, 30, 0), duration=2.0)
     what = (
         r"failed after 0\.03 s: the solver did not converge\. Just before, .* of robot 'second' accelerated most, at "

@@ -219,7 +219,7 @@ def test_a_step_that_is_none_is_refused(twin, step):
 
 @pytest.mark.parametrize("robot", [None, "robot_3", {}, ROVER])
 def test_what_is_no_robot_is_refused(twin, robot):
-    with pytest.raises(InputError, match="is no robot"):
+    with pytest.raises(InputError, match="is not a Robot"):
         twin.spawn(robot)
 
 

@@ -255,7 +255,7 @@ def test_a_file_that_goes_beyond_json_is_refused(tmp_path, text):
 
 @pytest.mark.parametrize("nothing", [None, "state.json", {}])
 def test_what_is_no_snapshot_is_not_restored(arm, nothing):
-    with pytest.raises(InputError, match="is no snapshot"):
+    with pytest.raises(InputError, match="is not a Snapshot"):
         arm.restore(nothing)
 
 

@@ -11,7 +11,7 @@ from drake_twin.twin.subscriptions import Subscription, Subscriptions
 def test_every_grid_point_is_met_once_however_long_the_run_has_lasted(period, step, hours):
     first = round(hours * 3600 / step)
     times = []
-    subscriptions = Subscriptions(lambda topic: topic, step)
+    subscriptions = Subscriptions(step, lambda topic: topic)
     subscriptions.add(Subscription("topic", lambda message: times.append(now), period, first * step))
     for now in range(first, first + 200):
         subscriptions.deliver(now)
@@ -20,7 +20,7 @@ def test_every_grid_point_is_met_once_however_long_the_run_has_lasted(period, st
 
 
 def test_what_is_due_next_is_known_anew_when_somebody_comes_goes_or_the_step_changes():
-    subscriptions = Subscriptions(lambda topic: topic, 0.001)
+    subscriptions = Subscriptions(0.001, lambda topic: topic)
     assert subscriptions.due_step == float("inf")
     subscriptions.add(Subscription("a", lambda message: None, 0.1, 0.05))
     end = subscriptions.add(Subscription("b", lambda message: None, 0.02, 0.05))
