@@ -47,6 +47,7 @@ class ControllerSetup:
         physics_step: The time between two physics steps (s); 0 for one much shorter than ``update_period``.
         position_time_constant: A joint approaches its commanded position at error / this (s).
         tells_of_motion: Whether to stop the advance when a commanded velocity becomes zero or nonzero.
+        active_at_start: Whether a new Context of the diagram has it active.
     """
 
     name: str
@@ -63,6 +64,7 @@ class ControllerSetup:
     physics_step: float = 0.0
     position_time_constant: float = 0.2
     tells_of_motion: bool = False
+    active_at_start: bool = False
 
     def frame(self, frame_id: str) -> str:
         """Return a frame's name on /tf: a link of this robot gets the robot's frame prefix."""
@@ -81,18 +83,21 @@ class Controller(WitnesslessSystem):
 
     Attributes:
         Parameters: A frozen dataclass, read by `drake_twin.description.parameters.read_parameters`.
+        needs_command_interfaces: Whether ``<ros2_control>`` must have the interfaces that it claims, as in ROS.
         setup: What it was built from.
         claims: The command interfaces that it writes.
         hints: Unclaimed interfaces that help the joint servo, such as the velocity that goes with a position.
         subscribed: Input topic below the controller's name → ROS message type; each is an abstract input port.
         published: Output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
+        vector_inputs: Name below the controller's name → vector input port for a user's own systems.
         robot_inputs: Input of the robot's sub-diagram (``state``, ``net_actuation``) → the port that takes it.
         odometry_frames: Parent and child frame of the port ``tf_odometry``; None without that port.
         warnings: Parameters without effect, as sentences.
     """
 
     Parameters: ClassVar[type]
+    needs_command_interfaces: ClassVar[bool] = True
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
@@ -128,6 +133,7 @@ class Controller(WitnesslessSystem):
         self.subscribed: dict[str, str] = {}
         self.published: dict[str, str] = {}
         self.actions: dict[str, str] = {}
+        self.vector_inputs: dict[str, InputPort] = {}
         self.robot_inputs: dict[str, InputPort] = {}
         self.odometry_frames: tuple[str, str] | None = None
         self.warnings: tuple[str, ...] = ()
@@ -198,6 +204,12 @@ class Controller(WitnesslessSystem):
         """Declare an output port that holds a message, set by ``calc(context, output)``, or None for no message."""
         self.published[topic] = kind
         return self.DeclareAbstractOutputPort(topic, lambda: AbstractValue.Make(None), weakly(calc), set(prerequisites))
+
+    def declare_vector_input(self, name: str, size: int) -> InputPort:
+        """Declare a vector input port that the root diagram has as ``<robot>/<controller>/<name>``."""
+        port: InputPort = self.DeclareVectorInputPort(name, size)
+        self.vector_inputs[name] = port
+        return port
 
     def declare_robot_input(self, name: str, size: int) -> InputPort:
         """Declare a vector input port that takes ``state`` or ``net_actuation`` of the robot's sub-diagram."""

@@ -6,13 +6,14 @@ from typing import ClassVar
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.controllers.controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.state_layout import StateLayout
+from drake_twin.systems.weak_callback import weakly
 
 _INTERFACES = ("position", "velocity", "effort")
 _CONSTANTS = np.array([np.nan, 0.0])
@@ -97,12 +98,15 @@ class JointStateBroadcaster(Controller):
         output_ports:
         - joint_states
         - dynamic_joint_states
+        - state_estimated
 
     - ``state``: vector ``[q; v]`` of the model instance (rad, rad/s, or m, m/s).
     - ``net_actuation``: vector of the efforts that its actuators apply (N·m or N).
     - ``joint_states``: ``sensor_msgs/msg/JointState``; topic ``joint_states``.
     - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``, ``None`` when parameters turn it off; topic
       ``dynamic_joint_states``.
+    - ``state_estimated``: vector of the positions, then the velocities, of all movable joints in file order (rad,
+      rad/s, or m, m/s); it depends on ``state`` alone, and needs no activation.
     """
 
     Parameters: ClassVar[type] = JointStateBroadcasterParameters
@@ -144,6 +148,15 @@ class JointStateBroadcaster(Controller):
         self._has_efforts = any(layout.size <= place < missing for where in places.values() for place in where.values())
         self._state = self.declare_robot_input("state", layout.size)
         self._net_actuation = self.declare_robot_input("net_actuation", layout.num_actuators)
+        movable = [joint.name for joint in setup.description.movable_joints]
+        indices = [*(layout.positions[name] for name in movable), *(layout.velocities[name] for name in movable)]
+        self._of_joints = np.array(indices, dtype=int)
+        self.DeclareVectorOutputPort(
+            "state_estimated",
+            len(indices),
+            weakly(self._calc_state_estimated),
+            {self.input_port_ticket(self._state.get_index())},
+        )
         prerequisites = {
             self.time_ticket(),
             self.input_port_ticket(self._state.get_index()),
@@ -156,6 +169,10 @@ class JointStateBroadcaster(Controller):
             self._calc_dynamic_joint_states,
             prerequisites,
         )
+
+    def get_state_estimated_output_port(self) -> OutputPort:
+        """The port ``state_estimated``."""
+        return self.GetOutputPort("state_estimated")
 
     def get_state_input_port(self) -> InputPort:
         """The port ``state``."""
@@ -181,6 +198,9 @@ class JointStateBroadcaster(Controller):
     def _values(self, context: Context) -> np.ndarray:
         efforts = self.efforts(context) if self._has_efforts else self._no_efforts
         return np.concatenate((self._state.Eval(context), efforts, _CONSTANTS))
+
+    def _calc_state_estimated(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._state.Eval(context)[self._of_joints])
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         values = self._values(context)[self._gather]

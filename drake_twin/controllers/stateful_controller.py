@@ -1,15 +1,17 @@
 """Controllers that keep something from one moment to the next."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isnan, nan
 from typing import Any
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import AbstractStateIndex, Context
+from pydrake.systems.framework import AbstractStateIndex, Context, EventStatus, State
 
 from drake_twin.controllers.controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
+from drake_twin.systems.weak_callback import weakly
 
 
 @saved("Sample")
@@ -37,7 +39,11 @@ class StatefulController(Controller):
 
     def __init__(self, setup: ControllerSetup, hints: tuple[Interface, ...] = (), initial: Sample | None = None):
         super().__init__(setup, hints)
-        self._sample_index: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(initial or Sample()))
+        initial = initial or Sample()
+        if setup.active_at_start:
+            initial = replace(initial, active=True, time=nan)
+            self.DeclareInitializationUnrestrictedUpdateEvent(weakly(self._start))
+        self._sample_index: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(initial))
 
     def sample(self, context: Context) -> Sample:
         """Return the state after the last update."""
@@ -51,6 +57,14 @@ class StatefulController(Controller):
     def sample_ticket(self) -> Any:
         """Return the dependency ticket of an output port that follows from the last update."""
         return self.abstract_state_ticket(self._sample_index)
+
+    def _start(self, context: Context, state: State) -> EventStatus:
+        """Activate a controller that is active in a new Context, as when the diagram runs in a Simulator of its own."""
+        if not isnan(self.sample(context).time):
+            return EventStatus.DidNothing()
+        self.activate(context)
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(self.sample(context))
+        return EventStatus.Succeeded()
 
     def fault(self, context: Context) -> str | None:
         """Return why the last update failed; None if it did not."""

@@ -55,9 +55,9 @@ def build_robot_diagram(
 ) -> RobotDiagram:
     """Build a robot's sub-diagram.
 
-    Its input ports are those of ``plant_inputs`` and ``<controller>/<topic>``; its output ports are ``desired_state``
-    and, where an effort may be commanded, ``actuation`` (to the plant), ``<controller>/<topic>`` and those of
-    ``always_published``.
+    Its input ports are those of ``plant_inputs``, ``<controller>/<topic>`` and ``<controller>/<vector input>``; its
+    output ports are ``desired_state`` and, where an effort may be commanded, ``actuation`` (to the plant),
+    ``state_estimated``, ``<controller>/<topic>`` and those of ``always_published``.
 
     Args:
         plan: The robot.
@@ -80,13 +80,16 @@ def build_robot_diagram(
         else None
     )
     always_published = {}
-    if all(item.type != JOINT_STATE_BROADCASTER for item in plan.controllers):
+    broadcaster = next((item for item in controllers.values() if isinstance(item, JointStateBroadcaster)), None)
+    if broadcaster is None:
         broadcaster = _add_broadcaster(builder, plan, layout)
         for name, port in broadcaster.robot_inputs.items():
             inputs.connect(from_plant[name], name, port)
-        for topic, kind in broadcaster.published.items():
+        if all(item.type != JOINT_STATE_BROADCASTER for item in plan.controllers):
+            always_published = dict(broadcaster.published)
+        for topic in always_published:
             builder.ExportOutput(broadcaster.GetOutputPort(topic), topic)
-            always_published[topic] = kind
+    builder.ExportOutput(broadcaster.get_state_estimated_output_port(), "state_estimated")
     for name, controller in controllers.items():
         for source, port in controller.robot_inputs.items():
             inputs.connect(from_plant[source], source, port)
@@ -168,6 +171,7 @@ def _add_controllers(
             physics_step=0.0 if continuous else time_step,
             position_time_constant=plan.position_time_constant or SETTLING_TIME,
             tells_of_motion=True,
+            active_at_start=item.state == ACTIVE,
         )
         kind = controller_class(item.type)
         assert kind is not None, "a controller of an unknown type has a problem"
@@ -266,7 +270,7 @@ def _add_servo(
 def _wire_controller(
     builder: DiagramBuilder, name: str, controller: Controller, controllers: Mapping[str, Controller]
 ) -> None:
-    for topic in (*controller.subscribed, *controller.actions):
+    for topic in (*controller.subscribed, *controller.actions, *controller.vector_inputs):
         builder.ExportInput(controller.GetInputPort(topic), f"{name}/{topic}")
     for topic in controller.published:
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")

@@ -7,7 +7,15 @@ from math import inf
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.systems.framework import (
+    Diagram,
+    DiagramBuilder,
+    InputPort,
+    InputPortIndex,
+    OutputPort,
+    OutputPortIndex,
+    System,
+)
 
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
@@ -18,6 +26,7 @@ from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics
+from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.plans import plan_robots
@@ -94,6 +103,35 @@ class DiagramParts:
     robots: Mapping[str, Diagram]
     plans: tuple[RobotPlan, ...]
 
+    def output(self, robot: str, name: str) -> OutputPort:
+        """Return an output port of a robot's sub-diagram: ``state_estimated``, or ``<controller>/<topic>``.
+
+        Raises:
+            InputError: If the robot or the port is unknown.
+        """
+        system = self._robot(robot)
+        valid = [system.get_output_port(OutputPortIndex(i)).get_name() for i in range(system.num_output_ports())]
+        if name not in valid:
+            raise InputError(f"robot {robot!r} has no output port {name!r}", value=name, valid=valid)
+        return system.GetOutputPort(name)
+
+    def input(self, robot: str, name: str) -> InputPort:
+        """Return an input port of a robot's sub-diagram, for example ``<controller>/command``.
+
+        Raises:
+            InputError: If the robot or the port is unknown.
+        """
+        system = self._robot(robot)
+        valid = [system.get_input_port(InputPortIndex(i)).get_name() for i in range(system.num_input_ports())]
+        if name not in valid:
+            raise InputError(f"robot {robot!r} has no input port {name!r}", value=name, valid=valid)
+        return system.GetInputPort(name)
+
+    def _robot(self, robot: str) -> Diagram:
+        if robot not in self.robots:
+            raise InputError(f"unknown robot {robot!r}", value=robot, valid=self.robots)
+        return self.robots[robot]
+
 
 def build_twin_diagram(
     scenario: Scenario,
@@ -169,6 +207,7 @@ def _build(
     for extend in extensions:
         systems = {name: robot.diagram for name, robot in robots.items()}
         extend(builder, DiagramParts(parts.plant, parts.scene_graph, systems, plans))
+    _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     tell("building the diagram")
     diagram = builder.Build()
@@ -197,6 +236,27 @@ def _build(
             *parts.findings,
         ),
     )
+
+
+def _export_vectors(
+    builder: DiagramBuilder, parts: PlantOfTwin, robots: Mapping[str, RobotDiagram], topics: Topics
+) -> None:
+    """Export the robots' vector ports, but for those whose name a topic has."""
+    taken = {name[1:] for known in (topics.published, topics.subscribed, topics.actions) for name in known}
+    for name, robot in robots.items():
+        instance = parts.robots[name].instance
+        outputs = {"state": parts.plant.get_state_output_port(instance)}
+        outputs["state_estimated"] = robot.diagram.GetOutputPort("state_estimated")
+        if parts.robots[name].layout.num_actuators:
+            outputs["net_actuation"] = parts.plant.get_net_actuation_output_port(instance)
+        for own, output in outputs.items():
+            if f"{name}/{own}" not in taken:
+                builder.ExportOutput(output, f"{name}/{own}")
+        for controller, system in robot.controllers.items():
+            for own in system.vector_inputs:
+                port = robot.diagram.GetInputPort(f"{controller}/{own}")
+                if not builder.IsConnectedOrExported(port):
+                    builder.ExportInput(port, f"{name}/{controller}/{own}")
 
 
 def _add_visualizer(

@@ -169,7 +169,8 @@ def _plan(
         raise controller.error(error.message, value=error.value, valid=error.valid) from None
     _check_joints(controller, claims, description, known)
     own_joints = [claim for claim in claims if not is_chained(claim, known)]
-    problem = next(filter(None, (_unusable(claim, description) for claim in own_joints)), None)
+    problems = (_unusable(claim, description, kind.needs_command_interfaces) for claim in own_joints)
+    problem = next(filter(None, problems), None)
     problem = problem or kind.problem(parameters, description)
     references = kind.reference_interfaces(parameters, description)
     return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
@@ -212,14 +213,14 @@ def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator
             yield from _places(item, name, (*path, key))
 
 
-def _unusable(claim: Interface, description: RobotDescription) -> str | None:
+def _unusable(claim: Interface, description: RobotDescription, needs_interface: bool) -> str | None:
     """Why a command interface cannot be claimed; None when it can."""
     joint = description.joints_by_name[claim.joint]
     if not joint.is_movable:
         return f"joint {joint.name} is {joint.type} and cannot be commanded"
     controlled = description.controlled_joints.get(joint.name)
     interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
-    if claim.name not in interfaces:
+    if claim.name not in interfaces and (needs_interface or not interfaces):
         has = f"it has {', '.join(interfaces)}" if interfaces else "it has none"
         return f"joint {joint.name} has no {claim.name} command interface in <ros2_control> ({has})"
     if joint.mimic is not None:

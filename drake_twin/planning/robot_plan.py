@@ -224,7 +224,7 @@ def _controller_manager(
     files = robot.controllers or description.controller_files
     placeholders = {"robot_name": robot.name, **xacro_args}
     if not files:
-        return _default_controllers(description)
+        return ControllerManagerParameters() if robot.added_controllers else _default_controllers(description)
     try:
         resolved = [packages.resolve(file, description.file) for file in files]
     except InputError as error:
