@@ -17,6 +17,7 @@ from drake_twin.scenario import LONGEST_TIME
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.snapshot import Snapshot
+from drake_twin.twin.version_1 import converted_recording
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
@@ -103,7 +104,7 @@ class Recording:
             InputError: the file cannot be read, or is no recording of this version.
         """
         try:
-            recording = from_plain(read_saved(file, _KIND, _VERSION).get("recording"))
+            recording = from_plain(read_saved(file, _KIND, _VERSION, converted_recording).get("recording"))
         except InputError as error:
             raise InputError(error.message, file=file) from None
         if not isinstance(recording, cls):

@@ -1,6 +1,7 @@
 """JSON files that say what they are and in which version."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +23,19 @@ def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any])
         raise RunError(f"the {kind} cannot be saved to {file!s} ({reason})") from None
 
 
-def read_saved(file: str | Path, kind: str, version: int) -> dict[str, Any]:
-    """Reads what `write_saved` wrote.
+def read_saved(
+    file: str | Path, kind: str, version: int, version_1: Callable[[dict[str, Any]], dict[str, Any]]
+) -> dict[str, Any]:
+    """Read what `write_saved` wrote.
+
+    Args:
+        file: The file.
+        kind: What it holds, in words.
+        version: The present version.
+        version_1: Converts the entries of a file of version 1.
 
     Raises:
-        InputError: the file cannot be read, or holds something else, or another version of it.
+        InputError: If the file cannot be read, or holds something else, or an unknown version of it.
     """
     try:
         data = json.loads(Path(file).read_text(encoding="utf-8"))
@@ -37,6 +46,8 @@ def read_saved(file: str | Path, kind: str, version: int) -> dict[str, Any]:
     if not isinstance(data, dict) or data.pop("format", None) != f"drake_twin {kind}":
         raise InputError(f"this is no {kind} of a twin", file=file)
     found = data.pop("version", None)
+    if found == 1:
+        return version_1(data)
     if found != version:
-        raise InputError(f"the {kind} was saved in version {found!r}, and only {version} can be read", file=file)
+        raise InputError(f"the {kind} was saved in version {found!r}; 1 to {version} can be read", file=file)
     return data

@@ -10,6 +10,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.saved import saved
 from drake_twin.twin.saved_file import read_saved, write_saved
+from drake_twin.twin.version_1 import converted_state
 
 _KIND, _VERSION = "saved state", 2
 
@@ -97,7 +98,7 @@ class Snapshot:
         Raises:
             InputError: the file cannot be read, or is no snapshot of this version.
         """
-        data = read_saved(file, _KIND, _VERSION)
+        data = read_saved(file, _KIND, _VERSION, converted_state)
         names = set(cls.__dataclass_fields__)
         if not names - {"systems"} <= set(data) <= names:
             raise InputError(f"a saved state has the entries {', '.join(sorted(names - {'systems'}))}", file=file)

@@ -138,7 +138,7 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
         ("[]", "this is no saved state of a twin"),
         (
             '{"format": "drake_twin saved state", "version": 7}',
-            "saved state was saved in version 7, and only 2 can be read",
+            "saved state was saved in version 7; 1 to 2 can be read",
         ),
         ('{"format": "drake_twin saved state", "version": 2}', "a saved state has the entries"),
     ],
