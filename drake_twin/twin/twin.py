@@ -32,7 +32,7 @@ from drake_twin.twin.controller_manager import ControllerManager
 from drake_twin.twin.entities import EntityState, Wrench, entity_state, make_wrench, set_entity_state
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.plain_data import from_plain, to_plain
-from drake_twin.twin.real_time import run_in_real_time
+from drake_twin.twin.real_time import Frames, run_in_real_time
 from drake_twin.twin.recording import Recorder, Recording, recorded
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.running import Moment, Running
@@ -823,22 +823,32 @@ class Twin:
         if visualizer is not None:
             visualizer.ForcedPublish(visualizer.GetMyContextFromRoot(self._context))
 
+    @functools.cached_property
+    def frames(self) -> Frames:
+        """The frames of `run`; ``frames.callbacks`` lists functions to call at each, about 30 times a second."""
+        return Frames()
+
     def run(
         self,
         until: float | None = None,
         *,
-        each_frame: Callable[[], bool] = lambda: True,
+        each_frame: Callable[[], bool | None] = lambda: None,
         as_fast_as_possible: bool = False,
     ) -> None:
-        """Runs in real time (times ``real_time_rate``) until a simulation time, or until told to stop.
+        """Run in real time (times ``real_time_rate``) until a simulation time, or until ``each_frame`` returns False.
 
         Args:
-            until: the simulation time to end at (s); None for no end.
-            each_frame: called about 30 times a second between steps, also while paused; False ends the run.
-            as_fast_as_possible: ignore ``real_time_rate`` and never wait.
+            until: The simulation time to end at (s); None for no end.
+            each_frame: Called about 30 times a second between steps, also while paused. The run ends when it returns
+                False, and continues when it returns anything else, such as None.
+            as_fast_as_possible: Whether to ignore ``real_time_rate`` and never wait.
+
+        Raises:
+            InputError: If ``until`` is not a finite number.
+            RunError: If a step fails; the twin is in the state before that step then.
         """
         if until is not None:
-            self._step_at(until)  # which refuses what is no time
+            self._step_at(until)  # raises if it is not a simulation time
         run_in_real_time(self, until, each_frame, as_fast_as_possible=as_fast_as_possible)
 
     def state_sha256(self) -> str:
