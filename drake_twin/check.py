@@ -212,7 +212,7 @@ def _view(
     cockpit = page.show(twin, only_displayed=True)
     announce_page(page.url, open_browser=open_browser)
     while not stopped:
-        cockpit.obey()
+        cockpit.process_requests()
         time.sleep(_FRAME)
     page.close()
 

@@ -256,7 +256,7 @@ class _Page:
         """Shows a twin; returns what does as the page's controls say."""
         if twin is self._shown:
             return self._obey
-        self._obey = self._page.show(twin, only_displayed=target.only_displayed).obey
+        self._obey = self._page.show(twin, only_displayed=target.only_displayed).process_requests
         if self._shown is None:
             announce_page(self._page.url, open_browser=self._open_browser)
             if not self._page.server.access.is_local:

@@ -12,7 +12,7 @@ import threading
 from urllib.parse import urlsplit
 
 import pytest
-from test_page_in_browser import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
+from browser import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
 
 BAD = [b"\x91", b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 65536, b"{", b'{"do":"Pause"}', b"\x00" * 1000]
 
@@ -217,7 +217,7 @@ def test_the_page_says_that_the_network_is_cut_and_works_when_it_is_back(tab):
     def frames(until, most=900):
         for _ in range(most):
             twin.step(30)
-            cockpit.obey()
+            cockpit.process_requests()
             if until():
                 return
         raise AssertionError(f"not within {most} frames")
