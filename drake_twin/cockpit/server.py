@@ -156,7 +156,8 @@ class PageServer:
         """End all connections and the thread."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._ended.set)
-            self._thread.join(timeout=5.0)
+            if threading.current_thread() is not self._thread:  # where the garbage collector may call this
+                self._thread.join(timeout=5.0)
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
