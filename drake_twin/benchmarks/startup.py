@@ -1,4 +1,4 @@
-"""How long a twin takes to start, phase by phase, and what memory each robot takes: each in a process of its own."""
+"""The start-up time of a twin by phases, and the memory of a robot; each is measured in a process of its own."""
 
 import json
 import subprocess
@@ -64,7 +64,7 @@ print((resident() - before) / int(sys.argv[1]) / 1024)
 
 
 def startup(size: "Size") -> list[Table]:
-    """Whole processes, the phases of one, and the memory of a rover."""
+    """Measure whole processes, the phases of one, and the memory of a rover."""
     times = by_turns({name: partial(_run, arguments) for name, arguments in _PROCESSES.items()}, size.repeats)
     imports = median(times["pydrake's three modules"])
     whole = tuple((name, median(values), median(values) / imports) for name, values in times.items())

@@ -119,7 +119,7 @@ def test_no_port_of_the_program_answers_whoever_has_no_token(start, tmp_path):
 def test_a_page_that_other_machines_can_open_is_said_to_be_and_has_a_token_of_its_own(start):
     first = start("--host", "0.0.0.0", "--port", 7392)
     _, err = first.end()
-    assert "open to other machines: whoever has this address sees and commands the robots" in err
+    assert "open to other machines: anyone with this address sees and commands the robots" in err
     assert start("--host", "0.0.0.0", "--port", 7392).url != first.url
 
 
