@@ -9,7 +9,8 @@ from drake_twin.cockpit.extensions import load_extensions, register
 from drake_twin.cockpit.scene import Scene
 from drake_twin.twin.twin import Twin
 
-_OWN = ("frames", "contact_forces", "collision_shapes", "inertia")  # in the order of their switches
+# Name → module, in the order of their switches; those of others follow.
+_OWN = {"frames": "frames", "contacts": "contact_forces", "collision": "collision_shapes", "inertia": "inertia"}
 
 
 class Overlay(Protocol):
@@ -73,7 +74,7 @@ def overlay(name: str, label: str, hint: str = "") -> Callable[[_T], _T]:
 
 def overlay_kinds() -> Mapping[str, OverlayKind]:
     """Return the registered overlays by name, those of other packages included."""
-    for module in _OWN:
+    for module in _OWN.values():
         import_module(f"drake_twin.cockpit.overlays.{module}")
     load_extensions()
-    return _kinds
+    return {name: _kinds[name] for name in (*_OWN, *_kinds)}
