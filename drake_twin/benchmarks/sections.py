@@ -211,21 +211,7 @@ def precision(size: Size) -> list[Table]:
 
 
 def _precision(size: Size, workload: Workload, count: int, event: float | None) -> tuple[Table, tuple[Any, ...]]:
-    grid = event or LONGEST_GRID
-    coarse = size.scale < 0.5
-    finest = {
-        **{name: [Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005)] for name in _SOLVERS},
-        "twin, cenic": [Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8)],
-        # Its finer runs do not always converge: the smaller error relative to either of two runs counts.
-        "MuJoCo": [Setting("MuJoCo", step) for step in ((0.0005,) if coarse else (0.00002, 0.000005))],
-    }
-    settings = [
-        *(Setting(name, step) for name in _SOLVERS for step in _STEPS),
-        *(Setting("twin, cenic", grid, accuracy) for accuracy in _ACCURACIES),
-        *(Setting("MuJoCo", step) for step in _STEPS_OF_MUJOCO),
-    ]
-    if coarse:
-        settings = [Setting("twin", 0.01), Setting("twin, cenic", grid, 1e-2), Setting("MuJoCo", 0.002)]
+    finest, settings = _settings(count, event, coarse=size.scale < 0.5)
     truths = {
         name: [_run(size, setting, workload, count, event)[0] for setting in of_engine]
         for name, of_engine in finest.items()
@@ -268,6 +254,25 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
         both[ours[0]] / both[theirs[0]],
     )
     return table, summary
+
+
+def _settings(count: int, event: float | None, *, coarse: bool) -> tuple[dict[str, list[Setting]], list[Setting]]:
+    """Return the finest settings of each engine, whose runs are the truth, and the settings to compare with them."""
+    grid = event or LONGEST_GRID
+    finest = {
+        **{name: [Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005)] for name in _SOLVERS},
+        "twin, cenic": [Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8)],
+        # Its finer runs do not always converge: the smaller error relative to either of two runs counts.
+        "MuJoCo": [Setting("MuJoCo", step) for step in ((0.0005,) if coarse else (0.00002, 0.000005))],
+    }
+    settings = [
+        *(Setting(name, step) for name in _SOLVERS for step in _STEPS),
+        *(Setting("twin, cenic", grid, accuracy) for accuracy in _ACCURACIES),
+        *(Setting("MuJoCo", step) for step in _STEPS_OF_MUJOCO),
+    ]
+    if coarse:
+        settings = [Setting("twin", 0.01), Setting("twin, cenic", grid, 1e-2), Setting("MuJoCo", 0.002)]
+    return finest, settings
 
 
 def _run(size: Size, setting: Setting, workload: Workload, count: int, event: float | None) -> tuple[np.ndarray, float]:

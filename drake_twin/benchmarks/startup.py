@@ -5,7 +5,7 @@ import subprocess
 import sys
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from drake_twin.benchmarks.measure import by_turns
 from drake_twin.benchmarks.report import Table
@@ -83,5 +83,5 @@ def startup(size: "Size") -> list[Table]:
     ]
 
 
-def _run(arguments: list[str]) -> Any:
+def _run(arguments: list[str]) -> str:
     return subprocess.run([sys.executable, *arguments], check=True, capture_output=True, text=True).stdout

@@ -12,9 +12,9 @@ import threading
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
 
 from aiohttp import WSMsgType, web
+from aiohttp.typedefs import Handler
 
 from drake_twin.cockpit.access import Access
 from drake_twin.cockpit.protocol import Gone, Request, parse
@@ -192,7 +192,7 @@ class PageServer:
         await runner.cleanup()
 
     @web.middleware
-    async def _guard(self, request: web.Request, handler: Any) -> web.StreamResponse:
+    async def _guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         refusal = self.access.refusal(
             request.headers.get("Host"),
             request.headers.get("Origin"),
@@ -201,8 +201,7 @@ class PageServer:
         )
         if refusal is not None:
             return web.Response(status=403, text=f"refused: {refusal}\n", headers=_HEADERS)
-        response: web.StreamResponse = await handler(request)
-        return response
+        return await handler(request)
 
     async def _to_index(self, _request: web.Request) -> web.Response:
         raise web.HTTPFound(f"/{self.access.token}/")

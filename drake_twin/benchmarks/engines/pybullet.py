@@ -1,6 +1,7 @@
 """PyBullet with its velocity motors."""
 
 import weakref
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,8 @@ class PybulletEngine:
         )
         self._add_body(box.mass or 0.0, shape, box.xyz, bullet.getQuaternionFromEuler((0, box.pitch, 0)))
 
-    def _add_body(self, mass: float, shape: int, xyz: Any = (0, 0, 0), quaternion: Any = (0, 0, 0, 1)) -> None:
+    def _add_body(
+        self, mass: float, shape: int, xyz: Sequence[float] = (0, 0, 0), quaternion: Sequence[float] = (0, 0, 0, 1)
+    ) -> None:
         body = self._bullet.createMultiBody(mass, shape, -1, xyz, quaternion, physicsClientId=self._client)
         self._bullet.changeDynamics(body, -1, lateralFriction=1.0, physicsClientId=self._client)
