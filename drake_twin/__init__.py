@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from drake_twin.errors import CommandError, InputError, RunError, TwinError
     from drake_twin.findings import Finding, Kind
     from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
+    from drake_twin.show import TwinPage, show
     from drake_twin.twin.action import ActionGoal
     from drake_twin.twin.entities import EntityState
     from drake_twin.twin.recording import Recording, replay
@@ -24,6 +25,7 @@ _HOMES = {
     "errors": ("CommandError", "InputError", "RunError", "TwinError"),
     "findings": ("Finding", "Kind"),
     "scenario": ("Command", "Robot", "Scenario", "StaticTransform", "World"),
+    "show": ("TwinPage", "show"),
     "twin.action": ("ActionGoal",),
     "twin.entities": ("EntityState",),
     "twin.recording": ("Recording", "replay"),
@@ -50,17 +52,22 @@ __all__ = [
     "Twin",
     "TwinBuilder",
     "TwinError",
+    "TwinPage",
     "World",
     "__version__",
     "replay",
+    "show",
 ]
 
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        from importlib.metadata import version
+        from importlib.metadata import PackageNotFoundError, version
 
-        return version("drake_twin")
+        try:
+            return version("drake_twin")
+        except PackageNotFoundError:  # it is imported from its source folder
+            return "0+unknown"
     from importlib import import_module
 
     for module, names in _HOMES.items():

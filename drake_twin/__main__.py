@@ -3,17 +3,18 @@
 import sys
 from importlib import import_module
 
+from drake_twin.cli.version import version_text
 from drake_twin.program import leave
 
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
     "benchmarks": "time the twin beside the bare Drake plant, MuJoCo and PyBullet",
-    "check": "report what a robot file holds, what is mended in it and what is ignored",
+    "check": "report what a robot file contains, what is mended in it and what is ignored",
 }
 
 
 def main() -> int:
-    """Runs the program that the first argument names."""
+    """Run the program that the first argument names."""
     name = sys.argv[1] if len(sys.argv) > 1 else "--help"
     if name in PROGRAMS:
         del sys.argv[1]
@@ -23,11 +24,14 @@ def main() -> int:
             module = import_module(f"drake_twin.{name}.__main__")
         return int(module.main())
     lines = [f"  {program:11} {what}" for program, what in PROGRAMS.items()]
-    usage = "\n".join(["usage: drake-twin PROGRAM …   (drake-twin PROGRAM --help says more)", "", *lines])
+    usage = "\n".join(["usage: drake-twin PROGRAM …   (drake-twin PROGRAM --help explains it)", "", *lines])
     if name in ("-h", "--help"):
         print(usage)
         return 0
-    print(f"drake-twin: there is no program {name!r}.\n{usage}", file=sys.stderr)
+    if name == "--version":
+        print(version_text())
+        return 0
+    print(f"drake-twin: unknown program {name!r}.\n{usage}", file=sys.stderr)
     return 2
 
 

@@ -1,4 +1,4 @@
-"""``python -m drake_twin.check FILE``: what a robot file holds, what the twin mends in it and what it ignores."""
+"""``python -m drake_twin.check FILE``: what a robot file contains, what the twin mends in it and what it ignores."""
 
 import argparse
 import json
@@ -8,17 +8,22 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from drake_twin.cli.plugins import add_plugin, load_plugins
+from drake_twin.cli.version import add_version
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Finding, Kind, counted
 from drake_twin.program import ArgumentParser, add_strict, announce_page, run_program, say, stop_signals
 
+if TYPE_CHECKING:
+    from drake_twin.twin.twin import Twin
+
 _DESCRIPTION = """\
-Reads a robot file (xacro, URDF, SDF or MJCF), builds it, steps it for a moment, and reports what it is, what was mended
-in it and what the twin makes no use of. Exit code 0: it runs; 1: it does not, or --strict says so;
-2: the arguments cannot be used. Made for a package's own CI."""
+Reads a robot file (xacro, URDF, SDF or MJCF), builds it, simulates it for 0.1 s, and reports what it contains, what was
+mended in it and what the twin ignores. Exit code 0: it runs; 1: it does not run, or --strict does not accept it;
+2: the arguments cannot be used. Made for the CI of a package."""
 
 _STEPS = 100
 _FRAME = 1 / 30  # s
@@ -31,14 +36,14 @@ _TOUCHES = {
 
 @dataclass(frozen=True)
 class Report:
-    """What a check found.
+    """The result of a check.
 
     Attributes:
-        file: the robot file.
-        ok: whether the robot loads and steps.
-        error: why it does not.
-        robot: name, counts, mass, actuators, interfaces, meshes; empty when it does not load.
-        findings: what became of what the file says, where it is not simply used.
+        file: The robot file.
+        ok: Whether the robot loads and can be simulated.
+        error: Why it cannot.
+        robot: Name, counts, mass, actuators, interfaces, meshes; empty if the file cannot be loaded.
+        findings: What of the file is mended, ignored or not started, and warnings.
     """
 
     file: str
@@ -49,15 +54,20 @@ class Report:
 
     @property
     def as_plain(self) -> dict[str, Any]:
-        """As plain data, for JSON."""
+        """The report as plain data, for JSON."""
         return {**vars(self), "findings": [finding.as_plain() for finding in self.findings]}
 
 
 def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = ()) -> Report:
-    """Checks one robot file; what is wrong with it is in the report, not raised.
+    """Check a robot file; errors of the file are in the report, not raised.
+
+    Args:
+        file: The robot file, as a path or an address ``package://``.
+        xacro_args: Its xacro arguments.
+        package_paths: Folders of ROS packages to search first.
 
     Raises:
-        InputError: a package folder that does not exist.
+        InputError: If a package folder does not exist.
     """
     from drake_twin.builder.robot_file import robot_file_scenario
     from drake_twin.description.package_index import PackageIndex
@@ -79,7 +89,7 @@ def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = 
     )
 
 
-def _describe(twin: Any) -> dict[str, Any]:
+def _describe(twin: "Twin") -> dict[str, Any]:
     (plan,) = twin.plans
     description, plant = plan.description, twin.plant
     instance = plant.GetModelInstanceByName(plan.name)
@@ -122,7 +132,7 @@ def _describe(twin: Any) -> dict[str, Any]:
 
 
 def _lines(report: Report) -> Iterator[str]:
-    """The report as a person reads it."""
+    """Yield the report's lines, for a person."""
     yield report.file
     if report.error is not None:
         yield f"  error: {report.error}"
@@ -162,11 +172,11 @@ def _robot_lines(robot: dict[str, Any]) -> Iterator[str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs the program; see `drake_twin.program.run_program`."""
+    """Run the program; see `drake_twin.program.run_program`."""
     return run_program(_program, arguments)
 
 
-def _program(arguments: Sequence[str]) -> int:
+def _parser() -> ArgumentParser:
     parser = ArgumentParser(
         prog="python -m drake_twin.check",
         description=_DESCRIPTION,
@@ -177,10 +187,17 @@ def _program(arguments: Sequence[str]) -> int:
     parser.add_argument("--package-path", action="append", default=[], metavar="DIR", help="a folder of ROS packages")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     add_strict(parser, "exit code 1 also")
-    parser.add_argument("--view", action="store_true", help="show the robot in the page, with a slider for each joint")
+    parser.add_argument("--view", action="store_true", help="show the robot on the page, with a slider for each joint")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    options = parser.parse_args(arguments)
+    add_version(parser)
+    add_plugin(parser)
+    return parser
+
+
+def _program(arguments: Sequence[str]) -> int:
+    options = _parser().parse_args(arguments)
+    load_plugins(options.plugin)
     for argument in options.xacro_args:
         if ":=" not in argument:
             raise InputError(f"{argument!r} is neither the robot file nor a xacro argument name:=value")
@@ -212,7 +229,7 @@ def _view(
     cockpit = page.show(twin, only_displayed=True)
     announce_page(page.url, open_browser=open_browser)
     while not stopped:
-        cockpit.obey()
+        cockpit.process_requests()
         time.sleep(_FRAME)
     page.close()
 

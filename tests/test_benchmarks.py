@@ -79,7 +79,7 @@ def test_as_many_robots_run_as_somebody_asks_for(tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "text"),
-    [(["speed"], "there is no section 'speed'"), (["--robots", "some"], "is no list of numbers from 1 on")],
+    [(["speed"], "unknown section 'speed'"), (["--robots", "some"], "expected numbers from 1 on")],
 )
 def test_wrong_arguments_are_explained(arguments, text, capsys):
     assert main(arguments) == 2

@@ -1,4 +1,4 @@
-"""How fast the twin is, beside the bare Drake plant, MuJoCo and PyBullet: the same robots in the same run.
+"""The speed of the twin beside the bare Drake plant, MuJoCo and PyBullet, with the same robots in the same run.
 
-``python -m drake_twin.benchmarks`` measures; this needs the extra ``benchmarks``.
+``python -m drake_twin.benchmarks`` measures it and needs the extra ``benchmarks``.
 """

@@ -1,4 +1,4 @@
-"""``python -m drake_twin.benchmarks``: measures, and prints and saves what it has measured."""
+"""``python -m drake_twin.benchmarks``: measures, prints and saves the results."""
 
 import sys
 import tempfile
@@ -7,35 +7,40 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
+from drake_twin.benchmarks.plots import draw
+from drake_twin.benchmarks.report import Table, save
+from drake_twin.benchmarks.sections import SECTIONS, Size
+from drake_twin.cli.version import add_version
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, run_program, say
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs the program; returns its exit code."""
+    """Run the program; return its exit code."""
     return run_program(_main, arguments)
 
 
+def _parser() -> ArgumentParser:
+    parser = ArgumentParser(prog="drake_twin.benchmarks", description=__doc__)
+    parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"what to measure: {', '.join(SECTIONS)}")
+    parser.add_argument("--output", type=Path, default=Path("benchmarks"), help="the folder for results")
+    parser.add_argument("--repeats", type=int, default=5, help="how often to run each case")
+    parser.add_argument("--robots", help="numbers of robots, such as 1,8,32 (default: up to 32 or 64)")
+    parser.add_argument("--quick", action="store_true", help="tiny sizes, to check that everything runs")
+    parser.add_argument("--debug", action="store_true", help="show tracebacks")
+    add_version(parser)
+    return parser
+
+
 def _main(arguments: Sequence[str]) -> int:
+    options = _parser().parse_args(list(arguments))
     absent = [name for name in ("mujoco", "pybullet", "matplotlib") if find_spec(name) is None]
     if absent:
         packages = ", ".join(absent)
         raise InputError(f"the benchmarks need {packages}: pip install 'drake-twin[benchmarks]'")
-    from drake_twin.benchmarks.plots import draw
-    from drake_twin.benchmarks.report import Table, save
-    from drake_twin.benchmarks.sections import SECTIONS, Size
-
-    parser = ArgumentParser(prog="drake_twin.benchmarks", description=__doc__)
-    parser.add_argument("sections", nargs="*", metavar="SECTION", help=f"what to measure: {', '.join(SECTIONS)}")
-    parser.add_argument("--output", type=Path, default=Path("benchmarks"), help="the folder for results")
-    parser.add_argument("--repeats", type=int, default=5, help="how often each case runs")
-    parser.add_argument("--robots", help="numbers of robots, as in 1,8,32, which it is by default, or up to 64")
-    parser.add_argument("--quick", action="store_true", help="tiny sizes, to see that everything runs")
-    parser.add_argument("--debug", action="store_true", help="show tracebacks")
-    options = parser.parse_args(list(arguments))
     for section in options.sections:
         if section not in SECTIONS:
-            raise InputError(f"there is no section {section!r}", value=section, valid=SECTIONS)
+            raise InputError(f"unknown section {section!r}", value=section, valid=SECTIONS)
     tables: list[Table] = []
     with tempfile.TemporaryDirectory() as folder:
         size = Size(Path(folder), max(1, options.repeats))
@@ -49,7 +54,7 @@ def _main(arguments: Sequence[str]) -> int:
             for table in SECTIONS[name](size):
                 tables.append(table)
                 say(table.markdown())
-            save(tables, options.output)  # what has been measured is not lost
+            save(tables, options.output)  # after each section, so that no result is lost
     for file in (options.output / "benchmarks.json", options.output / "benchmarks.md", *draw(tables, options.output)):
         say(f"wrote {file}")
     return 0
@@ -61,7 +66,7 @@ def _numbers(text: str) -> tuple[int, ...]:
     except ValueError:
         numbers = ()
     if not numbers or numbers[0] < 1:
-        raise InputError(f"--robots {text!r} is no list of numbers from 1 on, such as 1,8,32", value=text)
+        raise InputError(f"--robots {text!r}: expected numbers from 1 on, such as 1,8,32", value=text)
     return numbers
 
 

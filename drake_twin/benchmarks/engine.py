@@ -1,4 +1,4 @@
-"""What every engine answers to, and which settings of which engine there are."""
+"""The interface of the engines, and their settings."""
 
 from dataclasses import dataclass
 from importlib import import_module
@@ -12,16 +12,16 @@ from drake_twin.benchmarks.workloads import Workload
 
 
 class Engine(Protocol):
-    """Robots of a workload at time zero, in one engine."""
+    """The robots of a workload in one engine, at time zero at first."""
 
     def command(self, velocities: np.ndarray) -> None:
-        """Commands joint velocities (rad/s), shape (robots, joints), from now on."""
+        """Command joint velocities (rad/s), shape (robots, joints), from now on."""
 
     def advance_to(self, time: float) -> None:
-        """Advances to a simulation time (s)."""
+        """Advance to a simulation time (s)."""
 
     def positions(self) -> np.ndarray:
-        """Positions of the commanded joints (rad), shape (robots, joints)."""
+        """Return the positions of the commanded joints (rad), shape (robots, joints)."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,9 @@ class Setting:
     """An engine with its step or accuracy.
 
     Attributes:
-        engine: one of `ENGINES`.
-        step: its step (s); with ``cenic`` the grid on which the twin meets it.
-        accuracy: what ``cenic`` is asked for.
+        engine: One of `ENGINES`.
+        step: The step (s); with ``cenic`` the grid of times at which the twin stops it.
+        accuracy: The accuracy of ``cenic``.
     """
 
     engine: str
@@ -43,12 +43,12 @@ class Setting:
         return f"{self.engine} {value}"
 
     def make(self, workload: Workload, count: int, folder: Path) -> Engine:
-        """The workload's robots in this engine.
+        """Return the workload's robots in this engine.
 
         Args:
-            workload: the work.
-            count: how many robots.
-            folder: for files that the engine reads.
+            workload: The workload.
+            count: The number of robots.
+            folder: A folder for files that the engine reads.
         """
         module, name = ENGINES[self.engine]
         engine: Engine = getattr(import_module(f"drake_twin.benchmarks.engines.{module}"), name)(
@@ -70,15 +70,15 @@ ENGINES = {
 
 
 def drive(engine: Engine, workload: Workload, count: int, begin: float, end: float, event: float | None = None) -> None:
-    """Lets the robots do their work.
+    """Run a workload.
 
     Args:
-        engine: at the time ``begin``.
-        workload: the work.
-        count: how many robots.
-        begin: the present time (s), a multiple of both periods.
-        end: when to stop (s).
-        event: how often somebody looks at the simulation besides (s).
+        engine: The engine, at the time ``begin``.
+        workload: The workload.
+        count: The number of robots.
+        begin: The present time (s), a multiple of both periods.
+        end: The time to stop at (s).
+        event: The period of further stops, as for a reader of the state (s).
     """
     if begin == 0.0 or workload.period is not None:
         engine.command(workload.commands(count, begin))

@@ -1,4 +1,4 @@
-"""Timing side by side: machines drift, so what is compared runs by turns, and medians and ratios are quoted."""
+"""Timing side by side: a machine's speed drifts, so cases run by turns, and results are medians and ratios."""
 
 import gc
 from collections.abc import Callable, Mapping
@@ -7,11 +7,11 @@ from time import perf_counter
 
 
 def by_turns(cases: Mapping[str, Callable[[], object]], repeats: int) -> dict[str, list[float]]:
-    """Wall times (s) of cases that run one after the other, again and again.
+    """Return the wall times (s) of cases that run one after the other, repeatedly.
 
     Args:
-        cases: name → what is timed.
-        repeats: how often each runs.
+        cases: Name → the function to time.
+        repeats: How often each runs.
     """
     times: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(repeats):
@@ -24,5 +24,5 @@ def by_turns(cases: Mapping[str, Callable[[], object]], repeats: int) -> dict[st
 
 
 def ratio(times: Mapping[str, list[float]], name: str, other: str) -> float:
-    """The median over the turns of one case's time in the other's."""
+    """Return the median over the turns of one case's time divided by the other's."""
     return median(a / b for a, b in zip(times[name], times[other], strict=True))

@@ -1,22 +1,27 @@
-"""The results as pictures: real-time factors against the number of robots, and work against precision."""
+"""The results as figures: real-time factor over the number of robots, and over the error."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from drake_twin.benchmarks.report import Table
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LINES = ("twin, cenic", "twin, similar", "twin, sap", "twin", "MuJoCo")  # of work against precision
 
 
 def draw(tables: Sequence[Table], folder: Path) -> list[Path]:
-    """Draws the tables that have a picture.
+    """Draw the tables that have a figure.
 
     Args:
-        tables: the results.
-        folder: where the files are written.
+        tables: The results.
+        folder: The folder to write to.
 
     Returns:
-        The files.
+        The written files.
     """
     files = []
     robots = [table for table in tables if table.section == "robots"]
@@ -53,7 +58,7 @@ def _draw_precision(tables: Sequence[Table], file: Path) -> Path:
     return _save(figure, file)
 
 
-def _panels(count: int):  # type: ignore[no-untyped-def]
+def _panels(count: int) -> "tuple[Figure, list[Axes]]":
     import matplotlib
 
     matplotlib.use("Agg")
@@ -69,14 +74,14 @@ def _panels(count: int):  # type: ignore[no-untyped-def]
     return figure, panels
 
 
-def _label(panel, title: str, x: str, y: str) -> None:  # type: ignore[no-untyped-def]
+def _label(panel: "Axes", title: str, x: str, y: str) -> None:
     panel.set_title(title, fontsize=8)
     panel.set_xlabel(x, fontsize=8)
     panel.set_ylabel(y, fontsize=8)
     panel.grid(visible=True, lw=0.3)
 
 
-def _save(figure, file: Path) -> Path:  # type: ignore[no-untyped-def]
+def _save(figure: "Figure", file: Path) -> Path:
     figure.tight_layout()
     figure.savefig(file)
     return file

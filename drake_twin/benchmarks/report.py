@@ -1,4 +1,4 @@
-"""Results as a table on the screen, as Markdown and as JSON."""
+"""Results as tables in Markdown and JSON."""
 
 import json
 import platform
@@ -16,10 +16,10 @@ class Table:
     """One table of results.
 
     Attributes:
-        section: which part of the benchmarks it is of.
-        title: what it shows.
-        columns: the columns' names.
-        rows: the cells; None where nothing was measured.
+        section: The section of the benchmarks.
+        title: The title.
+        columns: The names of the columns.
+        rows: The cells; None where nothing was measured.
     """
 
     section: str
@@ -28,13 +28,13 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
 
     def markdown(self) -> str:
-        """The table in Markdown."""
+        """Return the table in Markdown."""
         lines = [self.columns, ["---"] * len(self.columns), *([_text(cell) for cell in row] for row in self.rows)]
         return f"### {self.title}\n\n" + "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def machine() -> dict[str, str]:
-    """What the figures were measured on."""
+    """Return the date, the machine and the versions of a measurement."""
     processor = platform.processor() or platform.machine()
     file = Path("/proc/cpuinfo")
     if file.exists():
@@ -50,7 +50,7 @@ def machine() -> dict[str, str]:
 
 
 def save(tables: Sequence[Table], folder: Path) -> None:
-    """Writes ``benchmarks.json`` and ``benchmarks.md``."""
+    """Write ``benchmarks.json`` and ``benchmarks.md`` to a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     what = {"machine": machine(), "tables": [asdict(table) for table in tables]}
     (folder / "benchmarks.json").write_text(json.dumps(what, indent=1) + "\n", encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The robots of a workload as the twin prepares them: what the other engines are given, too."""
+"""The robots of a workload as the twin prepares them, which the other engines load, too."""
 
 import re
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from drake_twin.description.world_file import read_world
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 
-FRICTION = 0.9  # of tyres on the ground: the smaller one, as in Gazebo
+FRICTION = 0.9  # of tires on the ground: the smaller of both, as in Gazebo
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A commanded joint: its name, its servo's damping (N·m·s/rad) and its largest effort (N·m)."""
+    """A commanded joint: its name, its servo's damping (N·m·s/rad) and its effort limit (N·m)."""
 
     name: str
     damping: float
@@ -31,10 +31,10 @@ class Prepared:
     """One robot.
 
     Attributes:
-        urdf: its URDF, with the paths of its collision meshes and without what only Drake understands.
-        plan: what its files amount to.
-        joints: the commanded joints.
-        in_plant: where they stand in the plant.
+        urdf: Its URDF, with the paths of its collision meshes and without Drake's own elements.
+        plan: Its plan.
+        joints: The commanded joints.
+        in_plant: The indices of its joints in the plant.
     """
 
     urdf: str
@@ -49,13 +49,13 @@ class Prepared:
 
     @property
     def xyz(self) -> tuple[float, float, float]:
-        """Where it starts (m)."""
+        """Its initial position (m)."""
         return self.plan.spawn_pose.xyz
 
 
 @dataclass(frozen=True)
 class PreparedRobots:
-    """All robots of a workload, the plant that they are in, and the boxes around them."""
+    """All robots of a workload, their plant, and the boxes around them."""
 
     robots: tuple[Prepared, ...]
     builder: DiagramBuilder
@@ -64,7 +64,7 @@ class PreparedRobots:
 
     @property
     def positions(self) -> np.ndarray:
-        """Indices of the commanded joints in the plant's state, shape (robots, joints)."""
+        """The indices of the commanded joints in the plant's state, shape (robots, joints)."""
         return np.array(
             [[robot.in_plant.layout_in_plant.positions[joint.name] for joint in robot.joints] for robot in self.robots]
         )
@@ -73,14 +73,14 @@ class PreparedRobots:
 def prepare(
     workload: Workload, count: int, folder: Path, time_step: float, *, sampled_output_ports: bool = False
 ) -> PreparedRobots:
-    """Reads the robots, and puts them into a plant.
+    """Read the robots and add them to a plant.
 
     Args:
-        workload: the work.
-        count: how many robots.
-        folder: for the world file.
-        time_step: the plant's step (s).
-        sampled_output_ports: as `add_plant`.
+        workload: The workload.
+        count: The number of robots.
+        folder: A folder for the world file.
+        time_step: The plant's step (s).
+        sampled_output_ports: As for `add_plant`.
     """
     packages = PackageIndex(())
     scenario = workload.scenario(count, folder, time_step=time_step)

@@ -1,4 +1,4 @@
-"""What is measured: one function for each section, each of which returns tables."""
+"""The sections of the benchmarks: one function each, which returns tables."""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -18,14 +18,15 @@ from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.startup import startup
 from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
 from drake_twin.program import say
+from drake_twin.twin.twin import Twin
 
 ROVERS, ARMS = WORKLOADS["cruising rovers"], WORKLOADS["arms whose commands change"]
-LONGEST_GRID = 0.1  # s; how seldom CENIC is stopped when nobody looks
-EVENT = 0.01  # s; how often somebody looks in the runs "with events"
+LONGEST_GRID = 0.1  # s; the period at which CENIC is stopped without events
+EVENT = 0.01  # s; the period of the stops in the runs with events
 SAME_ERROR = 1e-3  # rad
-LOOK_AT = 1.3  # s; when errors are looked at
+LOOK_AT = 1.3  # s; the time at which errors are measured
 _SOLVERS = ("twin", "twin, similar", "twin, sap")  # the discrete engine with each of Drake's contact solvers
-# What is tried for work against precision.
+# The settings that are tried for work and precision.
 _STEPS = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)  # s
 _ACCURACIES = (1e-2, 1e-3, 1e-4, 3e-5, 1e-5, 5e-6, 3e-6, 2e-6, 1e-6, 3e-7, 1e-7)
 _STEPS_OF_MUJOCO = (5e-3, 2e-3, 1e-3, 7e-4, 5e-4, 4e-4, 3e-4, 2.5e-4, 2e-4, 1.5e-4, 1e-4, 5e-5, 2.5e-5)  # s
@@ -33,14 +34,14 @@ _STEPS_OF_MUJOCO = (5e-3, 2e-3, 1e-3, 7e-4, 5e-4, 4e-4, 3e-4, 2.5e-4, 2e-4, 1.5e
 
 @dataclass(frozen=True)
 class Size:
-    """How much is measured.
+    """The size of the measurements.
 
     Attributes:
-        folder: for files that engines read.
-        repeats: how often each case runs.
-        counts: numbers of robots.
-        many: numbers of robots where it is their number that counts.
-        scale: a factor on the simulated times.
+        folder: A folder for files that engines read.
+        repeats: How often each case runs.
+        counts: Numbers of robots.
+        many: Numbers of robots in the sections that vary the number.
+        scale: A factor on the simulated times.
     """
 
     folder: Path
@@ -51,7 +52,7 @@ class Size:
 
 
 def overhead(size: Size) -> list[Table]:
-    """The twin beside the bare plant: nobody listening, and everything delivered at 50 Hz."""
+    """Measure the twin beside the bare plant, without subscribers and with everything delivered at 50 Hz."""
     rows = [
         _overhead(size, workload, count, step)
         for workload in (ROVERS, HOLDING_ARMS, ARMS)
@@ -63,7 +64,7 @@ def overhead(size: Size) -> list[Table]:
         "step (ms)",
         "twin ÷ bare plant",
         "twin ÷ bare plant with Drake's sampled ports",
-        "joint_states, tf and clock at 50 Hz ÷ nobody listens",
+        "joint_states, tf and clock at 50 Hz ÷ no subscriber",
         "the same: µs for each robot and tick",
         "Python's part of these µs",
         "µs for each robot and step: twin",
@@ -84,7 +85,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
     span = _whole(12.0 * size.scale / count * (step / 0.001) ** 0.8, 0.1)  # some 0.4 s of wall time
     cases = {name: _turn(engine, workload, count, span) for name, engine in engines.items()}
     for case in cases.values():
-        case()  # from rest; the turns that are timed go on from there
+        case()  # from rest; the timed turns continue from there
     times = by_turns(cases, size.repeats)
     extra = [a - b for a, b in zip(times["listening"], times["twin"], strict=True)]
     quiet = engines["twin"]
@@ -104,7 +105,7 @@ def _overhead(size: Size, workload: Workload, count: int, step: float) -> tuple[
 
 
 def features(size: Size) -> list[Table]:
-    """What each thing that a twin can do besides costs, beside a twin that does not."""
+    """Measure the cost of each feature, relative to a twin that does not use it."""
     count = size.counts[-1] if len(size.counts) < 2 else size.counts[1]
     twins = {"nothing": _twin(size, count)}
     for name, topics, rate in (
@@ -138,9 +139,7 @@ def features(size: Size) -> list[Table]:
     return [Table("features", f"What features cost: {count} rovers, 1 ms steps", ("feature", "÷ none"), rows)]
 
 
-def _twin(size: Size, count: int) -> Any:
-    from drake_twin.twin.twin import Twin
-
+def _twin(size: Size, count: int) -> Twin:
     scenario = ROVERS.scheduled(ROVERS.scenario(count, size.folder, time_step=0.001), 0.0)
     twin = Twin(scenario)
     twin.advance_to(0.1)
@@ -148,7 +147,7 @@ def _twin(size: Size, count: int) -> Any:
 
 
 def robots(size: Size) -> list[Table]:
-    """Real-time factors against the number of robots."""
+    """Measure real-time factors over the number of robots."""
     settings = (
         Setting("twin", 0.001),
         Setting("twin", 0.01),
@@ -174,7 +173,7 @@ def robots(size: Size) -> list[Table]:
 
 
 def _turn(engine: Engine, workload: Workload, count: int, span: float) -> Callable[[], object]:
-    """What lets an engine work for a while each time it is called, from time zero on."""
+    """Return a function that runs an engine for a span (s) each time it is called, from time zero on."""
     turns = [0]
 
     def run() -> None:
@@ -186,7 +185,7 @@ def _turn(engine: Engine, workload: Workload, count: int, span: float) -> Callab
 
 
 def precision(size: Size) -> list[Table]:
-    """Real-time factors at equal error, each engine against its own finest run, MuJoCo against the nearer of two."""
+    """Measure real-time factors at equal error, relative to each engine's finest run, or the nearer of MuJoCo's two."""
     tables, best = [], []
     for workload in WORKLOADS.values():
         for count in size.counts if workload is ROVERS else size.counts[:2]:
@@ -212,21 +211,7 @@ def precision(size: Size) -> list[Table]:
 
 
 def _precision(size: Size, workload: Workload, count: int, event: float | None) -> tuple[Table, tuple[Any, ...]]:
-    grid = event or LONGEST_GRID
-    coarse = size.scale < 0.5
-    finest = {
-        **{name: [Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005)] for name in _SOLVERS},
-        "twin, cenic": [Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8)],
-        # Its finer runs do not always come closer to each other: what errs least from either of two is taken.
-        "MuJoCo": [Setting("MuJoCo", step) for step in ((0.0005,) if coarse else (0.00002, 0.000005))],
-    }
-    settings = [
-        *(Setting(name, step) for name in _SOLVERS for step in _STEPS),
-        *(Setting("twin, cenic", grid, accuracy) for accuracy in _ACCURACIES),
-        *(Setting("MuJoCo", step) for step in _STEPS_OF_MUJOCO),
-    ]
-    if coarse:
-        settings = [Setting("twin", 0.01), Setting("twin, cenic", grid, 1e-2), Setting("MuJoCo", 0.002)]
+    finest, settings = _settings(count, event, coarse=size.scale < 0.5)
     truths = {
         name: [_run(size, setting, workload, count, event)[0] for setting in of_engine]
         for name, of_engine in finest.items()
@@ -247,7 +232,7 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
         for is_mujoco in (False, True)
     )
     assert theirs is not None
-    where = "nobody looks" if event is None else f"every {event * 1e3:g} ms"
+    where = "no events" if event is None else f"every {event * 1e3:g} ms"
     table = Table(
         "precision",
         f"Work and precision: {count} {workload.name}, {where}",
@@ -271,8 +256,27 @@ def _precision(size: Size, workload: Workload, count: int, event: float | None) 
     return table, summary
 
 
+def _settings(count: int, event: float | None, *, coarse: bool) -> tuple[dict[str, list[Setting]], list[Setting]]:
+    """Return the finest settings of each engine, whose runs are the truth, and the settings to compare with them."""
+    grid = event or LONGEST_GRID
+    finest = {
+        **{name: [Setting(name, 0.001 if coarse else 0.0001 if count > 8 else 0.00005)] for name in _SOLVERS},
+        "twin, cenic": [Setting("twin, cenic", grid, 1e-4 if coarse else 1e-8)],
+        # Its finer runs do not always converge: the smaller error relative to either of two runs counts.
+        "MuJoCo": [Setting("MuJoCo", step) for step in ((0.0005,) if coarse else (0.00002, 0.000005))],
+    }
+    settings = [
+        *(Setting(name, step) for name in _SOLVERS for step in _STEPS),
+        *(Setting("twin, cenic", grid, accuracy) for accuracy in _ACCURACIES),
+        *(Setting("MuJoCo", step) for step in _STEPS_OF_MUJOCO),
+    ]
+    if coarse:
+        settings = [Setting("twin", 0.01), Setting("twin, cenic", grid, 1e-2), Setting("MuJoCo", 0.002)]
+    return finest, settings
+
+
 def _run(size: Size, setting: Setting, workload: Workload, count: int, event: float | None) -> tuple[np.ndarray, float]:
-    """Where the joints are when errors are looked at, and the real-time factor until then."""
+    """Return the joint positions when errors are measured, and the real-time factor until then."""
     engine = setting.make(workload, count, size.folder)
     begin = perf_counter()
     drive(engine, workload, count, 0.0, LOOK_AT, event)
@@ -282,7 +286,7 @@ def _run(size: Size, setting: Setting, workload: Workload, count: int, event: fl
 def _factor(
     size: Size, settings: list[Setting], workload: Workload, count: int, event: float | None
 ) -> Mapping[Setting, float]:
-    """Real-time factors, by turns; robots that cruise do so for five seconds."""
+    """Return real-time factors, measured by turns; cruising robots run for five seconds."""
     span = _whole((5.0 if workload is ROVERS else LOOK_AT) * min(1.0, size.scale), 0.1)
     times: dict[Setting, list[float]] = {setting: [] for setting in settings}
     for _ in range(size.repeats):
@@ -295,7 +299,7 @@ def _factor(
 
 
 def real_time(size: Size) -> list[Table]:
-    """How many rovers one core runs in real time, each with its controller and its joint_states delivered at 50 Hz."""
+    """Measure how many rovers one core runs in real time, with their joint_states delivered at 50 Hz."""
     rows = []
     for count in size.many:
         engine = Setting("twin, cenic", 0.02, 1e-2).make(ROVERS, count, size.folder)
@@ -317,7 +321,7 @@ def real_time(size: Size) -> list[Table]:
 
 
 def _whole(time: float, unit: float) -> float:
-    """A time (s) as a whole number of units."""
+    """Round a time (s) to a whole number of units, one at least."""
     return max(1, round(time / unit)) * unit
 
 

@@ -1,11 +1,11 @@
-"""How long a twin takes to start, phase by phase, and what memory each robot takes: each in a process of its own."""
+"""The start-up time of a twin by phases, and the memory of a robot; each is measured in a process of its own."""
 
 import json
 import subprocess
 import sys
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from drake_twin.benchmarks.measure import by_turns
 from drake_twin.benchmarks.report import Table
@@ -64,7 +64,7 @@ print((resident() - before) / int(sys.argv[1]) / 1024)
 
 
 def startup(size: "Size") -> list[Table]:
-    """Whole processes, the phases of one, and the memory of a rover."""
+    """Measure whole processes, the phases of one, and the memory of a rover."""
     times = by_turns({name: partial(_run, arguments) for name, arguments in _PROCESSES.items()}, size.repeats)
     imports = median(times["pydrake's three modules"])
     whole = tuple((name, median(values), median(values) / imports) for name, values in times.items())
@@ -83,5 +83,5 @@ def startup(size: "Size") -> list[Table]:
     ]
 
 
-def _run(arguments: list[str]) -> Any:
+def _run(arguments: list[str]) -> str:
     return subprocess.run([sys.executable, *arguments], check=True, capture_output=True, text=True).stdout

@@ -1,4 +1,4 @@
-"""What the robots do while they are timed: three kinds of work, so that no engine is flattered."""
+"""What the robots do while they are timed: several kinds of work, so that none favors one engine."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,13 +13,13 @@ from drake_twin.scenario import DISCRETE, Command, Robot, Scenario, World
 
 @dataclass(frozen=True)
 class Box:
-    """A box in a robot's way.
+    """A box near a robot.
 
     Attributes:
-        size: its edges (m).
-        xyz: its center in front of the robot, from the place on the ground where the robot starts (m).
-        pitch: how it is turned about the robot's y axis (rad).
-        mass: kg; None for one that does not move.
+        size: The lengths of its edges (m).
+        xyz: Its center relative to the robot's initial position on the ground (m).
+        pitch: Its angle about the robot's y axis (rad).
+        mass: Its mass (kg); None for a fixed box.
     """
 
     size: tuple[float, float, float]
@@ -30,14 +30,14 @@ class Box:
 
 @dataclass(frozen=True)
 class Workload:
-    """Robots and what they are commanded.
+    """Robots and their commands.
 
     Attributes:
-        name: what tables call it.
-        robot: one of `drake_twin.builder.demo.DEMOS`; all its joints are commanded velocities.
+        name: Its name in tables.
+        robot: One of `drake_twin.builder.demo.DEMOS`; its joints are commanded velocities.
         velocities: (number of the robot, time in s) → the velocity of each commanded joint (rad/s).
-        period: how often the command changes (s); None when it never does.
-        boxes: what lies around each robot.
+        period: The period at which the command changes (s); None if it never changes.
+        boxes: The boxes around each robot.
     """
 
     name: str
@@ -47,20 +47,20 @@ class Workload:
     boxes: tuple[Box, ...] = ()
 
     def commands(self, count: int, time: float) -> np.ndarray:
-        """What is commanded of each robot at a time (s), shape (robots, joints)."""
+        """Return the commands of all robots at a time (s), shape (robots, joints)."""
         return np.array([self.velocities(index, time) for index in range(count)])
 
     def scenario(
         self, count: int, folder: Path, *, time_step: float, engine: str = DISCRETE, accuracy: float = 1e-3
     ) -> Scenario:
-        """The twin's scenario of this work, without commands.
+        """Return the twin's scenario of this workload, without commands.
 
         Args:
-            count: how many robots.
-            folder: where the world file is written.
-            time_step: as `Scenario.time_step`.
-            engine: as `Scenario.engine`.
-            accuracy: as `Scenario.accuracy`.
+            count: The number of robots.
+            folder: The folder for the world file.
+            time_step: As in `Scenario`.
+            engine: As in `Scenario`.
+            accuracy: As in `Scenario`.
         """
         scenario = demo_scenario(self.robot, count, drive=False, time_step=time_step)
         scenario = replace(scenario, engine=engine, accuracy=accuracy)
@@ -71,7 +71,7 @@ class Workload:
         return replace(scenario, world=World(file=str(file)))
 
     def placed_boxes(self, robots: tuple[Robot, ...]) -> tuple[Box, ...]:
-        """The boxes of all robots, in the world."""
+        """Return the boxes of all robots, in the world frame."""
         return tuple(
             replace(box, xyz=(robot.xyz[0] + box.xyz[0], robot.xyz[1] + box.xyz[1], box.xyz[2]))
             for robot in robots
@@ -79,7 +79,7 @@ class Workload:
         )
 
     def scheduled(self, scenario: Scenario, until: float) -> Scenario:
-        """A scenario with the commands up to a time (s) in it."""
+        """Return a scenario with the workload's commands up to a time (s)."""
         times = [0.0] if self.period is None else [index * self.period for index in range(int(until / self.period) + 1)]
         return replace(
             scenario,
@@ -128,7 +128,7 @@ def _straight(robot: int, _time: float) -> tuple[float, ...]:
 
 
 def _over(robot: int, time: float) -> tuple[float, ...]:
-    """Slowly off, so that what the wheels meet counts, and not how they slip when they start."""
+    """Return velocities with a slow start, so that the obstacles count and not the slip of the wheels."""
     speed = 1.0 if time < 0.1 else 4.0 + 0.3 * (robot % 3)
     return speed, speed, speed, speed
 

@@ -1,1 +1,1 @@
-"""What the command line programs share: options, target, summary, plot."""
+"""What the command line programs share, one concept a file."""

@@ -1,4 +1,4 @@
-"""What the joints did over a run, and how fast it went, as plain data; `drake_twin.cli.plot` draws it."""
+"""The joint states and the real-time factor over a run, as plain data; `drake_twin.cli.plot` draws it."""
 
 import time
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from drake_twin.twin.twin import Twin
 
 SAMPLE_RATE = 50.0  # Hz of simulation time
 
-_MOST_SAMPLES = 4096  # a plot is not wider: a longer run keeps every second sample, then every fourth, …
-_MOST_WINDOWS = 100  # of the real-time factor
-_SHORTEST_WINDOW = 0.25  # s of wall time: `Twin.run` goes on in bursts, thirty a second
+_MOST_SAMPLES = 4096  # as many as a plot can show: a longer run keeps every second sample, then every fourth, …
+_MOST_WINDOWS = 100  # over which the real-time factor is averaged
+_SHORTEST_WINDOW = 0.25  # s of wall time: `Twin.run` advances in bursts, thirty a second
 
 
 @dataclass(frozen=True)
@@ -19,12 +19,12 @@ class RobotHistory:
     """A robot's movable joints over time.
 
     Attributes:
-        joints: their names.
-        units: ``rad`` or ``m``, joint by joint.
-        times: simulation times (s), (T,).
-        positions: (T, joints), in rad or m.
-        velocities: (T, joints), in rad/s or m/s.
-        efforts: (T, joints), what their actuators apply, in N·m or N.
+        joints: The names of the joints.
+        units: ``rad`` or ``m`` for each joint.
+        times: Simulation times (s), shape (T,).
+        positions: Positions (rad or m), shape (T, joints).
+        velocities: Velocities (rad/s or m/s), shape (T, joints).
+        efforts: What the actuators apply (N·m or N), shape (T, joints).
     """
 
     joints: tuple[str, ...]
@@ -40,9 +40,9 @@ class RunHistory:
     """A run since its start, or since the last reset.
 
     Attributes:
-        robots: name → its joints.
-        window_edges: simulation times (s), (W + 1,), between which the real-time factor was measured.
-        real_time_factors: simulation time over wall time, (W,).
+        robots: Robot name → its joints.
+        window_edges: Simulation times (s) between which the real-time factor was measured, shape (W + 1,).
+        real_time_factors: Simulation time over wall time, shape (W,).
     """
 
     robots: dict[str, RobotHistory]
@@ -59,10 +59,10 @@ class _Sample:
 
 
 class HistoryRecorder:
-    """Samples a twin's joints on a grid of simulation times; the run's state is the same with and without it.
+    """Samples a twin's joints on a grid of simulation times, without an effect on the run.
 
     Args:
-        rate: samples a second of simulation time.
+        rate: Samples per second of simulation time.
     """
 
     def __init__(self, rate: float = SAMPLE_RATE):
@@ -72,16 +72,16 @@ class HistoryRecorder:
         self._clear()
 
     def record(self, twin: Twin) -> None:
-        """Records a twin from now on, in place of the one before."""
+        """Record a twin from now on, in place of the one before."""
         if twin is self._twin:
             return
         self._twin = twin
         self._clear()
-        # The clock is the topic that every twin has; joint states may be renamed, or their broadcaster inactive.
+        # Every twin has the clock; joint states may be renamed, or their broadcaster inactive.
         twin.subscribe("/clock", lambda _: self._sample(twin), rate=self._rate)
 
     def history(self) -> RunHistory:
-        """What was recorded so far."""
+        """Return what was recorded so far."""
         robots: dict[str, RobotHistory] = {}
         for name, joints in {name: s.states[name][0] for s in self._samples for name in s.states}.items():
             own = [sample for sample in self._samples if sample.states.get(name, ((),))[0] == joints]
@@ -127,7 +127,7 @@ class HistoryRecorder:
 
 
 def _real_time_factors(times: np.ndarray, wall_times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Windows of enough wall time to say something, ten at least in a short run."""
+    """Return the edges of windows of enough wall time, and their factors; a short run has ten windows at least."""
     if len(times) < 2:
         return np.zeros(0), np.zeros(0)
     total = wall_times[-1] - wall_times[0]
@@ -136,6 +136,6 @@ def _real_time_factors(times: np.ndarray, wall_times: np.ndarray) -> tuple[np.nd
     for index in range(1, len(times)):
         if wall_times[index] - wall_times[edges[-1]] >= shortest and wall_times[index] > wall_times[edges[-1]]:
             edges.append(index)
-    edges = [*(edges[:-1] or edges), len(times) - 1]  # the last window takes what is left over
+    edges = [*(edges[:-1] or edges), len(times) - 1]  # the last window takes the rest
     spent = np.maximum(np.diff(wall_times[edges]), 1e-9)
     return times[edges], np.diff(times[edges]) / spent

@@ -4,6 +4,8 @@ import argparse
 import os
 from pathlib import Path
 
+from drake_twin.cli.plugins import add_plugin
+from drake_twin.cli.version import add_version
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_strict
 from drake_twin.scenario import LONGEST_TIME
@@ -29,7 +31,7 @@ examples:
 
 
 def parser() -> ArgumentParser:
-    """The command line."""
+    """Return the parser of the command line."""
     parser = ArgumentParser(
         prog="python -m drake_twin.run",
         description=_DESCRIPTION,
@@ -37,18 +39,29 @@ def parser() -> ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, see above")
-    robots = parser.add_argument_group("robots")
-    robots.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
-    robots.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
-    robots.add_argument(
+    add_version(parser)
+    add_plugin(parser)
+    _add_robots(parser.add_argument_group("robots"))
+    _add_time(parser.add_argument_group("time"))
+    _add_page(parser.add_argument_group("page"))
+    _add_launch_files(parser.add_argument_group("launch files"))
+    _add_state(parser.add_argument_group("state"))
+    _add_output(parser.add_argument_group("output"))
+    return parser
+
+
+def _add_robots(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--robots", type=int, metavar="N", help="how many robots (default: 2 of the twin's own)")
+    group.add_argument("--robot", metavar="NAME", help="which of the twin's own robots: rover (default) or arduinobot")
+    group.add_argument(
         "--package-path",
         action="append",
         default=[],
         metavar="DIR",
         help="a folder of ROS packages to look in first (may be repeated)",
     )
-    robots.add_argument("--workspace", metavar="DIR", help="a colcon workspace to look for packages in first")
-    robots.add_argument(
+    group.add_argument("--workspace", metavar="DIR", help="a colcon workspace to look for packages in first")
+    group.add_argument(
         "--pub",
         nargs=2,
         action="append",
@@ -56,70 +69,84 @@ def parser() -> ArgumentParser:
         metavar=("TOPIC", "DATA"),
         help='publish a command at the start, for example "[2, 2, 2, 2]" (may be repeated; replaces the demo drive)',
     )
-    robots.add_argument(
+    group.add_argument(
         "--world",
         metavar="FILE",
-        help="the world they stand in: an SDF file (.world, .sdf), or a built-in one such as empty.sdf",
+        help="the world around them: an SDF file (.world, .sdf), or a built-in one such as empty.sdf",
     )
-    timing = parser.add_argument_group("time")
-    timing.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
-    timing.add_argument("--time-step", type=float, metavar="S", help="physics step (default: 0.001)")
-    timing.add_argument(
+
+
+def _add_time(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--duration", type=float, metavar="S", help="end after so many simulated seconds")
+    group.add_argument("--time-step", type=float, metavar="S", help="physics step (default: 0.001)")
+    group.add_argument(
         "--engine",
         metavar="NAME",
         help="discrete (default), or cenic: error control instead of fixed steps, much faster",
     )
-    timing.add_argument("--accuracy", type=float, metavar="A", help="what cenic is asked for (default: 0.001)")
-    timing.add_argument(
+    group.add_argument("--accuracy", type=float, metavar="A", help="the accuracy of cenic (default: 0.001)")
+    group.add_argument(
         "--real-time-rate",
         type=float,
         metavar="R",
-        help="simulated seconds a second (default: 1 with a page, as fast as possible without)",
+        help="simulated seconds per second (default: 1 with a page, as fast as possible without)",
     )
-    page = parser.add_argument_group("page")
-    page.add_argument("--headless", action="store_true", help="no page")
-    page.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
-    page.add_argument("--host", default="127.0.0.1", help="the address the page is served at (default: 127.0.0.1)")
-    page.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
-    page.add_argument(
+
+
+def _add_page(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--headless", action="store_true", help="no page")
+    group.add_argument("--port", type=int, help="the page's port (default: the first free one from 7000 on)")
+    group.add_argument("--host", default="127.0.0.1", help="the address to serve the page on (default: 127.0.0.1)")
+    group.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
+    group.add_argument(
         "--viewer",
         metavar="URL",
-        help="show it on the page of a meshcat-server too, which several twins share: its zmq_url, for example"
+        help="also show the twin on the page of a meshcat-server, which several twins share: its zmq_url, for example"
         " tcp://127.0.0.1:6000",
     )
-    page.add_argument(
+    group.add_argument(
         "--viewer-name", metavar="NAME", help="the twin's folder there (default: the target's name and the process id)"
     )
-    launch = parser.add_argument_group("launch files")
-    launch.add_argument("--show-args", action="store_true", help="print the arguments that the launch file has and end")
-    add_strict(launch, "refuse to run")
-    launch.add_argument("--watch", action="store_true", help="start anew when a file that the twin is made of changes")
-    state = parser.add_argument_group("state")
-    state.add_argument("--save-state", type=Path, metavar="FILE", help="save the state at the end")
-    state.add_argument("--load-state", type=Path, metavar="FILE", help="go on from a saved state, with its robots")
-    state.add_argument("--record", type=Path, metavar="FILE", help="record what is done, to be replayed")
-    state.add_argument("--replay", type=Path, metavar="FILE", help="do again what was recorded, then go on from there")
-    output = parser.add_argument_group("output")
-    output.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
-    output.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
-    output.add_argument(
+
+
+def _add_launch_files(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--show-args", action="store_true", help="print the arguments of the launch file and end")
+    add_strict(group, "refuse to run")
+    group.add_argument("--watch", action="store_true", help="restart when a file that the twin is made of changes")
+
+
+def _add_state(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--save-state", type=Path, metavar="FILE", help="save the state at the end")
+    group.add_argument("--load-state", type=Path, metavar="FILE", help="continue from a saved state, with its robots")
+    group.add_argument("--record", type=Path, metavar="FILE", help="record what is done to the twin, for --replay")
+    group.add_argument("--replay", type=Path, metavar="FILE", help="replay a recorded run, then continue from its end")
+    group.add_argument("--end-with-recording", action="store_true", help="end where the recording of --replay ends")
+
+
+def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
+    group.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
+    group.add_argument(
         "--echo", action="append", default=[], metavar="TOPIC", help="print a topic's messages (may be repeated)"
     )
-    output.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
-    output.add_argument(
+    group.add_argument("--summary", type=Path, metavar="FILE", help="write the result as JSON")
+    group.add_argument(
         "--plot", type=Path, metavar="FILE", help="draw joints and real-time factor over time (.png, .svg or .pdf)"
     )
-    output.add_argument(
+    group.add_argument(
         "--save-html", type=Path, metavar="FILE", help="record the run as one page that plays back offline"
     )
-    output.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
-    output.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
-    output.add_argument("--debug", action="store_true", help="show the traceback of an error")
-    return parser
+    group.add_argument("--show-scenario", action="store_true", help="print the scenario as YAML and end")
+    group.add_argument("--graphviz", type=Path, metavar="FILE", help="draw the diagram (.dot or .svg) and end")
+    group.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
 
 def check(options: argparse.Namespace) -> None:
-    """Refuses option values before any work is done."""
+    """Check the option values before any work is done.
+
+    Raises:
+        InputError: If a value is invalid, or two options exclude each other.
+    """
     if options.robots is not None and options.robots < 1:
         raise InputError(f"--robots {options.robots}: a twin needs at least one robot")
     for name in ("duration", "time_step", "real_time_rate"):
@@ -135,6 +162,17 @@ def check(options: argparse.Namespace) -> None:
         file = getattr(options, name)
         if file is not None and not _is_writable(file):
             raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
+    _check_viewer(options)
+    if options.save_html is not None and options.watch:
+        raise InputError("--save-html records one run: it cannot be combined with --watch")
+    if options.end_with_recording and (options.replay is None or options.duration is not None):
+        what = "it needs --replay FILE" if options.replay is None else "it cannot be combined with --duration"
+        raise InputError(f"--end-with-recording ends the run where its recording ends: {what}")
+    if options.port is not None and not 1024 <= options.port <= 65535:
+        raise InputError(f"--port {options.port}: the page's port must be from 1024 to 65535")
+
+
+def _check_viewer(options: argparse.Namespace) -> None:
     if options.viewer is not None:
         from drake_twin.shared_viewer.viewer_address import check_viewer_address
 
@@ -144,11 +182,7 @@ def check(options: argparse.Namespace) -> None:
 
         check_viewer_name(options.viewer_name)
         if options.viewer is None:
-            raise InputError("--viewer-name names the twin on a shared page: --viewer URL says which")
-    if options.save_html is not None and options.watch:
-        raise InputError("--save-html records one run: it does not go with --watch")
-    if options.port is not None and not 1024 <= options.port <= 65535:
-        raise InputError(f"--port {options.port}: the page's port is a number from 1024 to 65535")
+            raise InputError("--viewer-name names the twin on a shared page: it needs --viewer URL")
 
 
 def _is_writable(file: Path) -> bool:

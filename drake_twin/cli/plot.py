@@ -1,7 +1,7 @@
 """A run as a figure: positions, velocities and efforts of each robot's joints, and the real-time factor.
 
-One column per robot, six robots side by side; a robot with many joints has the ones that move most named and coloured,
-and the others in grey.
+The figure has one column per robot, up to six side by side. Of a robot with many joints, the ones that move most are
+named and colored, the others gray.
 """
 
 from __future__ import annotations
@@ -15,29 +15,31 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.errors import InputError, RunError
 from drake_twin.whole_file import write_whole
 
-if TYPE_CHECKING:  # which needs Drake; a wrong name is refused without it
+if TYPE_CHECKING:  # the history needs Drake; checking a name does not
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from drake_twin.cli.history import RobotHistory, RunHistory
 
 SUFFIXES = (".png", ".svg", ".pdf")
 
 _MOST_COLUMNS = 6
-_MOST_NAMED = 10  # joints of a robot: as many as there are colours that one tells apart
+_MOST_NAMED = 10  # joints of a robot: the number of distinguishable colors
 _COLUMN_WIDTHS = {1: 7.0, 2: 4.6}  # inch; three and more are narrower
 _NARROW = 3.4
-_ROW, _GAP = 1.35, 0.12  # inch: an axis, and what is between those of a robot
+_ROW, _GAP = 1.35, 0.12  # inch: the height of an axis, and the gap between two of a robot
 _LEFT, _RIGHT, _TOP, _BOTTOM = 0.75, 0.2, 0.45, 0.5  # inch, around a column and around the figure
 _TITLE, _LEGEND_LINE = 0.3, 0.16  # inch
 _DOTS_PER_INCH, _MOST_DOTS = 120.0, 32_000.0
 _GREY = "0.75"
-_SMALLEST_SPAN = 1e-5  # of an axis, in any of the units
+_SMALLEST_SPAN = 1e-5  # of an axis, in its unit
 
 
 def check_plot_file(file: Path) -> None:
-    """Refuses what cannot be drawn, before the run.
+    """Check before the run that a plot can be drawn.
 
     Raises:
-        InputError: the file's name ends in something else than ``.png``, ``.svg`` or ``.pdf``, or Matplotlib is not
-            installed.
+        InputError: If the file's suffix is not ``.png``, ``.svg`` or ``.pdf``, or Matplotlib is not installed.
     """
     if file.suffix.lower() not in SUFFIXES:
         raise InputError(
@@ -45,23 +47,23 @@ def check_plot_file(file: Path) -> None:
         )
     if find_spec("matplotlib") is None:
         raise InputError(
-            f"--plot {file}: plots are drawn by Matplotlib, which is not installed here:"
-            " python -m pip install 'drake-twin[plot]' brings it"
+            f"--plot {file}: plots need Matplotlib, which is not installed:"
+            " python -m pip install 'drake-twin[plot]' installs it"
         )
 
 
 def write_plot(history: RunHistory, file: Path) -> None:
-    """Draws a run.
+    """Draw a run.
 
     Args:
-        history: the run.
-        file: ``.png``, ``.svg`` or ``.pdf``.
+        history: The run.
+        file: The file to write: ``.png``, ``.svg`` or ``.pdf``.
 
     Raises:
-        RunError: the file cannot be written.
+        RunError: If the file cannot be written.
     """
     from matplotlib import rc_context
-    from matplotlib.figure import Figure  # without pyplot there is no window, and no display is needed
+    from matplotlib.figure import Figure  # without pyplot, which would need a display
 
     robots = {name: robot for name, robot in history.robots.items() if robot.joints}
     columns = max(1, min(len(robots), _MOST_COLUMNS))
@@ -92,13 +94,13 @@ def write_plot(history: RunHistory, file: Path) -> None:
 
 
 class _Sheet:
-    """A figure on which axes are placed in inches from the lower left corner."""
+    """A figure whose axes are placed in inches from the lower left corner."""
 
-    def __init__(self, figure: Any, width: float, height: float):
+    def __init__(self, figure: Figure, width: float, height: float):
         self.figure = figure
         self._width, self._height = width, height
 
-    def axes(self, x: float, y: float, width: float, height: float, **more: Any) -> Any:
+    def axes(self, x: float, y: float, width: float, height: float, **more: Any) -> Axes:
         box = (x / self._width, y / self._height, width / self._width, height / self._height)
         axes = self.figure.add_axes(box, **more)
         axes.grid(color="0.92", linewidth=0.6)
@@ -118,7 +120,7 @@ def _legend_lines(robot: RobotHistory) -> int:
 
 
 def _named_joints(robot: RobotHistory) -> tuple[list[int], list[int]]:
-    """The joints with a colour and a name, and the rest."""
+    """Return the indices of the joints with a color and a name, and of the others."""
     every = list(range(len(robot.joints)))
     if len(every) <= _MOST_NAMED or not len(robot.times):
         return every[:_MOST_NAMED], every[_MOST_NAMED:]
@@ -131,7 +133,7 @@ def _named_joints(robot: RobotHistory) -> tuple[list[int], list[int]]:
 def _draw_robot(
     sheet: _Sheet, x: float, top: float, width: float, name: str, robot: RobotHistory, band_height: float
 ) -> None:
-    """Three axes below each other, with one legend above them."""
+    """Draw three axes below each other, with one legend above them."""
     named, others = _named_joints(robot)
     units = list(dict.fromkeys(robot.units))
     forces = [{"rad": "N·m", "m": "N"}[unit] for unit in units]
@@ -175,7 +177,7 @@ def _draw_robot(
         )
 
 
-def _draw_real_time_factor(axes: Any, history: RunHistory) -> None:
+def _draw_real_time_factor(axes: Axes, history: RunHistory) -> None:
     if len(history.real_time_factors):
         axes.stairs(history.real_time_factors, history.window_edges, baseline=None, color="C0")
     axes.set_ylim(0.0, 1.1 * max(history.real_time_factors, default=1.0))
@@ -183,8 +185,8 @@ def _draw_real_time_factor(axes: Any, history: RunHistory) -> None:
     axes.set_xlabel("simulated time (s)")
 
 
-def _widen(axes: Any) -> None:
-    """Shows what stands still as a line, and not the noise of its last bits."""
+def _widen(axes: Axes) -> None:
+    """Show a constant as a line, instead of the noise of its last bits."""
     axes.ticklabel_format(useOffset=False)
     lower, upper = axes.get_ylim()
     if upper - lower < _SMALLEST_SPAN:
@@ -193,5 +195,5 @@ def _widen(axes: Any) -> None:
 
 
 def _short(joint: str, robot: str) -> str:
-    """A joint's name without what all of the robot's have. Matplotlib leaves names that begin with _ out."""
+    """Return a joint's name without the robot's name. Matplotlib would omit names that start with _."""
     return joint.removeprefix(f"{robot}_").removesuffix("_joint").lstrip("_") or joint

@@ -1,4 +1,4 @@
-"""What ROS 2's command line tools would print of a twin: topics, messages, controllers."""
+"""Topics, messages and controllers of a twin, as ROS 2's command line tools print them."""
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -12,20 +12,20 @@ _LONGEST = 128  # as `ros2 topic echo` cuts sequences and texts
 
 
 def topics_text(twin: Twin) -> str:
-    """``ros2 topic list -t``, and the actions below."""
+    """Return what ``ros2 topic list -t`` prints, followed by the actions."""
     lines = [f"{topic} [{kind}]" for topic, kind in sorted(twin.topics().items())]
     lines += [f"{action} [{kind}] (action)" for action, kind in sorted(twin.actions().items())]
     return "\n".join(lines)
 
 
-def message_text(message: Any) -> str:
-    """A message as ``ros2 topic echo`` prints it."""
+def message_text(message: object) -> str:
+    """Return a message as ``ros2 topic echo`` prints it."""
     text: str = yaml.safe_dump(_plain(message), sort_keys=False, allow_unicode=True, width=10_000)
     return f"{text}---"
 
 
 def controllers_text(twin: Twin) -> str:
-    """What ``ros2 control list_controllers`` prints, for each controller manager."""
+    """Return what ``ros2 control list_controllers`` prints, for each controller manager."""
     lines = []
     for plan in twin.plans:
         states = twin.controller_manager(plan.name).list_controllers()
@@ -40,7 +40,7 @@ def controllers_text(twin: Twin) -> str:
 
 def _plain(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
-        # The message type that rosbags' classes carry along is no field of the message.
+        # The message type in rosbags' classes is not a field of the message.
         return {item.name: _plain(getattr(value, item.name)) for item in fields(value) if item.name != "__msgtype__"}
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}

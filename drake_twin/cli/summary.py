@@ -1,4 +1,4 @@
-"""A run's result as plain data, as ``--summary FILE`` writes it for people's own CI to read."""
+"""The result of a run as plain data, which ``--summary FILE`` writes for the user's CI."""
 
 from typing import Any
 
@@ -7,23 +7,23 @@ from drake_twin.twin.twin import Twin
 
 
 def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> dict[str, Any]:
-    """What a run came to, as JSON has it.
+    """Return the result of a run as plain data for JSON.
 
     - ``sim_time``, ``wall_time`` (s), ``real_time_factor`` (sim over wall time), ``time_step`` (s), ``steps``
     - ``robots``: name → ``joints`` (names of the movable joints), ``positions`` (rad or m), ``velocities``,
-      ``efforts`` (that actuators apply, N·m or N; None after a failure, as they are those of the step to come),
+      ``efforts`` (that actuators apply, N·m or N; None after a failure, for they are those of the next step),
       ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
-    - ``findings``: what became of what the files say, where it is not simply used: ``kind`` (mended, warning, ignored,
-      not started or window), ``what``, ``robot``, ``file``, ``lines``, ``rule``
-    - ``failure``: why the run ended before its time, after the last good state, which all of this is about; else None
+    - ``findings``: what of the files is not used as it is: ``kind`` (mended, warning, ignored, not started or window),
+      ``what``, ``robot``, ``file``, ``lines``, ``rule``
+    - ``failure``: the error that ended the run, else None; all other entries are those of the last good state then
     - ``state_sha256``: equal for two runs that ended in the same state to the last bit
 
     Args:
-        twin: the twin at its last moment.
-        wall_time: how long it ran (s).
-        failure: what ended the run.
+        twin: The twin at its last moment.
+        wall_time: The duration of the run (s).
+        failure: The error that ended the run, if there was one.
     """
     robots = {}
     for name in twin.robots:

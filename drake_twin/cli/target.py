@@ -1,4 +1,4 @@
-"""What the command line of ``drake_twin.run`` asks for: the twin's own robots, a scenario, a robot, a launch file."""
+"""What the command line of ``drake_twin.run`` runs: the twin's own robots, a scenario, a robot or a launch file."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
@@ -19,26 +19,26 @@ from drake_twin.scenario.scenario_file import ScenarioFile
 if TYPE_CHECKING:
     from drake_twin.twin.recording import Recording
     from drake_twin.twin.snapshot import Snapshot
+    from drake_twin.twin.twin import Twin
 
 _LAUNCH_FILE = re.compile(r".*(\.launch|_launch|\.launch\.\w+|_launch\.\w+)$|.*\.py$")
 
-
-_GRID_OF_CENIC = 0.01  # s; a finer one would cut its steps short
+_GRID_OF_CENIC = 0.01  # s; a finer grid would cut its steps short
 
 
 @dataclass(frozen=True)
 class Target:
-    """What is to be run.
+    """What to run.
 
     Attributes:
-        scenario: the scenario.
-        file: its file, if it was read from one.
-        launched_commands: what the launch file publishes.
-        snapshot: the state to go on from.
-        recording: the run to do again.
-        paused: whether a simulator would start paused.
-        only_displayed: whether there is nothing to simulate, only robots to look at.
-        log: what a launch file says.
+        scenario: The scenario.
+        file: Its file, if it was read from one.
+        launched_commands: The commands that the launch file publishes.
+        snapshot: The state to continue from.
+        recording: The run to replay first.
+        paused: Whether the launch file starts a simulator paused.
+        only_displayed: Whether the launch file only displays its robots, without a simulator.
+        log: The messages that the launch file logs.
     """
 
     scenario: Scenario
@@ -51,22 +51,22 @@ class Target:
     log: tuple[str, ...] = ()
 
     def located(self, error: ScenarioError) -> InputError:
-        """An error of building the scenario, at the place where its value stands."""
+        """Return an error of building the scenario with the file and line of its value."""
         if self.file is not None:
             return self.file.located(error)
-        if error.path[0] == "commands":  # typed with --pub: it has no place in a file
+        if error.path[0] == "commands":  # of --pub, so that it is in no file
             return CommandError(error.reason, **error.more)
         return error
 
 
 def find_target(options: argparse.Namespace) -> Target:
-    """What the command line asks for.
+    """Return what the command line runs.
 
     Args:
-        options: those of ``drake_twin.run``.
+        options: The options of ``drake_twin.run``.
 
     Raises:
-        InputError: options that do not go together, a file that cannot be used.
+        InputError: If options exclude each other, or a file cannot be used.
     """
     given = dict(item.split(":=", 1) for item in options.target if ":=" in item)
     words = [item for item in options.target if ":=" not in item]
@@ -78,7 +78,7 @@ def find_target(options: argparse.Namespace) -> Target:
     elif launch_file is not None:
         target = _launched(launch_file, options, given)
     elif len(words) > 1:
-        raise InputError(f"one scenario or robot file can be run at a time, but there are {', '.join(words)}")
+        raise InputError(f"only one scenario or robot file can be run at a time, not {', '.join(words)}")
     elif not words:
         target = Target(_demo(options, given, drive=not commands))
     elif words[0].endswith((".yaml", ".yml")):
@@ -86,6 +86,11 @@ def find_target(options: argparse.Namespace) -> Target:
         target = Target(file.scenario, file)
     else:
         target = Target(_robot_file(words[0], options, given))
+    return replace(target, scenario=_with_options(target, options, commands))
+
+
+def _with_options(target: Target, options: argparse.Namespace, commands: tuple[Command, ...]) -> Scenario:
+    """Return the target's scenario with the world, the engine, the step and the commands of the command line."""
     scenario = target.scenario
     if options.world is not None:
         own_step = target.file is None and options.time_step is None
@@ -102,21 +107,25 @@ def find_target(options: argparse.Namespace) -> Target:
         topics = {command.topic for command in commands}
         kept = tuple(command for command in scenario.commands if command.topic not in topics)
         scenario = replace(scenario, commands=kept + commands)
-    return replace(target, scenario=scenario)
+    return scenario
 
 
 def _saved(options: argparse.Namespace) -> Target:
-    """``--load-state`` and ``--replay`` bring their own robots."""
+    """Return the target of ``--load-state`` or ``--replay``, which have their own robots."""
     from drake_twin.twin.recording import Recording
     from drake_twin.twin.snapshot import Snapshot
 
     if options.load_state and options.replay:
-        raise InputError("--load-state and --replay do not go together")
+        raise InputError("--load-state and --replay cannot be combined")
     option = "--load-state" if options.load_state else "--replay"
     if options.target or options.robots is not None or options.robot or options.world or options.time_step is not None:
-        raise InputError(f"{option} says itself what is run: it goes without a target and options of robots and steps")
+        raise InputError(
+            f"{option} defines what is run: it cannot be combined with a target, or options of robots, world and steps"
+        )
     if options.engine is not None or options.accuracy is not None or options.pub:
-        raise InputError(f"{option} goes on as it was saved: --engine, --accuracy and --pub do not go with it")
+        raise InputError(
+            f"{option} continues as it was saved: it cannot be combined with --engine, --accuracy or --pub"
+        )
     if options.load_state:
         snapshot = Snapshot.load(options.load_state)
         return Target(ScenarioFile(snapshot.scenario, options.load_state).scenario, snapshot=snapshot)
@@ -125,7 +134,7 @@ def _saved(options: argparse.Namespace) -> Target:
 
 
 def target_name(options: argparse.Namespace) -> str:
-    """A short name for what the command line asks for: of a file without its endings, or of the twin's own robot."""
+    """Return a short name of what the command line runs: a file's without its suffixes, or the robot's."""
     words = [item for item in options.target if ":=" not in item]
     if not words:
         return options.robot or "rover"
@@ -133,23 +142,23 @@ def target_name(options: argparse.Namespace) -> str:
     return "".join(letter if letter.isprintable() else "_" for letter in name) or "twin"
 
 
-def build_twin(target: Target, meshcat: Any = None) -> Any:
-    """The twin of a target.
+def build_twin(target: Target) -> Twin:
+    """Build the twin of a target.
 
-    What a launch file publishes on a topic that nobody listens to is left out, as it would be unheard in ROS.
+    What a launch file publishes on a topic without a subscriber is left out, as it would have no effect in ROS.
 
     Raises:
-        InputError: the scenario cannot be built, with the place of the value at fault.
+        InputError: If the scenario cannot be built, with the file and line of the invalid value.
     """
     from drake_twin.twin.recording import replay
     from drake_twin.twin.twin import Twin
 
     if target.recording is not None:
-        return replay(target.recording, meshcat)
+        return replay(target.recording)
     scenario = target.scenario
     while True:
         try:
-            twin = Twin(scenario, meshcat)
+            twin = Twin(scenario)
             if target.snapshot is not None:
                 twin.restore(target.snapshot)
             return twin
@@ -169,7 +178,7 @@ def build_twin(target: Target, meshcat: Any = None) -> Any:
 
 
 def package_paths(options: argparse.Namespace) -> list[str]:
-    """The folders of packages that the command line names."""
+    """Return the package folders that the command line names."""
     folders = [absolute_path(folder) for folder in options.package_path]
     if options.workspace is not None:
         from drake_twin.description.package_index import workspace_folders
@@ -179,10 +188,10 @@ def package_paths(options: argparse.Namespace) -> list[str]:
 
 
 def find_launch_file(words: Sequence[str], folders: Sequence[str]) -> Path | None:
-    """The launch file that the command line names, as a path or as ``PACKAGE FILE``; None when it names none.
+    """Return the launch file that the command line names, as a path or as ``PACKAGE FILE``; None without one.
 
     Raises:
-        InputError: there is no such package, or no such launch file in it.
+        InputError: If the package, or the launch file in it, does not exist.
     """
     if len(words) == 2 and _LAUNCH_FILE.match(words[1]) and "/" not in words[0]:
         return _launch_file_of_package(words[0], words[1], folders)
@@ -207,7 +216,7 @@ def _launch_file_of_package(package: str, name: str, folders: Sequence[str]) -> 
 
 
 def _is_launch(file: Path) -> bool:
-    """Whether an XML or YAML file without ``launch`` in its name is a launch file all the same."""
+    """Return whether an XML or YAML file whose name does not show it is a launch file."""
     try:
         with file.open(encoding="utf-8", errors="replace") as stream:
             text = stream.read(4000)
@@ -220,7 +229,7 @@ def _launched(file: Path, options: argparse.Namespace, arguments: Mapping[str, s
     from drake_twin.builder.launch_file import launch_file_scenario
 
     if options.robots is not None or options.robot is not None:
-        raise InputError(f"{file.name} says itself which robots there are: --robots and --robot do not go with it")
+        raise InputError(f"{file.name} defines its robots: it cannot be combined with --robots or --robot")
     launched = launch_file_scenario(file, arguments, package_paths(options), time_step=options.time_step)
     return Target(
         launched.scenario,
@@ -236,15 +245,15 @@ def _demo(options: argparse.Namespace, xacro_args: dict[str, str], *, drive: boo
 
     robot = options.robot or "rover"
     if robot not in DEMOS:
-        raise InputError(f"--robot {robot}: the twin has no such robot of its own", value=robot, valid=DEMOS)
+        raise InputError(f"--robot {robot}: unknown robot", value=robot, valid=DEMOS)
     if xacro_args:
-        raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file to go to")
+        raise InputError(f"{_as_typed(xacro_args)}: xacro arguments need a robot file")
     scenario = demo_scenario(robot, options.robots or 2, drive=drive)
     return replace(scenario, package_paths=tuple(package_paths(options)))
 
 
 def _own_or(name: str) -> Path:
-    """A file that the user names; ``diagrams/…`` is the twin's own where there is no such file."""
+    """Return the file of a name; ``diagrams/…`` is one of the package's own if the file does not exist."""
     file = Path(absolute_path(name))
     if Path(name).parts[:1] == ("diagrams",) and not file.exists():
         return share_folder("diagrams").joinpath(*Path(name).parts[1:])
@@ -260,8 +269,8 @@ def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str,
         or options.workspace
     ):
         raise InputError(
-            f"{name} says itself which robots there are: --robots, --robot, --package-path, --workspace and name:=value"
-            " do not go with it"
+            f"{name} defines its robots: it cannot be combined with --robots, --robot, --package-path, --workspace or"
+            " name:=value"
         )
     return ScenarioFile.read(_own_or(name))
 
@@ -271,10 +280,10 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
     from drake_twin.description.package_index import PackageIndex
 
     if options.robot is not None:
-        raise InputError(f"--robot {options.robot} names a robot of the twin's own: leave it out to run {name}")
+        raise InputError(f"--robot {options.robot} names one of the twin's own robots: omit it to run {name}")
     file = PackageIndex(package_paths(options)).resolve(name)
     if file.is_dir():
-        raise InputError("a robot file is needed, and this is a folder", file=file)
+        raise InputError("expected a robot file, but this is a folder", file=file)
     return robot_file_scenario(
         file,
         options.robots,
@@ -284,7 +293,7 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
 
 
 def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
-    """The scenario in the world of a file, at the file's own step where nothing else says one."""
+    """Return the scenario with the world of a file, and with the file's step if ``own_step`` is set."""
     from drake_twin.description.package_index import PackageIndex
     from drake_twin.description.world_file import read_world
 
@@ -296,7 +305,7 @@ def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
 
 
 def _command(topic: str, text: str) -> Command:
-    """``--pub TOPIC DATA``: DATA as ``ros2 topic pub`` takes it, or the bare list of numbers."""
+    """Return the command of ``--pub TOPIC DATA``: DATA as for ``ros2 topic pub``, or only the list of numbers."""
     import yaml
 
     try:

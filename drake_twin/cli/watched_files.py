@@ -1,4 +1,4 @@
-"""The files that a twin was made of, watched for changes."""
+"""The files that a twin was built from, watched for changes."""
 
 import contextlib
 import os
@@ -15,9 +15,9 @@ from drake_twin.description.mesh_cache import cache_folder
 _SUFFIXES = {".py", ".xml", ".yaml", ".yml", ".xacro", ".urdf", ".sdf", ".world", ".launch", ".stl", ".dae", ".obj"}
 _SUFFIXES |= {".srdf", ".gltf", ".glb", ".ply", ".model", ".config", ".mjcf"}
 
-_PERIOD = 0.3  # s
+_PERIOD = 0.3  # s between two looks at the files
 
-# A file's time of change and size; None where there is no file.
+# A file's modification time and size; None if the file does not exist.
 Stamp = tuple[int, int] | None
 
 _collectors: list[dict[Path, Stamp]] = []
@@ -36,12 +36,11 @@ def _hook(event: str, arguments: tuple[Any, ...]) -> None:
 
 @contextlib.contextmanager
 def files_read() -> Iterator[dict[Path, Stamp]]:
-    """Collects the user's files that are read by Python meanwhile: launch, xacro, YAML and mesh files.
+    """Collect the user's files that Python reads inside the block: launch, xacro, YAML and mesh files.
 
-    Each is there as it was when it was opened first. What belongs to Python, to this package or to its cache is left
-    out.
+    Each has the stamp of when it was opened first. Files of Python, of this package and of its cache are left out.
     """
-    if not _installed:  # an audit hook stays for ever, and is idle while nobody collects
+    if not _installed:  # an audit hook cannot be removed; without a collector it does nothing
         sys.addaudithook(_hook)
         _installed.append(True)
     opened: dict[Path, Stamp] = {}
@@ -60,40 +59,44 @@ def files_read() -> Iterator[dict[Path, Stamp]]:
 
 
 class Watch:
-    """Tells whether one of some files has changed.
+    """Watches files for changes.
 
     Args:
-        files: the files as they were when they were read, see `files_read`; one that does not exist is waited for.
+        files: The files with their stamps when they were read, see `files_read`; creating a missing one is a change.
 
     Attributes:
-        broken_off_by: the file whose change was found.
+        changed_file: The changed file that `poll` has found.
     """
 
     def __init__(self, files: Mapping[Path, Stamp]):
         self._stamps = dict(files)
         self._next_look = 0.0
-        self.broken_off_by: Path | None = None
+        self.changed_file: Path | None = None
 
     @property
-    def is_broken_off(self) -> bool:
-        """Whether `breaks_off` has found a change."""
-        return self.broken_off_by is not None
+    def has_changed(self) -> bool:
+        """Whether `poll` has found a changed file."""
+        return self.changed_file is not None
 
-    def breaks_off(self) -> bool:
-        """Whether a file has changed, looked at a few times a second."""
+    def poll(self) -> bool:
+        """Return whether a file has changed; the files are looked at a few times a second at most."""
         now = time.monotonic()
         if now >= self._next_look:
             self._next_look = now + _PERIOD
-            self.broken_off_by = self.changed()
-        return self.is_broken_off
+            self.changed_file = self.next_change()
+        return self.has_changed
 
     @property
     def files(self) -> dict[Path, Stamp]:
-        """The files as they were when it last looked."""
+        """The files with their stamps at the last look."""
         return dict(self._stamps)
 
-    def changed(self) -> Path | None:
-        """A file that has changed since it was last asked about; None when none has."""
+    def renewed(self, files: Mapping[Path, Stamp]) -> "Watch":
+        """Return a watch of further files besides these, which are cached and so not read again."""
+        return type(self)(self._stamps | dict(files))
+
+    def next_change(self) -> Path | None:
+        """Return a file that has changed since the last call; None without one."""
         for file, before in self._stamps.items():
             now = _stamp(file)
             if now != before:

@@ -1,1 +1,1 @@
-"""The browser page: Drake's Meshcat with the robots, and the controls in its panel."""
+"""The page in the browser: the scene, drawn by Drake's Meshcat, and the controls beside it."""

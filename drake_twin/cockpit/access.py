@@ -1,7 +1,7 @@
-"""Who may talk to the page's server: whoever has the run's token and comes from the page itself.
+"""Access control of the page's server: a request needs the run's token and must come from the page itself.
 
 Any web site that is open in the same browser can send requests to 127.0.0.1. It cannot read the token, and the browser
-says in ``Origin`` where a request comes from and in ``Host`` which name it was sent to.
+names the requesting site in ``Origin`` and the requested host in ``Host``.
 """
 
 import contextlib
@@ -19,18 +19,18 @@ _EVERY_INTERFACE = ("0.0.0.0", "::")
 
 
 def new_token() -> str:
-    """A secret that nobody guesses."""
+    """Return a new random secret."""
     return secrets.token_urlsafe(18)
 
 
 def kept_token(folder: Path, port: int) -> str:
-    """The token of this user's last program on a port, so that a page finds a twin that was started again.
+    """Return the token of this user's last program on a port, so that an open page finds a restarted twin.
 
-    It is in a file that nobody else can read; where that cannot be, it is a new one each time.
+    The token is stored in a file that only this user can read. If the file cannot be used, each token is a new one.
 
     Args:
-        folder: where it is kept.
-        port: the page's port.
+        folder: The folder of the file.
+        port: The page's port.
     """
     file = folder / f"token-{port}"
     with contextlib.suppress(OSError, UnicodeDecodeError):
@@ -50,12 +50,12 @@ def kept_token(folder: Path, port: int) -> str:
 
 @dataclass(frozen=True)
 class Access:
-    """What a request must carry.
+    """What a request to the server must carry.
 
     Attributes:
-        host: the address that the server listens at.
-        port: its port.
-        token: the secret, the first part of every path.
+        host: The address that the server listens on.
+        port: Its port.
+        token: The secret, which is the first part of every path.
     """
 
     host: str
@@ -64,38 +64,38 @@ class Access:
 
     @property
     def url(self) -> str:
-        """The page's address, token included."""
+        """The page's address, including the token."""
         name = socket.gethostname() if self.host in _EVERY_INTERFACE else self.host
         return f"http://{_bracketed(name)}:{self.port}/{self.token}/"
 
     def refusal(self, host: str | None, origin: str | None, path: str, *, needs_origin: bool = False) -> str | None:
-        """Why a request is refused; None when it may pass.
+        """Return why a request is refused; None if it is accepted.
 
         Args:
-            host: its ``Host`` header.
-            origin: its ``Origin`` header.
-            path: its path.
-            needs_origin: whether a request without an origin is refused, as web sockets are.
+            host: The ``Host`` header.
+            origin: The ``Origin`` header.
+            path: The path.
+            needs_origin: Whether to refuse a request without an origin, as for web sockets.
         """
         if not self._is_own(host):
-            return "this server does not go by that name"
+            return "the Host header does not name this server"
         if origin is None and needs_origin:
-            return "the request does not say where it comes from"
+            return "the request has no Origin header"
         if origin is not None and not (origin == f"http://{host}" and self._is_own(host)):
             return "the request comes from another site"
         given = path.removeprefix("/").partition("/")[0]
         if not hmac.compare_digest(given.encode("utf-8", "replace"), self.token.encode()):
-            return "the address lacks this run's token: use the one that the program printed"
+            return "the address has no valid token: use the address that the program printed"
         return None
 
     @property
     def is_local(self) -> bool:
-        """Whether only this machine can reach the server."""
+        """Whether the server is reachable from this machine only."""
         own = _address(self.host)
         return self.host == "localhost" or (own is not None and own.is_loopback)
 
     def _is_own(self, host: str | None) -> bool:
-        """Whether a ``Host`` header names this server; a name that DNS gives out never does."""
+        """Return whether a ``Host`` header names this server; names that an attacker's DNS could resolve never do."""
         if host is None:
             return False
         name, _, port = host.rpartition(":")
@@ -105,7 +105,7 @@ class Access:
         if name == self.host.lower():
             return True
         address = _address(name)
-        if self.host in _EVERY_INTERFACE:  # no attacker's name resolves to a bare number
+        if self.host in _EVERY_INTERFACE:  # a bare address needs no DNS, so it cannot be an attacker's name
             return address is not None or name in ("localhost", socket.gethostname().lower())
         return name == "localhost" and self.is_local
 

@@ -1,4 +1,4 @@
-"""The page's other end: does what browsers ask of a twin, in the twin's thread, and tells them how it is."""
+"""The twin's side of the page: processes the requests of browsers in the twin's thread, and publishes the state."""
 
 import json
 import logging
@@ -11,7 +11,8 @@ from drake_twin.cockpit.follow_camera import FollowCamera
 from drake_twin.cockpit.html_recording import HtmlRecording
 from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
-from drake_twin.cockpit.overlays import Overlay, overlay_types
+from drake_twin.cockpit.overlay import Overlay, overlay_kinds
+from drake_twin.cockpit.panel import Panel, panel_kinds
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
 from drake_twin.cockpit.scene import Scene
@@ -26,16 +27,17 @@ from drake_twin.twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
 _RECORDING = "run.html"
+_NOT_IN_CALLBACKS = (protocol.Step, protocol.RunTo, protocol.Reset, protocol.Spawn, protocol.Delete)
 
 
 class Cockpit:
-    """Connects the page with a twin. `obey` is called between steps, in the thread that owns the twin.
+    """Connects the page with a twin. `process_requests` must be called between steps, in the twin's thread.
 
     Args:
-        server: the page's server.
-        scene: what it draws.
-        twin: the twin.
-        only_displayed: whether its time stands still and its joints go where the page puts them.
+        server: The page's server.
+        scene: The page's scene.
+        twin: The twin.
+        only_displayed: Whether the twin stays paused and the page sets its joint positions.
     """
 
     def __init__(self, server: PageServer, scene: Scene, twin: Twin, *, only_displayed: bool = False):
@@ -46,21 +48,25 @@ class Cockpit:
         self._log = MessageLog()
         for kind, sentence in grouped(twin.findings):
             if kind is not Kind.WINDOW:
-                self._log.say("warning" if kind is Kind.MENDED else str(kind), sentence)
+                self._log.add("warning" if kind is Kind.MENDED else str(kind), sentence)
         logging.getLogger("drake_twin").addHandler(self._log)
         self._clients: frozenset[int] = frozenset()
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
+        self._panels: dict[str, Panel] = {}
+        for name, panel in panel_kinds().items():
+            self._panels[name] = panel.type(twin)
+            server.offer(f"panel_{name}.js", panel.script.read_bytes())
         self._camera = FollowCamera(scene)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._end_run_to: Callable[[], None] | None = None
-        self._log_told = -1
-        self._look_at_robots()
+        self._published_log = -1
+        self._read_robots()
 
     def close(self) -> None:
-        """Lets go of the twin; the server goes on."""
+        """Disconnect from the twin; the server continues."""
         logging.getLogger("drake_twin").removeHandler(self._log)
         if self._end_run_to is not None:
             self._end_run_to()
@@ -68,29 +74,37 @@ class Cockpit:
             overlay.remove()
         self._camera.follow("", self._twin)
 
-    def obey(self) -> None:
-        """Does what was asked for since the last call, draws what is to be drawn, and tells browsers how things are."""
+    def process_requests(self, *, in_callback: bool = False) -> None:
+        """Process the requests since the last call, draw the scene and publish the state.
+
+        Args:
+            in_callback: Whether a callback of the twin is the caller; what a callback cannot do is refused then.
+        """
         self._log.time = self._twin.time
-        self._look_at_newcomers()
+        self._follow_robots()
         for client, request in self._server.requests():
-            self._try(self._do, client, request)
-            self._look_at_newcomers()
+            self._try(self._do, client, request, in_callback)
+            self._follow_robots()
         self._try(self._teleop.publish)
         if self._server.is_watched:
-            self._scene.draw(self._twin)
-            for overlay in self._overlays.values():
-                overlay.draw()
-            self._camera.draw(self._twin)
+            self.draw()
         self._frame += 1
         factor = self._factor.note(wall_clock.perf_counter(), self._twin.time, paused=self._twin.paused)
-        self._tell(factor)
+        self._publish(factor)
 
-    def _look_at_newcomers(self) -> None:
+    def draw(self) -> None:
+        """Draw the twin's present state, with the overlays that are shown."""
+        self._scene.draw(self._twin)
+        for overlay in self._overlays.values():
+            overlay.draw()
+        self._camera.draw(self._twin)
+
+    def _follow_robots(self) -> None:
         if self._plans is not self._twin.plans:
-            self._look_at_robots()
+            self._read_robots()
 
-    def _look_at_robots(self) -> None:
-        """Begins anew with the robots that there are now."""
+    def _read_robots(self) -> None:
+        """Read the twin's present robots: their sliders, drives, joints and overlays."""
         self._plans = self._twin.plans
         self._commands = JointCommands(self._twin)
         self._teleop = Teleop(self._twin)
@@ -101,25 +115,34 @@ class Cockpit:
         self._structure: str | None = None
 
     def _try(self, action: Callable[..., None], *arguments: Any) -> None:
-        """Does something; what the twin refuses is said on the page and changes nothing."""
+        """Call a function; if the twin refuses, add the error to the page's messages."""
         try:
             action(*arguments)
         except InputError as error:
-            self._log.say("error", str(error))
+            self._log.add("error", str(error))
 
-    def _do(self, client: int, request: protocol.Request) -> None:
-        twin = self._twin
+    def _do(self, client: int, request: protocol.Request, in_callback: bool) -> None:
+        if in_callback and isinstance(request, _NOT_IN_CALLBACKS):
+            name = type(request).__name__
+            raise InputError(f"{name} is refused while the program advances the twin itself; twin.run() accepts it")
         match request:
             case protocol.Gone():
                 self._teleop.leave(client)
             case protocol.Show(what, on):
                 self._show(what, on)
             case protocol.Follow(robot):
-                self._camera.follow(robot, twin)
+                self._camera.follow(robot, self._twin)
+            case protocol.AskPanel(panel, data):
+                self._ask_panel(panel, data)
             case protocol.PoseJoint(robot, joint, position) if self._only_displayed:
                 self._posed.move(robot, joint, position)
-            case _ if self._only_displayed:
-                pass  # there is no time and nothing to command
+            case _ if not self._only_displayed:
+                self._steer(client, request)
+
+    def _steer(self, client: int, request: protocol.Request) -> None:
+        """Process a request that needs physics."""
+        twin = self._twin
+        match request:
             case protocol.Play():
                 twin.play()
             case protocol.Pause():
@@ -135,7 +158,7 @@ class Cockpit:
                 self._teleop.forget()
             case protocol.SetRate(rate):
                 twin.real_time_rate = rate
-            case protocol.SetTimeStep(seconds) if hasattr(twin, "set_time_step"):
+            case protocol.SetTimeStep(seconds):
                 twin.set_time_step(seconds)
             case protocol.Switch(robot, controller, active):
                 self._switch(robot, controller, active)
@@ -150,29 +173,29 @@ class Cockpit:
                 twin.clear_emergency_stop(robot)
             case protocol.Record(on):
                 self._record(on)
-            case protocol.Spawn(file, name, xyz, rpy) if hasattr(twin, "spawn"):
+            case protocol.Spawn(file, name, xyz, rpy):
                 twin.spawn(Robot(name=name, model=file, xyz=xyz, rpy=rpy))
-            case protocol.Delete(robot) if hasattr(twin, "delete"):
+            case protocol.Delete(robot):
                 twin.delete(robot)
 
     def _run_to(self, time: float) -> None:
-        """Lets time go on and pauses at the first step that is not before a time (s)."""
+        """Continue, and pause at the first step that is not before a time (s)."""
         twin = self._twin
         if time > LONGEST_TIME:
-            raise InputError(f"{time:g} s is no simulation time: {LONGEST_TIME:g} s is the longest")
+            raise InputError(f"{time:g} s is not a simulation time: {LONGEST_TIME:g} s is the longest")
         if time <= twin.time:
             raise InputError(f"{time:g} s lies in the past: the twin is at {twin.time:g} s. Reset it to start again")
         if self._end_run_to is not None:
             self._end_run_to()
 
-        def stop(_message: Any) -> None:
+        def stop(_message: object) -> None:
             if self._twin.time >= time - 1e-9:
                 self._twin.pause()
                 if self._end_run_to is not None:
                     self._end_run_to()
                 self._end_run_to = None
 
-        # The grid of simulation times with this spacing has its first point after zero there, to the step.
+        # A subscription with this period has its first delivery after zero at this time, exact to the step.
         self._end_run_to = twin.subscribe("/clock", stop, rate=1.0 / time)
         twin.play()
 
@@ -189,13 +212,22 @@ class Cockpit:
         self._commands.forget()
 
     def _show(self, name: str, on: bool) -> None:
-        known = overlay_types()
+        known = overlay_kinds()
         if name not in known:
-            raise InputError(f"there is no {name!r} to be shown", value=name, valid=known)
+            raise InputError(f"unknown overlay {name!r}", value=name, valid=known)
         if on and name not in self._overlays:
-            self._overlays[name] = known[name](self._scene, self._twin)
+            self._overlays[name] = known[name].type(self._scene, self._twin)
         elif not on and name in self._overlays:
             self._overlays.pop(name).remove()
+
+    def _ask_panel(self, name: str, data: str) -> None:
+        if name not in self._panels:
+            raise InputError(f"unknown panel {name!r}", value=name, valid=self._panels)
+        try:
+            value = json.loads(data)
+        except (ValueError, RecursionError):
+            raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
+        self._panels[name].ask(value)
 
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
@@ -205,20 +237,28 @@ class Cockpit:
             self._recording = None
             self._recordings += 1
 
-    def _tell(self, factor: float | None) -> None:
-        """Publishes a snapshot where somebody sees it; a browser that has just come is told everything."""
+    def _publish(self, factor: float | None) -> None:
+        """Publish a snapshot if a browser is connected; one that has just connected gets everything."""
         clients = frozenset(self._server.clients)
         newcomers, self._clients = clients - self._clients, clients
-        if not clients or (self._frame % _FRAMES_A_SNAPSHOT and not newcomers):
-            return
+        if clients and (newcomers or self._frame % _FRAMES_A_SNAPSHOT == 0):
+            self.publish(factor, everything=bool(newcomers))
+
+    def publish(self, factor: float | None = None, *, everything: bool = True) -> None:
+        """Publish the present state.
+
+        Args:
+            factor: The real-time factor, if it is known.
+            everything: Whether to publish what has not changed, too.
+        """
         texts: dict[str, str] = {}
-        if self._structure is None or newcomers:
+        if self._structure is None or everything:
             self._structure = _json(
                 structure(self._twin, self._commands, self._teleop, only_displayed=self._only_displayed)
             )
             texts["robots"] = self._structure
-        if newcomers or self._log.version != self._log_told:
-            self._log_told = self._log.version
+        if everything or self._log.version != self._published_log:
+            self._published_log = self._log.version
             texts["messages"] = _json(self._log.as_plain())
         more = {
             "real_time_factor": None if factor is None else round(factor, 3),
@@ -226,6 +266,7 @@ class Cockpit:
             "followed": self._camera.robot,
             "recording": self._recording is not None,
             "recordings": self._recordings,
+            "panels": {name: panel.state() for name, panel in self._panels.items()},
         }
         texts["state"] = _json(state(self._twin, self._commands, more))
         self._server.publish(texts)

@@ -1,7 +1,7 @@
-"""A camera that goes along with a robot.
+"""A camera that follows a robot.
 
-Meshcat's camera belongs to whoever turns it with the mouse, so it stays and the scene is moved under it: the robot
-stands still in the picture, and can be looked at from all sides meanwhile.
+The user turns Meshcat's camera with the mouse, so the camera stays and the scene is moved under it: the robot stays in
+the middle of the picture, and the user can look at it from all sides.
 """
 
 from collections.abc import Sequence
@@ -13,17 +13,17 @@ from drake_twin.cockpit.scene import OVERLAYS, TWIN, Scene
 from drake_twin.twin.twin import Twin
 
 _MOVED = (TWIN, OVERLAYS, "/Grid")
-_FROM = np.array([1.1, -1.0, 0.9])  # m: where the camera begins, seen from the robot
+_FROM = np.array([1.1, -1.0, 0.9])  # m: the initial position of the camera relative to the robot
 
 
 class FollowCamera:
     """Moves the scene so that a robot stays in the middle of the picture.
 
     Args:
-        scene: what the page draws.
+        scene: The page's scene.
 
     Attributes:
-        robot: the robot; empty for none.
+        robot: The name of the robot; empty if the camera follows no robot.
     """
 
     def __init__(self, scene: Scene):
@@ -32,10 +32,10 @@ class FollowCamera:
         self._offset: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     def follow(self, robot: str, twin: Twin) -> None:
-        """Goes along with a robot from now on; with none when the name is empty.
+        """Follow a robot from now on, or no robot if the name is empty.
 
         Raises:
-            InputError: no such robot.
+            InputError: If the twin has no robot of the name.
         """
         if robot:
             twin.robot_state(robot)
@@ -50,7 +50,7 @@ class FollowCamera:
             self._scene.set_camera_pose(before + _FROM, before)
 
     def draw(self, twin: Twin) -> None:
-        """Moves the scene to where the robot is now."""
+        """Move the scene so that the robot is in the middle."""
         if not self.robot:
             return
         if self.robot not in twin.robots:

@@ -1,4 +1,4 @@
-"""A run as one self-contained page, which plays back in a browser without a network."""
+"""A run as one self-contained HTML page that plays back in a browser without a network."""
 
 import base64
 import contextlib
@@ -16,16 +16,16 @@ from drake_twin.cockpit.server import meshcat_script
 from drake_twin.shared_viewer.shared_scene import SharedScene
 from drake_twin.twin.twin import Twin
 
-_DRAWN = 32.0  # pictures a second of simulation time
-_FRAMES_PER_SECOND = 64.0  # of the recording: what the run loop draws in between finds a frame of its own
+_DRAWN = 32.0  # poses a second of simulation time
+_FRAMES_PER_SECOND = 64.0  # of the recording: poses between two of the grid get a frame of their own
 
 
 class HtmlRecording:
-    """Records the poses of all bodies from now on, on a grid of simulation times.
+    """Records the poses of all bodies from its creation on, on a grid of simulation times.
 
     Args:
-        scene: what a page draws; nobody needs to look at it.
-        twin: the twin.
+        scene: The scene that the page draws; no browser needs to be connected.
+        twin: The twin.
     """
 
     def __init__(self, scene: Scene, twin: Twin):
@@ -42,7 +42,7 @@ class HtmlRecording:
 
     def _note(self) -> None:
         twin = self._twin
-        if twin.time < self._last_time:  # it was reset, and what was recorded does not lead here
+        if twin.time < self._last_time:  # it was reset: what was recorded before does not lead to this state
             self._start()
         self._last_time = twin.time
         if self._shown is None or not self._shown.shows(twin):
@@ -52,13 +52,13 @@ class HtmlRecording:
             self._poses.setdefault(body, {})[frame] = pose
 
     def finish(self) -> str:
-        """Ends the recording.
+        """End the recording.
 
         Returns:
             The page's HTML.
         """
         self._end_subscription()
-        with contextlib.suppress(RuntimeError):  # a twin that has failed may be nowhere
+        with contextlib.suppress(RuntimeError):  # after a failure the twin may have no poses
             self._note()
             self._scene.draw(self._twin)
         commands = self._scene.everything()
@@ -81,7 +81,7 @@ class HtmlRecording:
 
 
 def _tracks(poses: dict[int, np.ndarray]) -> Iterator[dict[str, Any]]:
-    """Position and rotation of a body at each frame, as three.js' keys."""
+    """Yield the position and rotation tracks of a body as three.js' keyframes."""
     places = {frame: pose[:3, 3].tolist() for frame, pose in poses.items()}
     turns = {frame: np.roll(RotationMatrix(pose[:3, :3]).ToQuaternion().wxyz(), -1) for frame, pose in poses.items()}
     for name, kind, values in (
@@ -93,11 +93,11 @@ def _tracks(poses: dict[int, np.ndarray]) -> Iterator[dict[str, Any]]:
 
 
 def _page(commands: list[bytes]) -> str:
-    """The scene's page with its scripts, its style and the commands in it."""
+    """Return the page with its scripts, its style and the scene's commands inlined."""
     static = resources.files("drake_twin.cockpit").joinpath("static")
     parts = {
         "/* scene.css */": static.joinpath("scene.css").read_text(),
-        # A script ends at the first "</script", also in a text of its own.
+        # A browser ends a script at the first "</script", also inside a string.
         "/* meshcat.js */": meshcat_script().decode().replace("</script", "<\\/script"),
         "/* viewer.js */": static.joinpath("viewer.js").read_text(),
         "(commands)": "\n".join(base64.b64encode(command).decode() for command in commands),

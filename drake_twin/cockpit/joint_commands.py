@@ -1,4 +1,4 @@
-"""Sliders for commanded joints: what each command topic's numbers drive, what they are now, and one of them changed."""
+"""Sliders for commanded joints: one for each number of a command topic."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,9 +19,13 @@ _UNITS = {
     "velocity": ("rad/s", "m/s"),
     "effort": ("N·m", "N"),
 }
-_WIDEST = {"position": 2 * pi, "velocity": 20.0, "effort": 200.0}  # joints may have no limit, or a very large one
+_WIDEST = {
+    "position": 2 * pi,
+    "velocity": 20.0,
+    "effort": 200.0,
+}  # for joints without a limit, or with a very large one
 _SHORTEST_MOVE = 0.2  # s
-_PART_OF_VELOCITY_LIMIT = 0.5
+_PART_OF_VELOCITY_LIMIT = 0.5  # of trajectories that a slider sends
 _UNLIMITED_VELOCITY = 1.0  # rad/s or m/s, where a joint has no limit
 
 
@@ -30,11 +34,11 @@ class Slider:
     """One number of a command.
 
     Attributes:
-        joint: the joint, or the reference of another controller.
-        interface: position, velocity or effort.
-        unit: its unit.
-        lower: the lowest value (in the unit).
-        upper: the highest.
+        joint: The joint, or the reference of another controller.
+        interface: ``position``, ``velocity`` or ``effort``.
+        unit: The unit.
+        lower: The lowest value, in the unit.
+        upper: The highest value, in the unit.
     """
 
     joint: str
@@ -49,11 +53,11 @@ class SliderGroup:
     """A command topic, or a gripper's action, and its sliders.
 
     Attributes:
-        topic: the topic or the action.
-        type: its ROS type.
-        robot: whose it is.
-        controller: who listens.
-        sliders: one for each number, in order; for a trajectory one for each joint.
+        topic: The topic or the action.
+        type: Its ROS type.
+        robot: The robot's name.
+        controller: The controller that subscribes.
+        sliders: One for each number, in order; for a trajectory one for each joint.
     """
 
     topic: str
@@ -64,7 +68,7 @@ class SliderGroup:
 
 
 def slider_groups(twin: Twin) -> tuple[SliderGroup, ...]:
-    """The command topics that sliders can drive."""
+    """Return the command topics and actions that sliders can command."""
     plans = {plan.name: plan for plan in twin.plans}
     groups = []
     for topic, item in twin.commanded.items():
@@ -98,15 +102,18 @@ def _grippers(twin: Twin) -> Iterator[SliderGroup]:
 
 
 def joint_slider(joint: Joint) -> Slider:
-    """A slider for a joint's position."""
+    """Return a slider for a joint's position."""
     return _bounded(joint, joint.name, "position", joint.limits.lower, joint.limits.upper)
 
 
 class JointCommands:
-    """The numbers of every slider, read from and published to a twin.
+    """Reads the value of every slider from a twin, and publishes changed values.
 
     Args:
-        twin: the twin.
+        twin: The twin.
+
+    Attributes:
+        groups: Topic or action → its sliders.
     """
 
     def __init__(self, twin: Twin):
@@ -115,7 +122,7 @@ class JointCommands:
         self._targets: dict[str, np.ndarray] = {}
 
     def values(self, topic: str) -> np.ndarray:
-        """What is commanded now; where nothing is, what leaves the joints as they are."""
+        """Return the present command; without one, the values that would keep the joints at rest."""
         group = self.groups[topic]
         if group.type != _NUMBERS:
             return self._targets.get(topic, self._at_rest(group))
@@ -123,16 +130,16 @@ class JointCommands:
         return self._at_rest(group) if command is None else np.asarray(command.data, dtype=float)
 
     def move(self, topic: str, index: int, value: float) -> None:
-        """Commands one number and leaves the others; the scenario's own commands on the topic end.
+        """Command one number and keep the others; the scenario's own commands on the topic end.
 
         Raises:
-            InputError: there is no such slider, or the twin refuses the command.
+            InputError: If the topic or the index has no slider, or the twin refuses the command.
         """
         if topic not in self.groups:
             raise InputError(f"{topic!r} has no sliders", value=topic, valid=self.groups)
         group = self.groups[topic]
         if not 0 <= index < len(group.sliders):
-            raise InputError(f"{topic}: there is no number {index}, the command has {len(group.sliders)}")
+            raise InputError(f"{topic}: unknown slider {index}: the command has {len(group.sliders)} numbers")
         values = self.values(topic).copy()
         values[index] = min(max(value, group.sliders[index].lower), group.sliders[index].upper)
         if group.type in (_GRIPPER, _PARALLEL_GRIPPER):
@@ -144,7 +151,7 @@ class JointCommands:
             self._targets[topic] = values
 
     def forget(self) -> None:
-        """Begins anew, after a reset or a switch: where a trajectory or a gripper was sent counts no more."""
+        """Forget the targets of trajectories and grippers, after a reset or a switch."""
         self._targets.clear()
 
     def _at_rest(self, group: SliderGroup) -> np.ndarray:
@@ -160,7 +167,7 @@ class JointCommands:
         )
 
     def _grip(self, group: SliderGroup, position: float) -> dict[str, Any]:
-        """A gripper's goal, with all the effort that its joint may have."""
+        """Return a gripper's goal, with the effort limit of its joint."""
         (slider,) = group.sliders
         if group.type == _PARALLEL_GRIPPER:
             return {"command": {"name": [slider.joint], "position": [position]}}
@@ -173,7 +180,7 @@ class JointCommands:
         return plan.description.joints_by_name[slider.joint]
 
     def _trajectory(self, group: SliderGroup, values: np.ndarray) -> dict[str, Any]:
-        """A trajectory of one point, at half of the joints' velocity limits."""
+        """Return a trajectory of one point, at half of the joints' velocity limits."""
         limits = [self._joint(group, slider).limits.velocity for slider in group.sliders]
         fastest = np.array([limit if isfinite(limit) and limit > 0 else _UNLIMITED_VELOCITY for limit in limits])
         distance = np.abs(values - self._at_rest(group))

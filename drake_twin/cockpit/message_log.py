@@ -1,4 +1,4 @@
-"""The page's message line: what the package logs while a twin runs, and what was said when it was built."""
+"""The page's messages: the package's log records, and what was found when the twin was built."""
 
 import logging
 from collections import deque
@@ -10,14 +10,14 @@ _MOST = 200
 
 @dataclass(frozen=True)
 class LogLine:
-    """A line for the page.
+    """One message.
 
     Attributes:
-        number: counts up; a line that comes again keeps its number.
-        level: info, warning or error.
-        text: what it says.
-        time: simulation time (s); None for what was said before the start.
-        times: how often it was said in a row.
+        number: Counts the messages; a repeated message keeps its number.
+        level: ``info``, ``warning``, ``error`` or the kind of a finding.
+        text: The text.
+        time: Simulation time (s); None for a message from before the start.
+        times: How often the message occurred in a row.
     """
 
     number: int
@@ -28,10 +28,11 @@ class LogLine:
 
 
 class MessageLog(logging.Handler):
-    """Collects the package's log records and the page's own lines; the oldest are dropped.
+    """Collects the package's log records and the page's own messages; the oldest are dropped.
 
     Attributes:
-        version: grows with every line.
+        version: Grows with every message.
+        time: The simulation time that new messages are given (s).
     """
 
     def __init__(self) -> None:
@@ -42,12 +43,12 @@ class MessageLog(logging.Handler):
         self._number = 0
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Takes a record of Python's logging, from whatever thread (logging holds the handler's lock)."""
+        """Add a log record, from any thread (logging holds the handler's lock)."""
         level = "error" if record.levelno >= logging.ERROR else record.levelname.lower()
-        self.say(level, record.getMessage())
+        self.add(level, record.getMessage())
 
-    def say(self, level: str, text: str) -> None:
-        """Adds a line; the same one again only counts."""
+    def add(self, level: str, text: str) -> None:
+        """Add a message; a repeated one is only counted."""
         self.version += 1
         if self._lines and (self._lines[-1].level, self._lines[-1].text) == (level, text):
             last = self._lines[-1]
@@ -57,5 +58,5 @@ class MessageLog(logging.Handler):
         self._lines.append(LogLine(self._number, level, text, self.time))
 
     def as_plain(self) -> list[dict[str, Any]]:
-        """The lines, oldest first, as plain data."""
+        """Return the messages, oldest first, as plain data."""
         return [asdict(line) for line in tuple(self._lines)]

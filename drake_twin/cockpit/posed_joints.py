@@ -1,14 +1,14 @@
-"""Joints that go where the page puts them, without physics: for robots that are only displayed."""
+"""Joints that the page positions without physics, for robots that are only displayed."""
 
 from drake_twin.errors import InputError
 from drake_twin.twin.twin import Twin
 
 
 class PosedJoints:
-    """Sets joints of a twin whose time stands still.
+    """Sets the joint positions of a paused twin.
 
     Args:
-        twin: the twin.
+        twin: The twin.
     """
 
     def __init__(self, twin: Twin):
@@ -23,16 +23,16 @@ class PosedJoints:
         }
 
     def move(self, robot: str, joint: str, position: float) -> None:
-        """Puts one joint somewhere (rad or m), and the joints that follow it with it.
+        """Set the position of one joint (rad or m), and with it those of the joints that mimic it.
 
         Raises:
-            InputError: no such robot, or no such joint that follows nothing.
+            InputError: If the robot or the joint is unknown, or the joint mimics another one.
         """
         if robot not in self._positions:
-            raise InputError(f"there is no robot {robot!r}", value=robot, valid=self._positions)
+            raise InputError(f"unknown robot {robot!r}", value=robot, valid=self._positions)
         positions = self._positions[robot]
         if joint not in positions:
-            raise InputError(f"robot {robot!r} has no joint {joint!r} to be moved", value=joint, valid=positions)
+            raise InputError(f"robot {robot!r} has no movable joint {joint!r} of its own", value=joint, valid=positions)
         positions[joint] = position
         plan = next(plan for plan in self._twin.plans if plan.name == robot)
         self._twin.set_joint_positions(robot, plan.description.with_followers(positions))

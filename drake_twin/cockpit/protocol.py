@@ -1,4 +1,4 @@
-"""What a browser may ask for, as plain data; whatever does not read as one of these is nothing."""
+"""The requests that a browser may send; any other message is ignored."""
 
 import json
 import types
@@ -16,43 +16,43 @@ _MOST_STEPS = 10_000
 
 @dataclass(frozen=True)
 class Play:
-    """Let time go on."""
+    """Continue simulation time."""
 
 
 @dataclass(frozen=True)
 class Pause:
-    """Stop time."""
+    """Pause simulation time."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """Make so many physics steps and stay paused."""
+    """Make a number of physics steps and stay paused."""
 
     count: int
 
 
 @dataclass(frozen=True)
 class RunTo:
-    """Go on until a simulation time (s), and pause there."""
+    """Run until a simulation time (s) and pause there."""
 
     time: float
 
 
 @dataclass(frozen=True)
 class Reset:
-    """Go back to the start."""
+    """Reset the twin."""
 
 
 @dataclass(frozen=True)
 class SetRate:
-    """Simulated seconds a second."""
+    """Set the real-time rate: simulated seconds per second of wall time."""
 
     rate: float
 
 
 @dataclass(frozen=True)
 class SetTimeStep:
-    """The physics step (s)."""
+    """Set the physics step (s)."""
 
     seconds: float
 
@@ -68,7 +68,7 @@ class Switch:
 
 @dataclass(frozen=True)
 class MoveJoint:
-    """Command one element of a topic (rad, rad/s, N·m, or m, m/s, N) and leave the others as they are."""
+    """Command one element of a topic (rad, rad/s, N·m, or m, m/s, N) and keep the others."""
 
     topic: str
     index: int
@@ -77,7 +77,7 @@ class MoveJoint:
 
 @dataclass(frozen=True)
 class PoseJoint:
-    """Put a joint of a robot that is only displayed somewhere (rad or m)."""
+    """Set the joint position of a robot that is only displayed (rad or m)."""
 
     robot: str
     joint: str
@@ -86,7 +86,7 @@ class PoseJoint:
 
 @dataclass(frozen=True)
 class Drive:
-    """Velocities for a base (m/s, m/s, rad/s); they hold as long as this is sent again and again."""
+    """Drive a base with velocities (m/s, m/s, rad/s), which hold while the request is repeated."""
 
     topic: str
     x: float
@@ -96,21 +96,21 @@ class Drive:
 
 @dataclass(frozen=True)
 class EmergencyStop:
-    """Stop a robot and hold it."""
+    """Stop a robot and hold it there."""
 
     robot: str
 
 
 @dataclass(frozen=True)
 class ClearEmergencyStop:
-    """Let a robot's controllers command again."""
+    """Clear a robot's emergency stop."""
 
     robot: str
 
 
 @dataclass(frozen=True)
 class Show:
-    """Draw something besides the robots, or not."""
+    """Show or hide an overlay."""
 
     what: str
     on: bool
@@ -118,21 +118,21 @@ class Show:
 
 @dataclass(frozen=True)
 class Follow:
-    """Let the camera go along with a robot; with none when the name is empty."""
+    """Let the camera follow a robot, or no robot if the name is empty."""
 
     robot: str
 
 
 @dataclass(frozen=True)
 class Record:
-    """Record for a page that plays back offline, or end the recording and offer it."""
+    """Start a recording as an HTML page, or end it and offer the page for download."""
 
     on: bool
 
 
 @dataclass(frozen=True)
 class Spawn:
-    """Add a robot: its file's address, its name, where it stands (m, rad)."""
+    """Spawn a robot: its file, its name, its pose (m, rad)."""
 
     file: str
     name: str
@@ -142,14 +142,22 @@ class Spawn:
 
 @dataclass(frozen=True)
 class Delete:
-    """Take a robot away."""
+    """Delete a robot."""
 
     robot: str
 
 
 @dataclass(frozen=True)
+class AskPanel:
+    """Ask the Python half of a panel: JSON data for its ``ask``."""
+
+    panel: str
+    data: str
+
+
+@dataclass(frozen=True)
 class Gone:
-    """A browser's connection has ended; said by the server, never by a browser."""
+    """A browser's connection has ended; the server adds this request, a browser cannot send it."""
 
 
 Request = (
@@ -171,6 +179,7 @@ Request = (
     | Record
     | Spawn
     | Delete
+    | AskPanel
     | Gone
 )
 
@@ -178,11 +187,11 @@ _KINDS: dict[str, Any] = {kind.__name__: kind for kind in typing.get_args(Reques
 
 
 def parse(text: str) -> Request | None:
-    """A browser's message, ``{"do": "MoveJoint", "topic": …}``, as a request.
+    """Parse a browser's message, such as ``{"do": "MoveJoint", "topic": …}``.
 
     Returns:
-        None for anything else: no JSON, an unknown request, a field missing, too many or of the wrong type, a number
-        that is not finite.
+        The request; None if the message is not JSON, the request is unknown, a field is missing, unknown or of the
+        wrong type, or a number is not finite.
     """
     try:
         data = json.loads(text)
@@ -212,7 +221,7 @@ def _field_types(kind: Any) -> dict[str, Any]:
 
 
 def _value(kind: Any, value: Any) -> Any:
-    """A value of an annotated type; None if it is none."""
+    """Return a value as the annotated type; None if it does not fit."""
     if isinstance(kind, types.GenericAlias):
         if not isinstance(value, list) or len(value) != len(typing.get_args(kind)):
             return None

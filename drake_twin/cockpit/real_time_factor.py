@@ -1,4 +1,4 @@
-"""How fast simulation time goes, measured over the last moment."""
+"""The real-time factor, measured over the last half second."""
 
 from collections import deque
 
@@ -6,21 +6,21 @@ _WINDOW = 0.5  # s of wall time
 
 
 class RealTimeFactor:
-    """Simulated seconds a second, over about the last half second in which time went on."""
+    """Measures simulated seconds per second of wall time, over about the last half second that was not paused."""
 
     def __init__(self) -> None:
         self._samples: deque[tuple[float, float]] = deque()
 
     def note(self, wall_time: float, sim_time: float, *, paused: bool) -> float | None:
-        """Takes a measurement.
+        """Add a sample.
 
         Args:
-            wall_time: a clock of wall time (s).
-            sim_time: simulation time (s).
-            paused: whether time stands still on purpose.
+            wall_time: The wall clock (s).
+            sim_time: Simulation time (s).
+            paused: Whether the twin is paused.
 
         Returns:
-            The factor; None while paused and until two measurements lie far enough apart.
+            The factor; None while paused, and until two samples are far enough apart.
         """
         samples = self._samples
         if paused or (samples and sim_time < samples[-1][1]):  # it was reset

@@ -1,4 +1,4 @@
-"""The page of a program: its server and its scene, which outlive a twin that is made anew."""
+"""The page of a program: its server and its scene, which survive a rebuilt twin."""
 
 from dataclasses import replace
 
@@ -14,37 +14,39 @@ class ServedPage:
     """A page that shows and steers a twin.
 
     Args:
-        port: its port; by default the first free one from 7000 on.
-        host: the address to listen at.
+        port: The page's port; by default the first free one from 7000 on.
+        host: The address to listen on.
+        in_frames: Whether pages of other servers on this machine, such as a notebook's, may show it in an iframe.
 
     Attributes:
-        scene: what it draws.
-        server: the page's server.
+        scene: The scene that it draws.
+        server: The page's server.
 
     Raises:
-        InputError: the port or the address cannot be used.
+        InputError: If the port or the address cannot be used.
     """
 
-    def __init__(self, port: int | None = None, host: str = "127.0.0.1"):
+    def __init__(self, port: int | None = None, host: str = "127.0.0.1", *, in_frames: bool = False):
         listening = bind(port, host)
         self.scene = Scene()
-        self.server = PageServer(listening, host, self.scene, _access(host, listening.getsockname()[1]))
+        access = _access(host, listening.getsockname()[1])
+        self.server = PageServer(listening, host, self.scene, access, in_frames=in_frames)
         self._cockpit: Cockpit | None = None
 
     @property
     def url(self) -> str:
-        """Its address, with the token of this run."""
+        """The page's address, including its token."""
         return self.server.url
 
     def show(self, twin: Twin, *, only_displayed: bool = False) -> Cockpit:
-        """Shows a twin instead of the one before.
+        """Show a twin in place of the one before.
 
         Args:
-            twin: the twin.
-            only_displayed: whether its time stands still and its joints go where the page puts them.
+            twin: The twin.
+            only_displayed: Whether the twin stays paused and the page sets its joint positions.
 
         Returns:
-            What does as the page says; its ``obey`` is to be called between steps.
+            The twin's cockpit; its ``process_requests`` must be called between steps.
         """
         if self._cockpit is None:
             self.scene.set_up(twin)
@@ -56,13 +58,13 @@ class ServedPage:
         return self._cockpit
 
     def close(self) -> None:
-        """Ends the page."""
+        """Disconnect the twin and end the server."""
         if self._cockpit is not None:
             self._cockpit.close()
         self.server.close()
 
 
 def _access(host: str, port: int) -> Access:
-    """The token that the page had before, unless other machines can reach it."""
+    """Return the page's access; the token is the one of the last program on the port, unless others can reach it."""
     access = Access(host, port)
     return replace(access, token=kept_token(cache_folder("page"), port)) if access.is_local else access

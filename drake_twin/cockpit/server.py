@@ -1,8 +1,8 @@
-"""The page's HTTP and WebSocket server, in a thread of its own; it knows nothing of the twin.
+"""The page's HTTP and WebSocket server, in a thread of its own; it does not know the twin.
 
-Requests of browsers wait in a queue until the twin's thread takes them. What the twin's thread publishes goes to every
-browser that is connected, on named channels: the latest text of a channel wins, so a slow browser misses some and holds
-nobody up.
+Requests of browsers are queued until the twin's thread takes them. What the twin's thread publishes is sent to every
+connected browser on named channels. The latest text of a channel replaces an unsent one, so that a slow browser misses
+some texts and delays no other browser.
 """
 
 import asyncio
@@ -12,9 +12,9 @@ import threading
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Any
 
 from aiohttp import WSMsgType, web
+from aiohttp.typedefs import Handler
 
 from drake_twin.cockpit.access import Access
 from drake_twin.cockpit.protocol import Gone, Request, parse
@@ -24,10 +24,11 @@ from drake_twin.shared_viewer.meshcat_protocol import Command
 
 _FIRST_PORT, _LAST_PORT = 7000, 7099
 _LONGEST_MESSAGE = 1 << 16  # bytes
-_MOST_WAITING = 1000  # requests
+_MOST_PENDING = 1000  # requests
 _HEARTBEAT = 20.0  # s
-_ALIVE = 0.5  # s
-_LONGEST_NAME = 100  # of a file
+_ALIVE = 0.5  # s between two messages that the server is alive
+_LONGEST_NAME = 100  # of a static file
+_STATIC_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
 _HEADERS = {
     "Cache-Control": "no-store",
     "Referrer-Policy": "no-referrer",
@@ -36,32 +37,35 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
 }
 _PAGE_POLICY = (
-    "default-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data:; frame-ancestors 'none'; base-uri 'none';"
-    " form-action 'none'"
+    "default-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data:; frame-ancestors {ancestors};"
+    " base-uri 'none'; form-action 'none'"
 )
-# Meshcat's script styles what it adds, and makes pictures of what it is sent.
+# Meshcat's script adds inline styles, and creates images from the data that it receives.
 _SCENE_POLICY = (
     "default-src 'self'; connect-src 'self' ws://{host} data: blob:; img-src 'self' data: blob:;"
-    " style-src 'self' 'unsafe-inline'; worker-src blob:; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
+    " style-src 'self' 'unsafe-inline'; worker-src blob:; frame-ancestors {ancestors}; base-uri 'none';"
+    " form-action 'none'"
 )
+_ANCESTORS, _SCENE_ANCESTORS = "'none'", "'self'"
+_OF_THIS_MACHINE = "http://127.0.0.1:* http://localhost:* https://127.0.0.1:* https://localhost:*"
 
 
 def bind(port: int | None, host: str) -> socket.socket:
-    """A listening socket for the page.
+    """Return a listening socket for the page.
 
     Args:
-        port: its port; by default the first free one from 7000 on.
-        host: the address to listen at.
+        port: The port; by default the first free one from 7000 on.
+        host: The address to listen on.
 
     Raises:
-        InputError: the port is taken or may not be used, or the address is not this machine's.
+        InputError: If the port is taken or forbidden, or the address does not belong to this machine.
     """
     try:
         family, _, _, _, _ = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)[0]
         with socket.socket(family) as probe:
             probe.bind((host, 0))
     except (OSError, UnicodeError):
-        raise InputError(f"no page can be served at {host!r}: it is no address of this machine") from None
+        raise InputError(f"no page can be served at {host!r}: the address does not belong to this machine") from None
     for candidate in (port,) if port is not None else range(_FIRST_PORT, _LAST_PORT + 1):
         try:
             return socket.create_server((host, candidate), family=family)
@@ -70,8 +74,8 @@ def bind(port: int | None, host: str) -> socket.socket:
     if port is None:
         raise InputError(f"no page can be served at {host}: ports {_FIRST_PORT} to {_LAST_PORT} are all taken")
     raise InputError(
-        f"port {port} of {host} cannot be used: another program has it, or it is not allowed. Choose another with"
-        " --port, or leave --port out for the first free one"
+        f"port {port} of {host} cannot be used: another program uses it, or it is not allowed. Choose another port, or"
+        " none for the first free one"
     )
 
 
@@ -79,27 +83,37 @@ class PageServer:
     """Serves the page's files and its web socket.
 
     Args:
-        listening: the socket, see `bind`.
-        host: the address that it listens at.
-        scene: what is drawn on it.
-        access: what requests must carry; by default a token that is new.
+        listening: The socket, see `bind`.
+        host: The address that it listens on.
+        scene: The scene to draw.
+        access: What requests must carry; by default a new token.
+        in_frames: Whether pages of other servers on this machine may show the page in an iframe.
 
     Attributes:
-        access: what requests must carry.
+        access: What requests must carry.
     """
 
-    def __init__(self, listening: socket.socket, host: str, scene: Scene, access: Access | None = None):
+    def __init__(
+        self,
+        listening: socket.socket,
+        host: str,
+        scene: Scene,
+        access: Access | None = None,
+        *,
+        in_frames: bool = False,
+    ):
         self.access = access or Access(host, listening.getsockname()[1])
+        self._in_frames = in_frames
         self._scene = scene
         self._socket = listening
-        self._requests: queue.Queue[tuple[int, Request]] = queue.Queue(_MOST_WAITING)
+        self._requests: queue.Queue[tuple[int, Request]] = queue.Queue(_MOST_PENDING)
         self._clients: dict[int, _Client] = {}
         self._viewers: set[_Viewer] = set()
         self._latest: dict[str, str] = {}
         self._files: dict[str, bytes] = {}
         self._count = 0
         self._loop = asyncio.new_event_loop()
-        self._heard = self._loop.time()
+        self._published = self._loop.time()
         self._ended = asyncio.Event()
         self._thread = threading.Thread(target=self._run, name="page server", daemon=True)
         self._thread.start()
@@ -107,21 +121,21 @@ class PageServer:
 
     @property
     def is_watched(self) -> bool:
-        """Whether a browser draws the scene."""
+        """Whether a connected browser draws the scene."""
         return bool(self._viewers)
 
     @property
     def url(self) -> str:
-        """The page's address, token included."""
+        """The page's address, including the token."""
         return self.access.url
 
     @property
     def clients(self) -> tuple[int, ...]:
-        """The browsers that are connected, each by a number of its own."""
+        """The numbers of the connected browsers."""
         return tuple(self._clients)
 
     def requests(self) -> list[tuple[int, Request]]:
-        """Takes what browsers have asked for since the last call: each client and its request, in order."""
+        """Return the requests since the last call, in order, each with its client's number."""
         taken = []
         while True:
             try:
@@ -130,19 +144,20 @@ class PageServer:
                 return taken
 
     def publish(self, texts: Mapping[str, str]) -> None:
-        """Sends channel → text to every browser, and never waits."""
+        """Send texts to every browser, by channel; return at once."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._distribute, dict(texts))
 
     def offer(self, name: str, content: bytes) -> None:
-        """Offers a file for download below the page's address; one of the same name is replaced."""
+        """Serve a file below ``files/`` of the page's address, in place of one of the same name."""
         self._files = {**self._files, name: content}
 
     def close(self) -> None:
-        """Ends all connections and the thread."""
+        """End all connections and the thread."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._ended.set)
-            self._thread.join(timeout=5.0)
+            if threading.current_thread() is not self._thread:  # where the garbage collector may call this
+                self._thread.join(timeout=5.0)
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -168,7 +183,7 @@ class PageServer:
         runner = web.AppRunner(application, access_log=None, handle_signals=False, shutdown_timeout=0.5)
         await runner.setup()
         await web.SockSite(runner, self._socket).start()
-        alive = asyncio.ensure_future(self._say_alive())
+        alive = asyncio.ensure_future(self._report_alive())
         await self._ended.wait()
         alive.cancel()
         sockets = [client.socket for client in self._clients.values()] + [viewer.socket for viewer in self._viewers]
@@ -177,7 +192,7 @@ class PageServer:
         await runner.cleanup()
 
     @web.middleware
-    async def _guard(self, request: web.Request, handler: Any) -> web.StreamResponse:
+    async def _guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         refusal = self.access.refusal(
             request.headers.get("Host"),
             request.headers.get("Origin"),
@@ -186,17 +201,16 @@ class PageServer:
         )
         if refusal is not None:
             return web.Response(status=403, text=f"refused: {refusal}\n", headers=_HEADERS)
-        response: web.StreamResponse = await handler(request)
-        return response
+        return await handler(request)
 
     async def _to_index(self, _request: web.Request) -> web.Response:
         raise web.HTTPFound(f"/{self.access.token}/")
 
     async def _index(self, request: web.Request) -> web.Response:
-        return _static_response("index.html", request.host)
+        return self._static_response("index.html", request, _PAGE_POLICY, _ANCESTORS)
 
     async def _static(self, request: web.Request) -> web.Response:
-        return _static_response(request.match_info["name"], request.host)
+        return self._static_response(request.match_info["name"], request, _PAGE_POLICY, _ANCESTORS)
 
     async def _file(self, request: web.Request) -> web.Response:
         name = request.match_info["name"]
@@ -205,17 +219,37 @@ class PageServer:
             raise web.HTTPNotFound
         disposition = f'attachment; filename="{name}"'
         return web.Response(
-            body=content, content_type="text/html", headers={**_HEADERS, "Content-Disposition": disposition}
+            body=content,
+            content_type=_STATIC_TYPES[name.rpartition(".")[2]],
+            headers={**_HEADERS, "Content-Disposition": disposition},
         )
 
     async def _scene_page(self, request: web.Request) -> web.Response:
-        return _static_response("scene.html", request.host, _SCENE_POLICY)
+        return self._static_response("scene.html", request, _SCENE_POLICY, _SCENE_ANCESTORS)
+
+    def _static_response(self, name: str, request: web.Request, policy: str, ancestors: str) -> web.Response:
+        """Return one of the page's own files.
+
+        Args:
+            name: The file's name.
+            request: The request.
+            policy: Its content security policy.
+            ancestors: The pages that may show it in a frame, besides those of this machine where that is allowed.
+        """
+        kind = _STATIC_TYPES.get(name.rpartition(".")[2])
+        file = resources.files("drake_twin.cockpit").joinpath("static", name)
+        if kind is None or "/" in name or len(name) > _LONGEST_NAME or not file.is_file():
+            raise web.HTTPNotFound
+        if self._in_frames:
+            ancestors = f"{_SCENE_ANCESTORS} {_OF_THIS_MACHINE}"
+        headers = {**_HEADERS, "Content-Security-Policy": policy.format(host=request.host, ancestors=ancestors)}
+        return web.Response(body=file.read_bytes(), content_type=kind, charset="utf-8", headers=headers)
 
     async def _meshcat_script(self, _request: web.Request) -> web.Response:
         return web.Response(body=meshcat_script(), content_type="text/javascript", charset="utf-8", headers=_HEADERS)
 
     async def _scene_socket(self, request: web.Request) -> web.WebSocketResponse:
-        """The scene's commands go out; what comes in is not looked at."""
+        """Send the scene's commands; messages of the browser are ignored."""
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
         await web_socket.prepare(request)
         viewer = _Viewer(web_socket, self._scene.everything())
@@ -230,13 +264,13 @@ class PageServer:
         return web_socket
 
     def _show(self, commands: list[Command]) -> None:
-        """Sends what changed in the scene to every browser that draws it, and never waits."""
+        """Send changes of the scene to every browser that draws it; return at once."""
         if self._viewers and self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._give, commands)
+            self._loop.call_soon_threadsafe(self._add, commands)
 
-    def _give(self, commands: list[Command]) -> None:
+    def _add(self, commands: list[Command]) -> None:
         for viewer in self._viewers:
-            viewer.give(commands)
+            viewer.add(commands)
 
     async def _web_socket(self, request: web.Request) -> web.WebSocketResponse:
         web_socket = web.WebSocketResponse(max_msg_size=_LONGEST_MESSAGE, heartbeat=_HEARTBEAT, compress=False)
@@ -259,27 +293,27 @@ class PageServer:
     def _enqueue(self, client: int, request: Request) -> None:
         try:
             self._requests.put_nowait((client, request))
-        except queue.Full:  # nobody moves that many sliders: it is lost, and the twin is not
+        except queue.Full:  # more than a person can cause: the request is dropped
             if isinstance(request, Gone):
                 self._requests.get_nowait()
                 self._requests.put_nowait((client, request))
 
-    async def _say_alive(self) -> None:
-        """Tells browsers again and again how long the twin's thread has been busy with something (s)."""
+    async def _report_alive(self) -> None:
+        """Send repeatedly how long ago the twin's thread has published (s)."""
         while True:
             await asyncio.sleep(_ALIVE)
             for client in self._clients.values():
-                client.give({"alive": f"{self._loop.time() - self._heard:.1f}"})
+                client.add({"alive": f"{self._loop.time() - self._published:.1f}"})
 
     def _distribute(self, texts: dict[str, str]) -> None:
-        self._heard = self._loop.time()
+        self._published = self._loop.time()
         self._latest |= texts
         for client in self._clients.values():
-            client.give(texts)
+            client.add(texts)
 
 
 class _Client:
-    """A connected browser and what it has yet to be sent."""
+    """A connected browser and its unsent texts."""
 
     def __init__(self, web_socket: web.WebSocketResponse, texts: dict[str, str]):
         self.socket = web_socket
@@ -287,12 +321,12 @@ class _Client:
         self._news = asyncio.Event()
         self._news.set()
 
-    def give(self, texts: dict[str, str]) -> None:
+    def add(self, texts: dict[str, str]) -> None:
         self._pending |= texts
         self._news.set()
 
     async def send(self) -> None:
-        """Sends what is pending, again and again; waits for a slow browser, and nobody waits for this."""
+        """Send what is pending until the connection ends; a slow browser delays only this."""
         while not self.socket.closed:
             await self._news.wait()
             self._news.clear()
@@ -305,7 +339,7 @@ class _Client:
 
 
 class _Viewer:
-    """A browser that draws the scene, and the commands that it has yet to be sent: the newest of each kind and path."""
+    """A browser that draws the scene and its unsent commands: the newest of each kind and path."""
 
     def __init__(self, web_socket: web.WebSocketResponse, everything: Commands):
         self.socket = web_socket
@@ -313,12 +347,12 @@ class _Viewer:
         self._news = asyncio.Event()
         self._news.set()
 
-    def give(self, commands: list[Command]) -> None:
+    def add(self, commands: list[Command]) -> None:
         self._pending.add(commands, keep_deletions=True)
         self._news.set()
 
     async def send(self) -> None:
-        """Sends what is pending, again and again; waits for a slow browser, and nobody waits for this."""
+        """Send what is pending until the connection ends; a slow browser delays only this."""
         while not self.socket.closed:
             await self._news.wait()
             self._news.clear()
@@ -329,20 +363,8 @@ class _Viewer:
                 return
 
 
-_STATIC_TYPES = {"html": "text/html", "css": "text/css", "js": "text/javascript", "svg": "image/svg+xml"}
-
-
 def meshcat_script() -> bytes:
-    """Meshcat's JavaScript, as it comes with Drake."""
+    """Return Drake's copy of Meshcat's JavaScript."""
     from pydrake.common import FindResourceOrThrow
 
     return Path(FindResourceOrThrow("drake/geometry/meshcat.js")).read_bytes()
-
-
-def _static_response(name: str, host: str, policy: str = _PAGE_POLICY) -> web.Response:
-    kind = _STATIC_TYPES.get(name.rpartition(".")[2])
-    file = resources.files("drake_twin.cockpit").joinpath("static", name)
-    if kind is None or "/" in name or len(name) > _LONGEST_NAME or not file.is_file():
-        raise web.HTTPNotFound
-    headers = {**_HEADERS, "Content-Security-Policy": policy.format(host=host)}
-    return web.Response(body=file.read_bytes(), content_type=kind, charset="utf-8", headers=headers)

@@ -1,10 +1,12 @@
-"""What the page shows of a twin, as plain data: what it is made of, and how it is at the moment."""
+"""What the page shows of a twin, as plain data: its structure, and its present state."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from typing import Any
 
 from drake_twin.cockpit.joint_commands import JointCommands, joint_slider
+from drake_twin.cockpit.overlay import overlay_kinds
+from drake_twin.cockpit.panel import panel_kinds
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.twin.twin import Twin
 
@@ -12,17 +14,18 @@ _DIGITS = 6
 
 
 def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displayed: bool) -> dict[str, Any]:
-    """What changes only when robots come and go: robots, controllers, sliders, drives, what the twin can do.
+    """Return what changes only when robots come and go: robots, controllers, sliders, drives, overlays, panels.
 
     Args:
-        twin: the twin.
-        commands: its sliders.
-        teleop: its drives.
-        only_displayed: whether there is no physics to show.
+        twin: The twin.
+        commands: Its sliders.
+        teleop: Its drives.
+        only_displayed: Whether the robots are displayed without physics.
     """
     return {
         "display_only": only_displayed,
-        "can": {name: hasattr(twin, name) for name in ("set_time_step", "spawn", "delete")},
+        "overlays": [{"name": kind.name, "label": kind.label, "hint": kind.hint} for kind in overlay_kinds().values()],
+        "panels": list(panel_kinds()),
         "robots": [
             {
                 "name": plan.name,
@@ -58,12 +61,12 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
 
 
 def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[str, Any]:
-    """What changes with time.
+    """Return what changes with time.
 
     Args:
-        twin: the twin.
-        commands: its sliders.
-        more: what others have to add at the top level.
+        twin: The twin.
+        commands: Its sliders.
+        more: More entries at the top level.
     """
     robots = {}
     for plan in twin.plans:
@@ -88,5 +91,5 @@ def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[
     }
 
 
-def _rounded(values: Any) -> list[float]:
+def _rounded(values: Iterable[float]) -> list[float]:
     return [round(float(value), _DIGITS) for value in values]

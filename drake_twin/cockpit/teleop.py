@@ -1,4 +1,4 @@
-"""Driving a base by keyboard or gamepad: a command holds only as long as the browser repeats it."""
+"""Driving a base by keyboard or gamepad: a command holds only while the browser repeats it."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,7 +7,7 @@ from drake_twin.errors import InputError
 from drake_twin.twin.twin import Twin
 
 _TWIST, _STAMPED = "geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"
-_FRAMES_WITHOUT_WORD = 15  # after half a second without a word from the browser the base is stopped
+_MOST_SILENT_FRAMES = 15  # half a second without a request from the browser, after which the base is stopped
 
 
 @dataclass
@@ -18,10 +18,13 @@ class _Driver:
 
 
 class Teleop:
-    """Publishes what drivers ask for, once a frame, and a standstill when they are gone.
+    """Publishes the requested velocities once a frame, and zero when the driver has gone.
 
     Args:
-        twin: the twin.
+        twin: The twin.
+
+    Attributes:
+        topics: Velocity topic → its robot and controller.
     """
 
     def __init__(self, twin: Twin):
@@ -34,36 +37,36 @@ class Teleop:
         self._drivers: dict[str, _Driver] = {}
 
     def drive(self, client: int, topic: str, velocities: tuple[float, float, float]) -> None:
-        """Takes a driver's word: forwards (m/s), to the left (m/s), turning left (rad/s).
+        """Set the velocities of a base: forward (m/s), to the left (m/s), turning left (rad/s).
 
         Raises:
-            InputError: the topic drives no base.
+            InputError: If the topic does not drive a base.
         """
         if topic not in self.topics:
-            raise InputError(f"{topic!r} drives no base", value=topic, valid=self.topics)
+            raise InputError(f"{topic!r} does not drive a base", value=topic, valid=self.topics)
         self._twin.silence(topic)
         self._drivers[topic] = _Driver(client, velocities)
 
     def leave(self, client: int) -> None:
-        """Stops what a client drove."""
+        """Stop the bases that a client drives."""
         for driver in self._drivers.values():
             if driver.client == client:
-                driver.silent_frames = _FRAMES_WITHOUT_WORD
+                driver.silent_frames = _MOST_SILENT_FRAMES
 
     def forget(self) -> None:
-        """Lets go of everything without a command, after a reset."""
+        """Forget all drivers without a command, after a reset."""
         self._drivers.clear()
 
     def publish(self) -> None:
-        """Publishes this frame's commands; nothing while time stands still.
+        """Publish this frame's commands, unless the twin is paused.
 
         Raises:
-            InputError: the twin refuses a command; its driver is let go.
+            InputError: If the twin refuses a command; its driver is forgotten.
         """
         if self._twin.paused:
             return
         for topic, driver in list(self._drivers.items()):
-            gone = driver.silent_frames >= _FRAMES_WITHOUT_WORD
+            gone = driver.silent_frames >= _MOST_SILENT_FRAMES
             velocities = (0.0, 0.0, 0.0) if gone else driver.velocities
             if gone or not any(velocities):
                 del self._drivers[topic]

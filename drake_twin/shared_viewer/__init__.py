@@ -1,1 +1,1 @@
-"""The page of several twins at once, drawn on a Meshcat server that outlives them."""
+"""A page that several twins share, drawn by a Meshcat server in a process of its own."""

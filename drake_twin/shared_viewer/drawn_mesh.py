@@ -1,4 +1,4 @@
-"""A mesh file as triangles with colours and textures, for viewers that cannot read the file themselves."""
+"""A mesh file as triangles with colors and textures, for viewers that cannot read the file."""
 
 import io
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-# Drake turns glTF from its y-up to z-up.
+# glTF is y-up; Drake turns it to z-up.
 _Y_UP_TO_Z_UP = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
 
 
@@ -17,13 +17,13 @@ class MeshPart:
     """The triangles of a mesh that share one material.
 
     Attributes:
-        vertices: (N, 3), in the mesh's frame (m).
-        normals: (N, 3), of unit length.
-        faces: (M, 3), rows of `vertices`.
-        color: red, green, blue and opacity from 0 to 1; None when the file does not say.
-        vertex_colors: (N, 3) from 0 to 1, if the file has them.
-        uv: (N, 2), where each vertex lies on the texture, from its lower left corner.
-        texture: a PNG file's bytes.
+        vertices: Vertices in the mesh's frame (m), shape (N, 3).
+        normals: Unit normals, shape (N, 3).
+        faces: Indices of vertices, shape (M, 3).
+        color: Red, green, blue and opacity from 0 to 1; None if the file does not define them.
+        vertex_colors: Colors from 0 to 1, shape (N, 3), if the file has them.
+        uv: Texture coordinates of the vertices from the lower left corner, shape (N, 2).
+        texture: The bytes of a PNG file.
     """
 
     vertices: np.ndarray
@@ -36,16 +36,16 @@ class MeshPart:
 
 
 def read_mesh(file: Path, scale: Sequence[float]) -> list[MeshPart]:
-    """Reads an OBJ (with its MTL) or glTF file.
+    """Read an OBJ (with its MTL) or glTF file.
 
     Args:
-        file: the file.
-        scale: along x, y and z of the mesh's frame.
+        file: The file.
+        scale: The scale along x, y and z of the mesh's frame.
 
     Raises:
-        ValueError: the file cannot be read, or holds no triangles.
+        ValueError: If the file cannot be read, or has no triangles.
     """
-    import trimesh  # a third of a second
+    import trimesh  # importing it takes a third of a second
 
     try:
         scene = trimesh.load_scene(file)
@@ -56,10 +56,10 @@ def read_mesh(file: Path, scale: Sequence[float]) -> list[MeshPart]:
             mesh = scene.geometry[name]
             if len(getattr(mesh, "faces", ())):
                 parts.append(_part(mesh, np.diag([*scale, 1.0]) @ turn @ X_MG))
-    except Exception as error:  # whatever a broken file makes the reader stumble over
+    except Exception as error:  # trimesh raises many kinds of errors for a broken file
         raise ValueError(" ".join(str(error).split()) or type(error).__name__) from error
     if not parts:
-        raise ValueError("it holds no triangles")
+        raise ValueError("it has no triangles")
     return parts
 
 
@@ -68,7 +68,7 @@ def _part(mesh: Any, transform: np.ndarray) -> MeshPart:
     normals = np.asarray(mesh.vertex_normals) @ np.linalg.inv(linear)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     faces = np.asarray(mesh.faces)
-    if np.linalg.det(linear) < 0:  # mirrored: the triangles would show their backs
+    if np.linalg.det(linear) < 0:  # a mirrored mesh: keep its triangles facing outward
         faces = faces[:, ::-1]
     color, texture, uv, vertex_colors = _look(mesh)
     return MeshPart(
@@ -83,7 +83,7 @@ def _part(mesh: Any, transform: np.ndarray) -> MeshPart:
 
 
 def _look(mesh: Any) -> tuple[Any, Any, Any, Any]:
-    """Colour, texture, texture coordinates and vertex colours."""
+    """Return color, texture, texture coordinates and vertex colors."""
     visual = mesh.visual
     if visual.kind == "vertex":
         return (1.0, 1.0, 1.0, 1.0), None, None, np.asarray(visual.vertex_colors)[:, :3] / 255.0

@@ -1,4 +1,4 @@
-"""What a shared page has of a twin, and the commands that take it from one frame to the next."""
+"""The commands that take a page from one frame of a twin to the next."""
 
 import logging
 from collections.abc import Hashable, Iterator
@@ -14,16 +14,16 @@ from drake_twin.shared_viewer.three_js import three_js_object
 
 _log = logging.getLogger(__name__)
 
-_MOVED = 1e-6  # m, or of a rotation matrix: what moved less since it was last sent is not sent
+_MOVED = 1e-6  # m, or in a rotation matrix; smaller motions since the last sent pose are not sent
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A moment of a twin.
+    """What to draw of a twin at one time.
 
     Attributes:
-        scene: its geometry.
-        poses: those of the scene's bodies in the world, (bodies, 4, 4).
+        scene: Its geometry.
+        poses: Poses of the scene's bodies in the world, shape (bodies, 4, 4).
     """
 
     scene: SharedScene
@@ -31,10 +31,13 @@ class Frame:
 
 
 class FrameSender:
-    """Knows what the server has, and makes the commands that are missing.
+    """Keeps track of what a page has, and creates the missing commands.
 
     Args:
-        folder: the path that holds everything.
+        folder: The path below which everything is drawn.
+
+    Attributes:
+        transforms: The number of poses in the last frame's commands.
     """
 
     def __init__(self, folder: str):
@@ -47,11 +50,11 @@ class FrameSender:
 
     @property
     def has_sent(self) -> bool:
-        """Whether the server has been given a frame."""
+        """Whether the commands of a frame were created."""
         return self._scene is not None
 
     def commands(self, frame: Frame) -> Iterator[Command]:
-        """The commands that take the page from the last frame to this one."""
+        """Yield the commands that take the page from the last frame to this one."""
         if frame.scene is not self._scene:
             yield from self._other_scene(frame.scene)
             moved = np.arange(len(frame.poses))
@@ -63,7 +66,7 @@ class FrameSender:
         yield from self._writer.commands(frame.poses, moved.tolist())
 
     def _other_scene(self, scene: SharedScene) -> Iterator[Command]:
-        """What is not on the page as it should be; a robot that stays is not drawn anew when another comes or goes."""
+        """Yield the commands for changed geometry; a robot that stays is not drawn again when another is added."""
         geometries = {geometry.path: _identity(geometry) for geometry in scene.geometries}
         folders = {folder for path in geometries for folder in _with_parents(path)}
         if self._scene is None:
@@ -86,12 +89,12 @@ class FrameSender:
 
 
 def _with_parents(path: str) -> list[str]:
-    """``a/b/c`` → ``a``, ``a/b``, ``a/b/c``."""
+    """Return a path after its parents: ``a/b/c`` → ``a``, ``a/b``, ``a/b/c``."""
     return list(accumulate(path.split("/"), lambda parent, name: f"{parent}/{name}"))
 
 
 def _identity(geometry: DrawnGeometry) -> Hashable:
-    """Equal for geometries that look the same."""
+    """Return a value that is equal for geometries that look the same."""
     source = getattr(geometry.shape, "source", None)
     file = Path(source().path()) if source is not None and source().is_path() else None
     changed = file.stat().st_mtime_ns if file is not None and file.exists() else 0

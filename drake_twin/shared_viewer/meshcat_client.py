@@ -1,8 +1,8 @@
-"""A connection to a ``meshcat-server`` that never makes its caller wait, whatever the server does.
+"""A client of a ``meshcat-server`` that never blocks its caller, whatever the server does.
 
-The client of the PyPI package waits for ever for a server that is absent or dead. This one has a thread of its own,
-which alone touches the socket. It keeps only the latest frame, sends what changed since the last one, and sends
-everything again to a server that comes back.
+The client of the PyPI package blocks forever if the server is absent or dead. This one has a thread of its own, which
+alone uses the socket. It keeps only the latest frame, sends what changed since the last one, and sends everything again
+to a server that has restarted.
 """
 
 import logging
@@ -18,17 +18,17 @@ from drake_twin.shared_viewer.meshcat_protocol import ASK_FOR_PAGE, Command
 
 _log = logging.getLogger(__name__)
 
-_MOST_UNANSWERED = 32  # commands on the way at once: waiting for each answer would cost a round trip a body
+_MOST_UNANSWERED = 32  # commands at once: one at a time would cost a round trip for each body
 
 
 @dataclass(frozen=True)
 class FrameCounts:
-    """What became of the frames.
+    """Counts of frames.
 
     Attributes:
-        offered: how many the simulation had.
-        sent: how many the server was given, as far as they changed.
-        transforms: how many poses were sent in all.
+        offered: The number of frames that the simulation has offered.
+        sent: The number of frames that were sent, as far as they changed.
+        transforms: The number of poses that were sent in all frames.
     """
 
     offered: int
@@ -37,7 +37,7 @@ class FrameCounts:
 
     @property
     def dropped(self) -> int:
-        """How many were overtaken by a later one, or had no server to go to."""
+        """The number of frames that a later one replaced, or that no server could receive."""
         return self.offered - self.sent
 
 
@@ -45,10 +45,10 @@ class MeshcatClient:
     """Sends frames to a server, from a thread of its own.
 
     Args:
-        url: the server's ZeroMQ address, for example ``tcp://127.0.0.1:6000``.
-        folder: the path on the page that holds everything.
-        on_page: is given the page's address when a server answers for the first time, in the client's thread.
-        patience: how long a connected server may stay silent before that is said (s).
+        url: The server's ZeroMQ address, for example ``tcp://127.0.0.1:6000``.
+        folder: The path on the page below which everything is drawn.
+        on_page: Called with the page's address, in the client's thread, when a server answers for the first time.
+        patience: How long a connected server may stay silent before a warning is logged (s).
     """
 
     def __init__(self, url: str, folder: str, on_page: Callable[[str], None], *, patience: float = 5.0):
@@ -61,33 +61,33 @@ class MeshcatClient:
         self._offered = self._sent = self._transforms = 0
         self._delivered = 0  # the number of the frame that the server has
         self._absent = False
-        self._end: float | None = None  # when to stop at the latest (s, monotonic)
+        self._end: float | None = None  # the latest time to stop at (s, monotonic)
         self._announced = False
         self._thread = threading.Thread(target=self._work, name="meshcat client", daemon=True)
         self._thread.start()
 
     @property
     def counts(self) -> FrameCounts:
-        """What became of the frames so far."""
+        """The counts of the frames so far."""
         with self._changed:
             return FrameCounts(self._offered, self._sent, self._transforms)
 
     def offer(self, frame: Frame) -> None:
-        """Hands over a frame, in place of one that is not on its way yet; returns at once."""
+        """Replace the pending frame; return at once."""
         with self._changed:
             self._latest = frame
             self._offered += 1
             self._changed.notify_all()
 
     def flush(self, timeout: float, *, wait_for_server: bool = False) -> bool:
-        """Waits until the server has the latest frame.
+        """Wait until the server has the latest frame.
 
         Args:
-            timeout: the longest wait (s).
-            wait_for_server: whether to wait for one that is absent, too.
+            timeout: The longest wait (s).
+            wait_for_server: Whether to wait for an absent server, too.
 
         Returns:
-            Whether it has.
+            Whether the server has it.
         """
         with self._changed:
             self._changed.wait_for(lambda: self._has_latest or (self._absent and not wait_for_server), timeout)
@@ -95,7 +95,7 @@ class MeshcatClient:
 
     @property
     def is_behind(self) -> bool:
-        """Whether there is a server, or may be one, that has not got the latest frame."""
+        """Whether a server, if it is not known to be absent, lacks the latest frame."""
         with self._changed:
             return not self._absent and not self._has_latest
 
@@ -104,17 +104,17 @@ class MeshcatClient:
         return not self._absent and self._delivered == self._offered
 
     def close(self, timeout: float) -> None:
-        """Sends the latest frame if a server takes it, and ends; what is on the page stays.
+        """Send the latest frame if a server receives it, and end; the page keeps what it shows.
 
         Args:
-            timeout: the longest wait (s).
+            timeout: The longest wait (s).
         """
         with self._changed:
             self._end = time.monotonic() + timeout
             self._changed.notify_all()
         self._thread.join(timeout + 0.5)
 
-    # --- the thread
+    # --- in the client's thread
 
     def _work(self) -> None:
         import zmq
@@ -126,37 +126,37 @@ class MeshcatClient:
                     with MeshcatConnection(context, self._url) as connection:
                         self._serve(connection)
                 except (NoServerError, zmq.ZMQError) as error:
-                    self._say_absent(str(error))
+                    self._note_absent(str(error))
                     with self._changed:
                         self._changed.wait_for(lambda: self._end is not None, timeout=RETRY / 1000)
         finally:
             context.destroy(linger=0)
 
     def _is_over(self) -> bool:
-        """Whether the thread is to end now: told to, and nothing left to send or nobody to send it to."""
+        """Return whether the thread must end now: `close` was called, and the latest frame is sent or cannot be."""
         with self._changed:
             if self._end is None:
                 return False
             return self._absent or self._has_latest or time.monotonic() > self._end
 
     def _serve(self, connection: MeshcatConnection) -> None:
-        """Connects and sends frames until the client is closed.
+        """Connect and send frames until the client is closed.
 
         Raises:
-            NoServerError: the server is gone.
+            NoServerError: If the server is gone.
         """
         start = time.monotonic()
         while not connection.is_open():
             if connection.has_failed or time.monotonic() - start > self._patience:
-                self._say_absent("no meshcat-server answers there")
+                self._note_absent("no meshcat-server answers there")
             if self._is_over():
                 return
         page = self._exchange(connection, [ASK_FOR_PAGE])
         if page is None:
             return
         if not page.startswith(b"http"):
-            raise NoServerError("what answers there is no meshcat-server")
-        self._say_present(page.decode(errors="replace"))
+            raise NoServerError("another program answers there, not a meshcat-server")
+        self._note_present(page.decode(errors="replace"))
         sender = FrameSender(self._folder)
         while not self._is_over():
             with self._changed:
@@ -164,7 +164,7 @@ class MeshcatClient:
                     lambda: self._delivered != self._offered or self._end is not None, timeout=POLL / 1000
                 )
                 frame, number = self._latest, self._offered
-            connection.look_after()
+            connection.check()
             if frame is None or (number == self._delivered and sender.has_sent):
                 continue
             if self._exchange(connection, sender.commands(frame)) is None:
@@ -176,20 +176,20 @@ class MeshcatClient:
                 self._changed.notify_all()
 
     def _exchange(self, connection: MeshcatConnection, commands: Iterable[Command]) -> bytes | None:
-        """Sends commands, a few ahead of their answers.
+        """Send commands, a few ahead of their answers.
 
         Returns:
-            The last answer; None when the client is closed meanwhile.
+            The last answer; None if the client is closed meanwhile.
 
         Raises:
-            NoServerError: the server is gone.
+            NoServerError: If the server is gone.
         """
-        waiting = iter(commands)
+        pending = iter(commands)
         unanswered, at_end, answer = 0, False, b""
         heard: float | None = time.monotonic()
         while unanswered or not at_end:
             while unanswered < _MOST_UNANSWERED and not at_end:
-                command = next(waiting, None)
+                command = next(pending, None)
                 at_end = command is None
                 if command is not None:
                     connection.send(command)
@@ -200,11 +200,11 @@ class MeshcatClient:
                 unanswered -= 1
                 heard = time.monotonic()
                 if answer.startswith(b"error"):
-                    _log.warning("the meshcat-server at %s says: %s", self._url, answer.decode(errors="replace"))
+                    _log.warning("the meshcat-server at %s reports: %s", self._url, answer.decode(errors="replace"))
             if unanswered and heard is not None and time.monotonic() - heard > self._patience:
-                heard = None  # said once
+                heard = None  # warn once
                 _log.warning(
-                    "the meshcat-server at %s has not answered for %g s; the simulation goes on",
+                    "the meshcat-server at %s has not answered for %g s; the simulation continues",
                     self._url,
                     self._patience,
                 )
@@ -212,39 +212,39 @@ class MeshcatClient:
                 return None
         return answer
 
-    def _say_absent(self, reason: str) -> None:
+    def _note_absent(self, reason: str) -> None:
         with self._changed:
             was_absent, self._absent = self._absent, True
             self._changed.notify_all()
         if not was_absent:
             _log.warning(
-                "the shared page at %s: %s. The simulation goes on, and is shown once a server is there"
+                "the shared page at %s: %s. The simulation continues, and is shown once a server runs there"
                 " (meshcat-server --zmq-url %s)",
                 self._url,
                 reason,
                 self._url,
             )
 
-    def _say_present(self, page: str) -> None:
+    def _note_present(self, page: str) -> None:
         with self._changed:
             was_absent, self._absent = self._absent, False
             self._delivered = 0 if was_absent else self._delivered
         if self._announced:
-            _log.warning("the shared page at %s is back, and shows the twin again", self._url)
+            _log.warning("the shared page at %s is back and shows the twin again", self._url)
             return
         self._announced = True
         address = _as_seen_from_here(page, self._url)
         self._on_page(address)
         port = urlsplit(address).port
         _log.warning(
-            "meshcat-server serves its page%s on every interface of its machine, to whoever reaches it:"
-            " let a firewall close that port where others share the network",
+            "meshcat-server serves its page%s on every interface of its machine, without access control:"
+            " close that port by a firewall where others share the network",
             "" if port is None else f" (port {port})",
         )
 
 
 def _as_seen_from_here(page: str, url: str) -> str:
-    """The page's address, with the server's machine in place of what that machine calls itself."""
+    """Return the page's address with the host of the server's address, which may call itself otherwise."""
     host = urlsplit(url).hostname
     if host in (None, "127.0.0.1", "localhost"):
         return page

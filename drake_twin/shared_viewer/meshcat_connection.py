@@ -1,31 +1,37 @@
-"""A ZeroMQ socket to a ``meshcat-server`` that sends ahead of the answers and notices when the server goes."""
+"""A ZeroMQ socket to a ``meshcat-server`` that sends ahead of the answers and detects a lost server."""
 
 import contextlib
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 from drake_twin.shared_viewer.meshcat_protocol import Command
+
+if TYPE_CHECKING:
+    import zmq
 
 POLL = 20  # ms
 RETRY = 200  # ms between attempts to connect
 _LONGEST_RETRY = 1000  # ms
-_HEARTBEAT = 1000  # ms: a machine that vanished says no goodbye
+_HEARTBEAT = 1000  # ms: a machine that fails does not close its connections
 _HEARTBEAT_TIMEOUT = 4000  # ms
 
 
 class NoServerError(Exception):
-    """The connection broke."""
+    """The connection to a server is lost, or cannot be made."""
 
 
 class MeshcatConnection:
-    """A socket that sends ahead of the answers, with a watch on the connection below it.
+    """A socket that sends ahead of the answers, and a monitor of its connection; a context manager that closes both.
 
     Args:
-        context: the ``zmq.Context``.
-        url: the server's address.
+        context: The ZeroMQ context.
+        url: The server's address.
+
+    Attributes:
+        has_failed: Whether an attempt to connect has failed.
     """
 
-    def __init__(self, context: Any, url: str):
+    def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", url: str):
         import zmq
 
         self._zmq = zmq
@@ -49,15 +55,15 @@ class MeshcatConnection:
         self._socket.close(linger=0)
 
     def is_open(self) -> bool:
-        """Waits a moment; whether a server has shaken hands."""
-        self.look_after(POLL)
+        """Wait up to 20 ms; return whether the handshake with a server has succeeded."""
+        self.check(POLL)
         return self._is_open
 
-    def look_after(self, timeout: int = 0) -> None:
-        """Takes note of what happened to the connection, for at most ``timeout`` ms.
+    def check(self, timeout: int = 0) -> None:
+        """Process the events of the connection, waiting for at most ``timeout`` ms.
 
         Raises:
-            NoServerError: an open connection broke.
+            NoServerError: If an open connection was lost.
         """
         from zmq.utils.monitor import recv_monitor_message
 
@@ -73,18 +79,18 @@ class MeshcatConnection:
             timeout = 0
 
     def send(self, command: Command) -> None:
-        """Sends without waiting; there are never enough messages on the way to fill the queue."""
+        """Send a command and return at once; the queue is longer than the number of unanswered commands."""
         self._socket.send_multipart((b"", *command), flags=self._zmq.NOBLOCK)
 
     def answers(self) -> Iterator[bytes]:
-        """Waits a moment for answers, and yields those that are there.
+        """Wait up to 20 ms for answers, and yield them.
 
         Raises:
-            NoServerError: the connection broke.
+            NoServerError: If the connection was lost.
         """
         if self._socket.poll(POLL):
             with contextlib.suppress(self._zmq.Again):
                 while True:
                     yield self._socket.recv_multipart(flags=self._zmq.NOBLOCK)[-1]
         else:
-            self.look_after()
+            self.check()

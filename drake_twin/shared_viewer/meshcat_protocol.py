@@ -1,4 +1,4 @@
-"""The commands that a ``meshcat-server`` takes, as the frames of a ZeroMQ message each; it answers each with ``ok``."""
+"""The commands of a ``meshcat-server``, each as the frames of a ZeroMQ message; it answers each with ``ok``."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import umsgpack
 
-ASK_FOR_PAGE = (b"url",)  # the answer is the address of the page
+ASK_FOR_PAGE = (b"url",)  # answered with the address of the page
 
 Command = tuple[bytes, ...]
 
@@ -15,33 +15,33 @@ _ARRAY_OF_16 = b"\xdc\x00\x10"
 
 
 def set_object(path: str, three_js: dict[str, Any]) -> Command:
-    """Puts an object at a path, in place of the one that is there."""
+    """Return the command that puts an object at a path, in place of the one there."""
     return _command("set_object", path, {"object": three_js})
 
 
 def delete(path: str) -> Command:
-    """Removes a path and all below it."""
+    """Return the command that deletes a path and all below it."""
     return _command("delete", path, {})
 
 
-def set_property(path: str, name: str, value: Any) -> Command:
-    """Sets a property of three.js at a path."""
+def set_property(path: str, name: str, value: object) -> Command:
+    """Return the command that sets a property of three.js at a path."""
     return _command("set_property", path, {"property": name, "value": value})
 
 
 def set_transform(path: str, matrix: np.ndarray) -> Command:
-    """Puts a path somewhere in the one above it (4x4)."""
+    """Return the command that sets the pose of a path in its parent (4x4)."""
     return next(TransformWriter([path]).commands(matrix[np.newaxis], [0]))
 
 
 class TransformWriter:
-    """Writes the poses of the same paths again and again.
+    """Writes the poses of the same paths repeatedly.
 
-    MessagePack in Python takes a hundred times as long for the sixteen numbers, and would hold up the simulation's
+    MessagePack in Python takes a hundred times as long for the sixteen numbers, and would delay the simulation's
     thread, which shares the interpreter.
 
     Args:
-        paths: the paths.
+        paths: The paths.
     """
 
     def __init__(self, paths: Sequence[str]):
@@ -49,11 +49,11 @@ class TransformWriter:
         self._heads = [self._head(path) for path in paths]
 
     def commands(self, poses: np.ndarray, which: Sequence[int]) -> Iterator[Command]:
-        """The commands that set poses.
+        """Yield the commands that set poses.
 
         Args:
-            poses: (paths, 4, 4).
-            which: the rows to write.
+            poses: Poses of all paths in their parents, shape (paths, 4, 4).
+            which: The rows to write.
         """
         numbers = np.empty((len(which), 16), dtype=_FLOAT64)
         numbers["mark"] = 0xCB

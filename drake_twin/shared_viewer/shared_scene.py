@@ -1,4 +1,4 @@
-"""What of a twin a viewer outside this process draws: the bodies' illustration geometry, and the bodies' poses."""
+"""What a viewer outside this process draws of a twin: its bodies' illustration geometry, and their poses."""
 
 import weakref
 from collections.abc import Container
@@ -12,7 +12,7 @@ from pydrake.math import RigidTransform
 
 from drake_twin.twin.twin import Twin
 
-WORLD = "world"  # the folder of what never moves
+WORLD = "world"  # the folder of fixed geometry
 
 _DEFAULT_COLOR = Rgba(0.9, 0.9, 0.9, 1.0)
 _GROUND_COLOR = Rgba(0.74, 0.77, 0.74, 1.0)
@@ -26,10 +26,10 @@ class DrawnGeometry:
     """A geometry on a body.
 
     Attributes:
-        path: body and geometry, for example ``robot_1/base_link/body``.
+        path: Body and geometry, for example ``robot_1/base_link/body``.
         shape: Drake's shape, a copy that does not keep the scene graph alive.
-        color: red, green, blue and opacity, each from 0 to 1; a mesh's own materials come first.
-        X_BG: the geometry's pose in the body's frame, as a 4x4 matrix.
+        color: Red, green, blue and opacity from 0 to 1; a mesh's own materials have precedence.
+        X_BG: The geometry's pose in the body's frame, as a 4x4 matrix.
     """
 
     path: str
@@ -42,11 +42,11 @@ class SharedScene:
     """The geometry of a twin's bodies, read once, and their poses, read each frame.
 
     Attributes:
-        geometries: what is drawn.
-        bodies: the paths of the bodies that may move, in the order of `poses`.
+        geometries: The geometries to draw.
+        bodies: The paths of the bodies that may move, in the order of `poses`.
 
     Args:
-        twin: the twin. It is not kept alive, and neither is its diagram.
+        twin: The twin. Neither the twin nor its diagram is kept alive.
     """
 
     def __init__(self, twin: Twin):
@@ -80,11 +80,11 @@ class SharedScene:
         self.geometries = tuple(geometries.values())
 
     def shows(self, twin: Twin) -> bool:
-        """Whether this is still the twin's scene: a robot that comes or goes makes another."""
+        """Return whether this is still the twin's scene; it is not after a robot was added or deleted."""
         return self._diagram() is twin.diagram
 
     def poses(self, twin: Twin) -> np.ndarray:
-        """The bodies' poses in the world at the present time, as 4x4 matrices: an array of (bodies, 4, 4)."""
+        """Return the present poses of the bodies in the world as 4x4 matrices, shape (bodies, 4, 4)."""
         scene_graph = _scene_graph(twin)
         query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(twin.context))
         poses = [query.GetPoseInWorld(frame).GetAsMatrix4() for frame in self._frames]
@@ -97,7 +97,7 @@ def _scene_graph(twin: Twin) -> SceneGraph:
 
 
 def _body_path(frame: str) -> str:
-    """``model/body``: two levels and never more, so that no body's folder lies in another's and moves with it."""
+    """Return ``model/body``: two levels only, so that no body's path is below another's and moves with it."""
     model, _, body = frame.replace("/", "_").rpartition("::")
     return f"{model.replace('::', '.') or WORLD}/{body}"
 
@@ -108,7 +108,7 @@ def _unused(path: str, taken: Container[str]) -> str:
 
 
 def place_of_robots(twin: Twin) -> tuple[np.ndarray, float]:
-    """The middle of all robots (x, y, z in the world, m), and how far they reach from there (m)."""
+    """Return the center of all robots (x, y, z in the world, m), and their largest distance from it plus 1 m."""
     positions = np.array([twin.robot_state(robot).base_pose[:3] for robot in twin.robots]).reshape(-1, 3)
     if not len(positions):
         return np.zeros(3), 1.0
@@ -117,7 +117,7 @@ def place_of_robots(twin: Twin) -> tuple[np.ndarray, float]:
 
 
 def _ground(path: str, center: np.ndarray, reach: float) -> DrawnGeometry:
-    """The ground of a world that has no picture of it."""
+    """Return a ground for a world whose own has no illustration geometry."""
     side = max(_GROUND_SIDE, 4.0 * reach)
     height = -_GROUND_THICKNESS / 2 - _BELOW_THE_GRID
     color = (_GROUND_COLOR.r(), _GROUND_COLOR.g(), _GROUND_COLOR.b(), _GROUND_COLOR.a())

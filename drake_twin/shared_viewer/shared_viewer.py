@@ -1,6 +1,6 @@
-"""Shows twins on the page of a ``meshcat-server``, beside those of other processes, each below a folder of its own.
+"""Shows twins on the page of a ``meshcat-server`` with those of other processes, each below a folder of its own.
 
-The page outlives the twins. The stock server is started with ``meshcat-server --zmq-url tcp://127.0.0.1:6000``.
+The page outlives the twins. ``meshcat-server --zmq-url tcp://127.0.0.1:6000`` starts the stock server.
 """
 
 import time
@@ -18,12 +18,12 @@ _FOLDER = "/twins"
 
 @dataclass(frozen=True)
 class ViewerCost:
-    """What the frames cost the thread that simulates.
+    """The cost of the frames in the simulation's thread.
 
     Attributes:
-        frames: how many there were.
-        wall_time: what they took in all (s), the reading of the geometry included.
-        slowest: what the slowest took (s), the first one apart, which reads the geometry.
+        frames: The number of frames.
+        wall_time: The time of all frames (s), including the reading of the geometry.
+        slowest: The time of the slowest frame (s), except those that read the geometry.
     """
 
     frames: int = 0
@@ -34,17 +34,17 @@ class ViewerCost:
 class SharedViewer:
     """A twin's place on a shared page.
 
-    Drawing never waits for the server. Without one the simulation goes on, and the log says so once; a server that
-    comes back is sent everything again.
+    Drawing never waits for the server. Without a server the simulation continues, with one warning in the log; a server
+    that restarts is sent everything again.
 
     Args:
-        url: the server's ZeroMQ address.
-        name: the twin's folder on the page.
-        on_page: is given the page's address when the server first answers, in a thread of the viewer's own.
-        patience: how long a connected server may stay silent before the log says so (s).
+        url: The server's ZeroMQ address.
+        name: The twin's folder on the page.
+        on_page: Called with the page's address, in a thread of the viewer's own, when the server first answers.
+        patience: How long a connected server may stay silent before a warning is logged (s).
 
     Raises:
-        InputError: the address or the name cannot be used.
+        InputError: If the address or the name cannot be used.
     """
 
     def __init__(self, url: str, name: str, on_page: Callable[[str], None] = lambda _: None, *, patience: float = 5.0):
@@ -56,11 +56,11 @@ class SharedViewer:
 
     @property
     def counts(self) -> FrameCounts:
-        """What became of the frames so far."""
+        """The counts of the frames so far."""
         return self._client.counts
 
     def draw(self, twin: Twin) -> None:
-        """Shows a twin's present state; it may be another twin than the last time, or have other robots."""
+        """Show a twin's present state; it may be another twin than in the last call, or have other robots."""
         start = time.perf_counter()
         is_known = self._scene is not None and self._scene.shows(twin)
         if self._scene is None or not is_known:
@@ -71,26 +71,26 @@ class SharedViewer:
         self.cost = ViewerCost(cost.frames + 1, cost.wall_time + spent, slowest)
 
     def flush(self, timeout: float, *, wait_for_server: bool = False) -> bool:
-        """Waits until the page has the latest state.
+        """Wait until the page has the latest state.
 
         Args:
-            timeout: the longest wait (s).
-            wait_for_server: whether to wait for a server that is absent, too.
+            timeout: The longest wait (s).
+            wait_for_server: Whether to wait for an absent server, too.
 
         Returns:
-            Whether it has; False at once where there is no server, unless one is waited for.
+            Whether the page has it. Without a server it is False at once, unless ``wait_for_server`` is set.
         """
         return self._client.flush(timeout, wait_for_server=wait_for_server)
 
     @property
     def is_behind(self) -> bool:
-        """Whether there is a server, or may be one, that has not got the latest state."""
+        """Whether a server, if it is not known to be absent, lacks the latest state."""
         return self._client.is_behind
 
     def close(self, timeout: float = 1.5) -> None:
-        """Sends the latest state and ends; what is on the page stays there.
+        """Send the latest state and end; the page keeps what it shows.
 
         Args:
-            timeout: the longest wait for a server that is there (s).
+            timeout: The longest wait for a connected server (s).
         """
         self._client.close(timeout)

@@ -1,6 +1,6 @@
 """Drake's shapes as the JSON of three.js, which the pages of PyPI's meshcat read.
 
-three.js measures a cylinder along y and puts matrices column by column; arrays travel as MessagePack extensions.
+A cylinder of three.js is along y, its matrices are column-major, and arrays are sent as MessagePack extensions.
 """
 
 import base64
@@ -19,6 +19,7 @@ from pydrake.geometry import (
     HalfSpace,
     Mesh,
     MeshcatCone,
+    Shape,
     Sphere,
 )
 
@@ -28,21 +29,21 @@ from drake_twin.shared_viewer.shared_scene import DrawnGeometry
 _FLOAT32, _UINT32 = ("Float32Array", 0x17), ("Uint32Array", 0x16)
 _DOUBLE_SIDE = 2
 _REPEAT = 1000
-_HALF_SPACE_SIDE = 100.0  # m: as far as a viewer draws what has no end
+_HALF_SPACE_SIDE = 100.0  # m: as large as a viewer draws an infinite plane
 _HALF_SPACE_THICKNESS = 0.01  # m
 _ROUND = {"widthSegments": 32, "heightSegments": 16}
-# From z, along which Drake measures, to y.
+# From the z axis of Drake's shapes to the y axis of three.js'.
 _Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
 
 
 def three_js_object(geometry: DrawnGeometry) -> dict[str, Any]:
-    """A geometry as three.js' object format, version 4.5.
+    """Return a geometry in three.js' object format, version 4.5.
 
     Args:
-        geometry: the geometry; the object stands in its body's frame.
+        geometry: The geometry; the object is in its body's frame.
 
     Raises:
-        ValueError: a mesh that cannot be read, or a shape that no viewer draws.
+        ValueError: If a mesh cannot be read, or the shape cannot be drawn.
     """
     writer = _Writer(geometry.path)
     shape = geometry.shape
@@ -59,8 +60,8 @@ def three_js_object(geometry: DrawnGeometry) -> dict[str, Any]:
     return writer.document(children, geometry.X_BG)
 
 
-def _primitives(shape: Any) -> list[tuple[dict[str, Any], np.ndarray]]:
-    """The geometries that make up a shape, each with its matrix in the shape's frame."""
+def _primitives(shape: Shape) -> list[tuple[dict[str, Any], np.ndarray]]:
+    """Return the geometries of a shape, each with its matrix in the shape's frame."""
     match shape:
         case Box():
             return [(_box(shape.width(), shape.depth(), shape.height()), np.eye(4))]
@@ -80,10 +81,10 @@ def _primitives(shape: Any) -> list[tuple[dict[str, Any], np.ndarray]]:
         case HalfSpace():
             plate = _box(_HALF_SPACE_SIDE, _HALF_SPACE_SIDE, _HALF_SPACE_THICKNESS)
             return [(plate, _raised(np.eye(4), -_HALF_SPACE_THICKNESS / 2))]
-        case MeshcatCone():  # its tip at the origin
+        case MeshcatCone():  # its tip is at the origin
             stretch = np.diag([shape.a(), shape.b(), 1.0, 1.0])
             return [(_cylinder(1.0, 0.0, shape.height()), stretch @ _raised(_Y_TO_Z, shape.height() / 2))]
-    raise ValueError(f"a {type(shape).__name__} is not drawn")
+    raise ValueError(f"a {type(shape).__name__} cannot be drawn")
 
 
 def _box(width: float, depth: float, height: float) -> dict[str, Any]:
@@ -106,8 +107,8 @@ def _raised(matrix: np.ndarray, height: float) -> np.ndarray:
     return raised
 
 
-def _hull(shape: Any) -> MeshPart:
-    """The faces of a convex hull, flat: each has vertices of its own."""
+def _hull(shape: Convex) -> MeshPart:
+    """Return the faces of a convex hull, flat-shaded: each has vertices of its own."""
     hull = shape.GetConvexHull()
     vertices: list[Any] = []
     normals: list[Any] = []
@@ -124,9 +125,9 @@ def _hull(shape: Any) -> MeshPart:
 
 
 class _Writer:
-    """Collects what a three.js document lists apart: geometries, materials, textures, images.
+    """Collects the lists of a three.js document: geometries, materials, textures, images.
 
-    Identifiers follow from the path: what has not changed is sent with the same bytes, which the server knows again.
+    Identifiers follow from the path, so that an unchanged object is sent with the same bytes, which the server detects.
     """
 
     def __init__(self, path: str):
@@ -164,7 +165,7 @@ class _Writer:
         return self.mesh(geometry, matrix, self.material(part.color or color, **more))
 
     def material(self, color: tuple[float, float, float, float], **more: Any) -> str:
-        """Adds a material, if it is another; returns its identifier."""
+        """Add a material if it is new; return its identifier."""
         red, green, blue = (round(255 * min(max(channel, 0.0), 1.0)) for channel in color[:3])
         material = {
             "type": "MeshPhongMaterial",

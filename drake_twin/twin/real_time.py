@@ -2,27 +2,54 @@
 
 import time as wall_clock
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import floor
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from drake_twin.twin.schedule import step_at
 
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
 
-_FRAME = 1 / 30  # the page and the wall clock are looked after this often (s)
+_FRAME = 1 / 30  # s of wall time between two frames
 _MOST_STEPS_A_FRAME = 10_000
-_MOST_BEHIND = 0.25  # wall time (s) that is made up for when the processor was away, with a browser that renders say
-_SLICE = 0.01  # simulated s between two looks at the wall clock of a run that never waits
+_MOST_BEHIND = 0.25  # s of wall time that is caught up after the processor was busy elsewhere, as with a browser
+_SLICE = 0.01  # s of simulation time between two looks at the wall clock in a run that never waits
+
+
+@dataclass
+class Frames:
+    """The frames of `Twin.run`.
+
+    Attributes:
+        callbacks: Functions that `Twin.run` calls each frame, before ``each_frame``, and once more when it ends. They
+            are called between steps, so that they may do anything but advance the twin.
+        are_running: Whether `Twin.run` is executing.
+    """
+
+    callbacks: list[Callable[[], object]] = field(default_factory=list)
+    are_running: bool = False
 
 
 def run_in_real_time(
-    twin: "Twin", until: float | None, each_frame: Callable[[], bool], *, as_fast_as_possible: bool
+    twin: "Twin", until: float | None, each_frame: Callable[[], bool | None], *, as_fast_as_possible: bool
 ) -> None:
-    """As `Twin.run`, whose arguments these are."""
+    """Run a twin frame by frame; `Twin.run` documents the arguments."""
+    twin.frames.are_running = True
+    try:
+        _run(twin, until, each_frame, as_fast_as_possible=as_fast_as_possible)
+    finally:
+        twin.frames.are_running = False
+
+
+def _run(
+    twin: "Twin", until: float | None, each_frame: Callable[[], bool | None], *, as_fast_as_possible: bool
+) -> None:
     frame_start = wall_clock.perf_counter()
     owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
-    while not _is_over(twin, until) and each_frame():
+    while _begin_frame(twin, until, each_frame):
         twin.draw()
         if as_fast_as_possible and not twin.paused:
             _advance_for(twin, _FRAME, until)
@@ -37,12 +64,22 @@ def run_in_real_time(
     twin.draw()
 
 
+def _begin_frame(twin: "Twin", until: float | None, each_frame: Callable[[], bool | None]) -> bool:
+    """Call what each frame calls; return whether the run continues."""
+    for callback in tuple(twin.frames.callbacks):
+        callback()
+    if _is_over(twin, until):
+        return False
+    answer = each_frame()
+    return not isinstance(answer, bool | np.bool_) or bool(answer)
+
+
 def _is_over(twin: "Twin", until: float | None) -> bool:
     return until is not None and twin.step_count >= step_at(until, twin.time_step)
 
 
 def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
-    """Advances by some steps, and no further than to the end."""
+    """Advance by a number of steps, but not past the end."""
     target = twin.step_count + steps
     if until is not None:
         target = min(target, step_at(until, twin.time_step))
@@ -51,7 +88,7 @@ def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
 
 
 def _advance_for(twin: "Twin", wall_time: float, until: float | None) -> None:
-    """Advances for about so much wall time (s)."""
+    """Advance for about a span of wall time (s)."""
     start = wall_clock.perf_counter()
     while not twin.paused and not _is_over(twin, until):
         _advance_by(twin, max(1, round(_SLICE / twin.time_step)), until)

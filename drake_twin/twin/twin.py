@@ -27,7 +27,7 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.clock import is_number
 from drake_twin.twin.controller_manager import ControllerManager
 from drake_twin.twin.entities import EntityState, entity_state, make_wrench, set_entity_state, set_joint_positions
-from drake_twin.twin.real_time import run_in_real_time
+from drake_twin.twin.real_time import Frames, run_in_real_time
 from drake_twin.twin.recording import Recorder, Recording, recorded
 from drake_twin.twin.schedule import meeting_step
 from drake_twin.twin.session import Session
@@ -556,18 +556,24 @@ class Twin:
             stepper.paused = stepper.paused or was_paused
         return clock.time
 
+    @functools.cached_property
+    def frames(self) -> Frames:
+        """The frames of `run`; ``frames.callbacks`` lists functions to call at each, about 30 times a second."""
+        return Frames()
+
     def run(
         self,
         until: float | None = None,
         *,
-        each_frame: Callable[[], bool] = lambda: True,
+        each_frame: Callable[[], bool | None] = lambda: None,
         as_fast_as_possible: bool = False,
     ) -> None:
         """Run in real time (times ``real_time_rate``) until a simulation time, or until stopped.
 
         Args:
             until: The simulation time to end at (s); None for no end.
-            each_frame: Called about 30 times a second between steps, also while paused; False ends the run.
+            each_frame: Called about 30 times a second between steps, also while paused. The run ends when it returns
+                False, and continues when it returns anything else, such as None.
             as_fast_as_possible: Ignore ``real_time_rate`` and never wait.
 
         Raises:

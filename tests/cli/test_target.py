@@ -97,7 +97,7 @@ def test_required_arguments_without_a_value_are_listed(tmp_path):
 
 @pytest.mark.parametrize("option", [("--robots", 2), ("--robot", "rover")])
 def test_a_launch_file_says_itself_which_robots_there_are(option):
-    with pytest.raises(InputError, match="--robots and --robot do not go with it"):
+    with pytest.raises(InputError, match="cannot be combined with --robots or --robot"):
         target(ROVERS, *option)
 
 

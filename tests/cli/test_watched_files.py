@@ -84,32 +84,32 @@ def test_a_file_that_fails_to_be_read_is_watched(file):
 
 def test_a_change_is_told_once(file):
     watch = Watch(read(file))
-    assert watch.changed() is None
+    assert watch.next_change() is None
     file.write_text("longer")
-    assert (watch.changed(), watch.changed()) == (file, None)
+    assert (watch.next_change(), watch.next_change()) == (file, None)
 
 
 def test_a_change_between_reading_and_watching_is_told(file):
     files = read(file)
     file.write_text("edited while the twin is built")
-    assert Watch(files).changed() == file
+    assert Watch(files).next_change() == file
 
 
 def test_a_change_of_the_same_length_and_a_file_that_goes_and_comes_are_told(file):
     watch = Watch(read(file))
     os.utime(file, ns=(1, 1))
-    assert watch.changed() == file
+    assert watch.next_change() == file
     file.unlink()
-    assert watch.changed() == file
-    assert watch.changed() is None
+    assert watch.next_change() == file
+    assert watch.next_change() is None
     file.write_text("again")
-    assert watch.changed() == file
+    assert watch.next_change() == file
 
 
 def test_breaking_off_names_the_file(file):
     watch = Watch(read(file))
-    assert not watch.breaks_off()
+    assert not watch.poll()
     watch = Watch(watch.files)
     file.write_text("longer")
-    assert watch.breaks_off()
-    assert (watch.is_broken_off, watch.broken_off_by) == (True, file)
+    assert watch.poll()
+    assert (watch.has_changed, watch.changed_file) == (True, file)

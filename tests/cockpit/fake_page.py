@@ -40,7 +40,7 @@ class FakePage:
         """Asks, and lets the twin's thread obey."""
         for request in requests:
             self.server.ask(request, client)
-        self.cockpit.obey()
+        self.cockpit.process_requests()
 
     def frames(self, until, most=600):
         """Runs frame by frame, as the program does, until something holds."""
@@ -49,7 +49,7 @@ class FakePage:
         def each_frame():
             nonlocal count
             count += 1
-            self.cockpit.obey()
+            self.cockpit.process_requests()
             return not until() and count < most
 
         self.twin.run(each_frame=each_frame, as_fast_as_possible=not self.twin.paused)
@@ -58,8 +58,8 @@ class FakePage:
     @property
     def state(self):
         """The last snapshot; two frames make sure of one."""
-        self.cockpit.obey()
-        self.cockpit.obey()
+        self.cockpit.process_requests()
+        self.cockpit.process_requests()
         return self.server.told["state"]
 
     @property

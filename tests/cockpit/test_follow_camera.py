@@ -57,6 +57,6 @@ def test_while_nobody_is_followed_nothing_is_sent(followed):
 
 def test_a_robot_that_is_not_there_cannot_be_followed(followed):
     _, camera, twin = followed
-    with pytest.raises(InputError, match="there is no robot 'robot_9'"):
+    with pytest.raises(InputError, match="robot 'robot_9'"):
         camera.follow("robot_9", twin)
     assert camera.robot == ""

@@ -5,7 +5,7 @@ from drake_twin.cockpit.message_log import MessageLog
 
 def test_records_become_lines_with_level_and_simulation_time():
     log = MessageLog()
-    log.say("not started", "rviz2")
+    log.add("not started", "rviz2")
     log.time = 1.5
     log.handle(logging.LogRecord("drake_twin.x", logging.ERROR, "", 0, "it %s", ("broke",), None))
     first, last = log.as_plain()
@@ -16,12 +16,12 @@ def test_records_become_lines_with_level_and_simulation_time():
 def test_a_line_that_comes_again_is_counted_and_the_oldest_are_dropped():
     log = MessageLog()
     for _ in range(5):
-        log.say("warning", "again")
+        log.add("warning", "again")
     (line,) = log.as_plain()
     assert line["times"] == 5
     version = log.version
     for number in range(300):
-        log.say("warning", str(number))
+        log.add("warning", str(number))
     assert log.version > version
     lines = log.as_plain()
     assert len(lines) == 200

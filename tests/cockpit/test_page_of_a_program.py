@@ -12,7 +12,7 @@ import threading
 from urllib.parse import urlsplit
 
 import pytest
-from test_page_in_browser import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
+from browser import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
 
 BAD = [b"\x91", b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 65536, b"{", b'{"do":"Pause"}', b"\x00" * 1000]
 
@@ -119,7 +119,7 @@ def test_no_port_of_the_program_answers_whoever_has_no_token(start, tmp_path):
 def test_a_page_that_other_machines_can_open_is_said_to_be_and_has_a_token_of_its_own(start):
     first = start("--host", "0.0.0.0", "--port", 7392)
     _, err = first.end()
-    assert "open to other machines: whoever has this address sees and commands the robots" in err
+    assert "open to other machines: anyone with this address sees and commands the robots" in err
     assert start("--host", "0.0.0.0", "--port", 7392).url != first.url
 
 
@@ -217,7 +217,7 @@ def test_the_page_says_that_the_network_is_cut_and_works_when_it_is_back(tab):
     def frames(until, most=900):
         for _ in range(most):
             twin.step(30)
-            cockpit.obey()
+            cockpit.process_requests()
             if until():
                 return
         raise AssertionError(f"not within {most} frames")

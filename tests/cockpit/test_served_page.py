@@ -20,12 +20,12 @@ def test_a_new_twin_takes_the_place_of_the_one_before(served):
     first, second = Twin(rovers(1).scenario()), Twin(rovers(2).scenario())
     before = served.show(first)
     served.server._enqueue(1, protocol.Show("collision", True))
-    before.obey()
+    before.process_requests()
     assert served.scene.has_path(f"{OVERLAYS}/collision")
     after = served.show(second)
     assert not served.scene.has_path(f"{OVERLAYS}/collision")
     served.server._enqueue(1, protocol.Step(3))
-    after.obey()
+    after.process_requests()
     assert (first.step_count, second.step_count) == (0, 3)
 
 

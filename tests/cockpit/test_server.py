@@ -207,7 +207,9 @@ def test_a_port_that_is_taken_is_left_for_the_next_one_or_refused_when_it_was_as
 
 
 def test_an_address_of_another_machine_is_refused():
-    with pytest.raises(InputError, match=r"no page can be served at '192.0.2.1'"):
+    with pytest.raises(
+        InputError, match=r"no page can be served at '192.0.2.1': the address does not belong to this machine"
+    ):
         bind(None, "192.0.2.1")
 
 

@@ -90,4 +90,4 @@ def test_a_mesh_that_cannot_be_read_is_named_and_the_rest_is_shown(tmp_path, cap
     broken = DrawnGeometry("a/base/mesh", Mesh(file), RED, np.eye(4))
     robots.geometries = (broken, *robots.geometries)
     assert ("set_object", "/f/a/base/box") in sent(FrameSender("/f"), robots, poses(0))
-    assert "the shared page does not show a/base/mesh: it holds no triangles" in caplog.text
+    assert "the shared page does not show a/base/mesh: it has no triangles" in caplog.text

@@ -212,14 +212,14 @@ def test_something_else_at_the_address_is_not_taken_for_a_server(viewers, caplog
         thread.join()
         viewer.close(0.0)
     assert asked == [[b"url"]]
-    assert len(warnings(caplog, "what answers there is no meshcat-server")) == 1
+    assert len(warnings(caplog, "another program answers there, not a meshcat-server")) == 1
 
 
 @pytest.mark.parametrize(
     "url", ["", "127.0.0.1:6000", "http://127.0.0.1:6000", "tcp://host", "tcp://*:6000", "tcp://a:0"]
 )
 def test_what_is_no_address_is_refused(url):
-    with pytest.raises(InputError, match="is no address of a meshcat-server"):
+    with pytest.raises(InputError, match="is not the address of a meshcat-server"):
         SharedViewer(url, "a")
 
 
@@ -259,7 +259,7 @@ def test_ctrl_c_ends_a_run_whose_server_hangs(server):
 
 def test_a_name_without_a_viewer_is_refused(capsys):
     assert main(["--viewer-name", "a"]) == 2
-    assert "--viewer URL says which" in capsys.readouterr().err
+    assert "it needs --viewer URL" in capsys.readouterr().err
 
 
 # --- the page as a person sees it

@@ -40,7 +40,8 @@ def test_a_saved_state_is_gone_back_to(saved):
 def test_a_recording_is_done_again_and_ends_where_it_ended(saved):
     twin = replay(Recording.load(saved / "recording.json"))
     assert twin.time == pytest.approx(1.5)
-    assert twin.robot_state("used").positions == pytest.approx(AT_THE_END, abs=1e-3)
+    # A wheel that comes to rest stops up to 1.5e-3 rad earlier since: its brake has changed.
+    assert twin.robot_state("used").positions == pytest.approx(AT_THE_END, abs=2e-3)
 
 
 def test_what_was_not_started_then_is_a_finding_now(saved):

@@ -1,1 +1,1 @@
-"""The engines that are timed, one a file; all answer to the same few calls."""
+"""The engines that are timed, one a file, each an `drake_twin.benchmarks.engine.Engine`."""

@@ -1,4 +1,4 @@
-"""The twin's own plant and scene graph, with the same servos, and no other system in the diagram."""
+"""The twin's plant and scene graph with the same servos, without any other system in the diagram."""
 
 from pathlib import Path
 from typing import ClassVar
@@ -14,7 +14,7 @@ from drake_twin.diagram.servo_gains import HOLD, VELOCITY, set_gains
 
 
 class BarePlant:
-    """A plant of the twin's settings that is commanded through its ports."""
+    """A plant with the twin's settings, commanded through its ports."""
 
     sampled_output_ports: ClassVar[bool] = False
 
@@ -32,7 +32,7 @@ class BarePlant:
             set_gains(self._plant, robot.in_plant.instance, gains, modes)
 
     def command(self, velocities: np.ndarray) -> None:
-        """Commands joint velocities."""
+        """Command joint velocities."""
         for robot, values in zip(self._robots, velocities.tolist(), strict=True):
             layout = robot.in_plant.layout
             desired = np.zeros(2 * layout.num_actuators)
@@ -41,15 +41,15 @@ class BarePlant:
             self._plant.get_desired_state_input_port(robot.in_plant.instance).FixValue(self._context, desired)
 
     def advance_to(self, time: float) -> None:
-        """Advances to a time (s)."""
+        """Advance to a time (s)."""
         self._simulator.AdvanceTo(time)
 
     def positions(self) -> np.ndarray:
-        """The commanded joints' positions."""
+        """Return the positions of the commanded joints."""
         return np.asarray(self._plant.GetPositionsAndVelocities(self._context)[self._positions])
 
 
 class SampledBarePlant(BarePlant):
-    """The same with sampled output ports, which Drake's plants have unless they are told otherwise."""
+    """The same plant with sampled output ports, which are Drake's default."""
 
     sampled_output_ports = True

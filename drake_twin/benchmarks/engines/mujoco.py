@@ -1,4 +1,4 @@
-"""MuJoCo with what it is best at here: implicitfast integration, elliptic cones, velocity actuators."""
+"""MuJoCo with its best settings for these robots: implicitfast integration, elliptic cones, velocity actuators."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from drake_twin.benchmarks.engine import Setting
 from drake_twin.benchmarks.robots import FRICTION, Prepared, prepare
 from drake_twin.benchmarks.workloads import Box, Workload
 
-_ROBOT, _WORLD = 1, 2  # what robots collide with: the world, and not each other, which spares MuJoCo some work
+_ROBOT, _WORLD = 1, 2  # robots collide with the world only, not with each other, which saves MuJoCo time
 _COMPILER = (
     '<mujoco><compiler strippath="false" discardvisual="true" fusestatic="true" balanceinertia="true"/></mujoco>'
 )
@@ -37,17 +37,17 @@ class MujocoEngine:
         self._actuators = np.array([[self._model.actuator(name).id for name in row] for row in names])
 
     def command(self, velocities: np.ndarray) -> None:
-        """Commands joint velocities."""
+        """Command joint velocities."""
         self._data.ctrl[self._actuators] = velocities
 
     def advance_to(self, time: float) -> None:
-        """Advances to a time (s)."""
+        """Advance to a time (s)."""
         steps = round((time - self._data.time) / self._model.opt.timestep)
         if steps > 0:
             mujoco.mj_step(self._model, self._data, steps)
 
     def positions(self) -> np.ndarray:
-        """The commanded joints' positions."""
+        """Return the positions of the commanded joints."""
         return np.array(self._data.qpos[self._positions])
 
 

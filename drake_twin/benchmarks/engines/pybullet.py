@@ -1,6 +1,7 @@
 """PyBullet with its velocity motors."""
 
 import weakref
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from drake_twin.benchmarks.workloads import Box, Workload
 
 
 class PybulletEngine:
-    """The robots in one world of their own."""
+    """The robots in one physics client."""
 
     def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
         self._bullet: Any = pybullet
@@ -29,7 +30,7 @@ class PybulletEngine:
         self._robots = [self._add_robot(robot, folder) for robot in prepared.robots]
 
     def command(self, velocities: np.ndarray) -> None:
-        """Commands joint velocities."""
+        """Command joint velocities."""
         for (robot, indices, efforts), values in zip(self._robots, velocities.tolist(), strict=True):
             self._bullet.setJointMotorControlArray(
                 robot,
@@ -41,14 +42,14 @@ class PybulletEngine:
             )
 
     def advance_to(self, time: float) -> None:
-        """Advances to a time (s)."""
+        """Advance to a time (s)."""
         steps = round(time / self._step)
         for _ in range(steps - self._steps):
             self._bullet.stepSimulation(physicsClientId=self._client)
         self._steps = max(steps, self._steps)
 
     def positions(self) -> np.ndarray:
-        """The commanded joints' positions."""
+        """Return the positions of the commanded joints."""
         states = [
             self._bullet.getJointStates(robot, indices, physicsClientId=self._client)
             for robot, indices, _ in self._robots
@@ -67,7 +68,7 @@ class PybulletEngine:
             bullet.setJointMotorControl2(body, index, bullet.VELOCITY_CONTROL, force=0, physicsClientId=client)
             bullet.changeDynamics(body, index, lateralFriction=FRICTION, physicsClientId=client)
         for joint in robot.description.movable_joints:
-            if joint.mimic is not None:  # a gear has no offset, and the joints of these robots need none
+            if joint.mimic is not None:  # a gear has no offset; the joints of these robots do not need one
                 gear = bullet.createConstraint(
                     body,
                     indices[joint.mimic.joint],
@@ -89,6 +90,8 @@ class PybulletEngine:
         )
         self._add_body(box.mass or 0.0, shape, box.xyz, bullet.getQuaternionFromEuler((0, box.pitch, 0)))
 
-    def _add_body(self, mass: float, shape: int, xyz: Any = (0, 0, 0), quaternion: Any = (0, 0, 0, 1)) -> None:
+    def _add_body(
+        self, mass: float, shape: int, xyz: Sequence[float] = (0, 0, 0), quaternion: Sequence[float] = (0, 0, 0, 1)
+    ) -> None:
         body = self._bullet.createMultiBody(mass, shape, -1, xyz, quaternion, physicsClientId=self._client)
         self._bullet.changeDynamics(body, -1, lateralFriction=1.0, physicsClientId=self._client)

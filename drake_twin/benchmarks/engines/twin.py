@@ -15,7 +15,7 @@ from drake_twin.twin.twin import Twin
 
 
 class TwinEngine:
-    """A twin that nobody listens to."""
+    """A twin without subscribers."""
 
     def __init__(self, workload: Workload, count: int, folder: Path, setting: Setting):
         engine, accuracy = (DISCRETE, 1e-3) if setting.accuracy is None else (CENIC, setting.accuracy)
@@ -31,16 +31,16 @@ class TwinEngine:
         ]
 
     def command(self, velocities: np.ndarray) -> None:
-        """Commands joint velocities."""
+        """Command joint velocities."""
         for topic, values in zip(self._topics, velocities.tolist(), strict=True):
             self.twin.publish(topic, values)
 
     def advance_to(self, time: float) -> None:
-        """Advances to a time (s)."""
+        """Advance to a time (s)."""
         self.twin.advance_to(time)
 
     def python_time(self, run: Callable[[], object]) -> float:
-        """The wall time (s) of a run but for Drake's share in it: advancing, and solving for the efforts to be told."""
+        """Return the wall time (s) of a run without Drake's part: advancing, and solving for the published efforts."""
         twin, clock = self.twin, _ClockedSimulator(self.twin)
         twin._session.physics.simulator = clock
         try:
@@ -51,7 +51,7 @@ class TwinEngine:
             twin._session.physics.simulator = clock.simulator
 
     def positions(self) -> np.ndarray:
-        """The commanded joints' positions."""
+        """Return the positions of the commanded joints."""
         rows = []
         for robot, joints in zip(self.twin.robots, self._joints, strict=True):
             state = self.twin.robot_state(robot)
@@ -60,7 +60,7 @@ class TwinEngine:
 
 
 class _ClockedSimulator:
-    """A twin's simulator that notes how long it has worked (s)."""
+    """A twin's simulator that measures its own wall time (s)."""
 
     def __init__(self, twin: Twin):
         self.simulator = twin._session.physics.simulator

@@ -1,4 +1,4 @@
-"""Shapes that go along with bodies of the plant."""
+"""Shapes that move with bodies of the plant."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -15,10 +15,10 @@ class BodyShape(NamedTuple):
     """A shape on a body.
 
     Attributes:
-        body: the body B.
-        X_BS: the shape in it.
-        shape: the shape.
-        color: its colour.
+        body: The body B.
+        X_BS: The pose of the shape S in B.
+        shape: The shape.
+        color: Its color.
     """
 
     body: BodyIndex
@@ -31,10 +31,10 @@ class BodyShapes:
     """Draws shapes on bodies.
 
     Args:
-        scene: what the page draws.
-        twin: whose plant has the bodies.
-        path: where in the scene.
-        shapes: the shapes.
+        scene: The page's scene.
+        twin: The twin whose plant has the bodies.
+        path: The path in the scene below which the shapes are drawn.
+        shapes: The shapes.
     """
 
     def __init__(self, scene: Scene, twin: Twin, path: str, shapes: Iterable[BodyShape]):
@@ -48,12 +48,12 @@ class BodyShapes:
             scene.set_transform(f"{body}/{number}", item.X_BS)
 
     def draw(self) -> None:
-        """Puts the shapes where their bodies are."""
+        """Move the shapes to their bodies."""
         plant = self._twin.plant
         poses = plant.get_body_poses_output_port().Eval(plant.GetMyContextFromRoot(self._twin.context))
         for body, path in self._bodies.items():
             self._scene.set_transform(path, poses[body])
 
     def remove(self) -> None:
-        """Takes them off the page."""
+        """Remove the shapes."""
         self._scene.delete(self._path)

@@ -1,9 +1,10 @@
-"""The shapes that contact is computed with, translucent; their colours say how they touch."""
+"""The shapes that contact is computed with, translucent; their colors show how they touch."""
 
 from collections.abc import Iterator
 
 from pydrake.geometry import HalfSpace, Rgba
 
+from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.contact import FACES, IN_A_POINT, WHEEL
@@ -16,8 +17,13 @@ _COLORS = {
 }
 
 
+@overlay(
+    "collision",
+    "Collision shapes",
+    "Green shapes touch with their faces, orange ones in a point, blue ones are wheels",
+)
 class CollisionShapes(BodyShapes):
-    """The collision shapes of all bodies; Meshcat cannot draw half spaces."""
+    """The collision shapes of all bodies except half spaces, which Meshcat cannot draw."""
 
     def __init__(self, scene: Scene, twin: Twin):
         super().__init__(scene, twin, f"{OVERLAYS}/collision", _shapes(twin))

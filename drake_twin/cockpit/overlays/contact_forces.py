@@ -6,20 +6,25 @@ import numpy as np
 from pydrake.geometry import Cylinder, MeshcatCone, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.diagram.joint_friction import is_brake
 from drake_twin.twin.twin import Twin
 
 _PATH = f"{OVERLAYS}/contact"
-_NEWTONS_PER_METER = 100.0  # a rover's wheel that carries 20 N has an arrow of 0.2 m
-_LEAST = 0.05  # N
+_NEWTONS_PER_METER = 100.0  # the arrow of a rover's wheel that carries 20 N is 0.2 m long
+_LEAST = 0.05  # N; smaller forces are not drawn
 _RADIUS = 0.006  # m
 _HEAD = 0.02  # m
 _COLOR = Rgba(0.80, 0.20, 0.20)
 
 
+@overlay("contacts", "Contact forces")
 class ContactForces:
-    """The force on what moves, or on the second of two that do; what holds a joint by friction is left out."""
+    """The contact force on the body that moves, or on the second body when both move.
+
+    Contacts that model the friction of a joint are left out.
+    """
 
     def __init__(self, scene: Scene, twin: Twin):
         self._scene = scene
@@ -28,7 +33,7 @@ class ContactForces:
         self._shown = 0
 
     def draw(self) -> None:
-        """Draws the present forces; an arrow that is not needed is hidden until it is."""
+        """Draw the present forces; unused arrows are hidden and reused later."""
         count = 0
         for count, (point, force) in enumerate(_forces(self._twin), start=1):
             if count > self._made:
@@ -38,7 +43,7 @@ class ContactForces:
             turned = RotationMatrix.MakeFromOneVector(force, 2)
             self._scene.set_transform(f"{_PATH}/{count}", RigidTransform(turned, point))
             self._scene.set_transform(f"{_PATH}/{count}/shaft", _stretched(length))
-            # A cone of Drake's stands on its tip.
+            # Drake's cones stand on their tip.
             tip = RigidTransform(RotationMatrix.MakeXRotation(np.pi), [0, 0, length + _HEAD])
             self._scene.set_transform(f"{_PATH}/{count}/head", tip)
         for number in range(min(count, self._shown) + 1, max(count, self._shown) + 1):
@@ -46,13 +51,13 @@ class ContactForces:
         self._made, self._shown = max(count, self._made), count
 
     def remove(self) -> None:
-        """Takes the arrows off the page."""
+        """Remove the arrows."""
         self._scene.delete(_PATH)
         self._made = self._shown = 0
 
 
 def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Where a contact is (m, in the world) and its force (N)."""
+    """Yield each contact's point (m, in the world) and force (N)."""
     results = twin.evaluate(twin.plant.get_contact_results_output_port())
     inspector = twin.diagram.GetSubsystemByName("scene_graph").model_inspector()
     world = twin.plant.world_body().index()
@@ -70,7 +75,7 @@ def _forces(twin: Twin) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 
 def _stretched(length: float) -> np.ndarray:
-    """A cylinder of a metre about the origin, as one of a length (m) that begins there."""
+    """Return the matrix that turns a 1 m cylinder around the origin into one of a length (m) that starts there."""
     matrix = np.diag([1.0, 1.0, max(length, 1e-6), 1.0])
     matrix[2, 3] = length / 2
     return matrix

@@ -7,6 +7,7 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.geometry import Cylinder, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 
+from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.twin.twin import Twin
 
@@ -14,8 +15,9 @@ _LENGTH, _RADIUS = 0.15, 0.004  # m
 _COLORS = (Rgba(0.86, 0.2, 0.2), Rgba(0.2, 0.66, 0.26), Rgba(0.2, 0.4, 0.88))
 
 
+@overlay("frames", "Frames (tf)")
 class Frames:
-    """Axes for each frame, placed as a listener of tf would place them in ``world``."""
+    """Axes for each frame, at the pose in ``world`` that a tf listener would compute."""
 
     def __init__(self, scene: Scene, twin: Twin):
         self._scene = scene
@@ -23,7 +25,7 @@ class Frames:
         self._drawn: dict[str, str] = {}
 
     def draw(self) -> None:
-        """Draws the frames that are connected with ``world``."""
+        """Draw the frames that a chain of transforms connects with ``world``."""
         links = {
             link.child_frame_id: link for topic in ("/tf_static", "/tf") for link in _transforms(self._twin, topic)
         }
@@ -34,7 +36,7 @@ class Frames:
                 self._scene.set_transform(self._axes(name), pose)
 
     def remove(self) -> None:
-        """Takes them off the page."""
+        """Remove the axes."""
         self._scene.delete(f"{OVERLAYS}/frames")
         self._drawn.clear()
 
@@ -56,7 +58,7 @@ def _transforms(twin: Twin, topic: str) -> list[Any]:
 
 
 def _in_world(name: str, links: dict[str, Any], known: dict[str, RigidTransform]) -> RigidTransform | None:
-    """A frame's pose in ``world``; None when no chain of transforms leads there."""
+    """Return a frame's pose in ``world``; None if no chain of transforms leads there."""
     chain = []
     while name not in known:
         if name not in links or name in chain:

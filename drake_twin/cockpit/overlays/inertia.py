@@ -1,4 +1,4 @@
-"""Where the mass of each body is, as an ellipsoid of the same inertia."""
+"""The mass distribution of each body, as an ellipsoid of the same inertia."""
 
 from collections.abc import Iterator
 from math import inf
@@ -6,6 +6,7 @@ from math import inf
 from pydrake.geometry import Ellipsoid, Rgba
 from pydrake.multibody.tree import BodyIndex
 
+from drake_twin.cockpit.overlay import overlay
 from drake_twin.cockpit.overlays.body_shapes import BodyShape, BodyShapes
 from drake_twin.cockpit.scene import OVERLAYS, Scene
 from drake_twin.twin.twin import Twin
@@ -14,8 +15,9 @@ _COLOR = Rgba(0.53, 0.33, 0.74, 0.5)
 _THINNEST = 2e-3  # m
 
 
+@overlay("inertia", "Inertia")
 class Inertia(BodyShapes):
-    """A solid ellipsoid of even density for each body that has mass, with the body's own moments of inertia."""
+    """A solid ellipsoid of uniform density for each body with mass, with the moments of inertia of the body."""
 
     def __init__(self, scene: Scene, twin: Twin):
         super().__init__(scene, twin, f"{OVERLAYS}/inertia", _shapes(twin))

@@ -1,17 +1,17 @@
-// The web socket to the twin: requests out, the latest text of each channel in; and whether the twin still answers.
+// The web socket to the twin: sends requests, receives the latest text of each channel, notices when the twin is silent.
 
 const RETRY = 1000; // ms
-const SILENT = 1500; // ms without a word, after which the twin is said not to answer
-const BROKEN = 5000; // ms without a word, after which another connection is tried
-const LOOK = 250; // ms
+const SILENT = 1500; // ms without a message, after which the status is "silent"
+const BROKEN = 5000; // ms without a message, after which a new connection is tried
+const CHECK = 250; // ms
 
 export class Connection {
-  // `status` is told "open", "silent" or "closed"; `lost` what did not reach the twin.
+  // `status` is called with "open", "silent" or "closed"; `lost` with a request that was not sent.
   constructor({ on, status, lost }) {
     Object.assign(this, { on, status, lost });
-    this.told = null;
+    this.current = null;
     this.open();
-    setInterval(() => this.look(), LOOK);
+    setInterval(() => this.check(), CHECK);
   }
 
   open() {
@@ -23,35 +23,35 @@ export class Connection {
     socket.onmessage = ({ data }) => {
       if (this.socket !== socket) return;
       this.heard = performance.now();
-      this.tell("open");
+      this.report("open");
       const message = JSON.parse(data);
       this.on[message.channel]?.(message.data);
     };
     socket.onclose = () => {
       if (this.socket !== socket) return;
-      this.tell("closed");
+      this.report("closed");
       setTimeout(() => this.socket === socket && this.open(), RETRY);
     };
   }
 
-  look() {
+  check() {
     const silence = performance.now() - this.heard;
-    if (this.told === "open" && silence > SILENT) this.tell("silent");
-    if (this.told !== "closed" && silence > BROKEN) {
+    if (this.current === "open" && silence > SILENT) this.report("silent");
+    if (this.current !== "closed" && silence > BROKEN) {
       const before = this.socket;
       this.open();
       before.close();
     }
   }
 
-  tell(what) {
-    if (what === this.told) return;
-    this.told = what;
-    this.status(what);
+  report(status) {
+    if (status === this.current) return;
+    this.current = status;
+    this.status(status);
   }
 
   ask(what, fields = {}) {
-    if (this.told !== "open") {
+    if (this.current !== "open") {
       this.lost(what);
       return false;
     }

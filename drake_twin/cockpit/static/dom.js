@@ -43,16 +43,16 @@ export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
-// Calls back at most once per picture of the browser, with the last value.
-export function oncePerPicture(callback) {
-  let waiting = false;
+// Call back at most once per animation frame of the browser, with the last value.
+export function oncePerFrame(callback) {
+  let pending = false;
   let last;
   return (value) => {
     last = value;
-    if (waiting) return;
-    waiting = true;
+    if (pending) return;
+    pending = true;
     requestAnimationFrame(() => {
-      waiting = false;
+      pending = false;
       callback(last);
     });
   };
@@ -68,19 +68,19 @@ export function formatted(value, step) {
   return Number(text) === 0 ? text.replace("-", "") : text;
 }
 
-// A labelled slider with a number beside it. `scale` turns the slider's place into the value and back.
+// A labelled slider with a number beside it. `scale` converts the slider's position to the value and back.
 export class Slider {
   constructor({ label, name, unit, lower, upper, step, scale, onmove }) {
-    const { toValue, toPlace } = scale ?? { toValue: (place) => place, toPlace: (value) => value };
+    const { toValue, toPosition } = scale ?? { toValue: (position) => position, toPosition: (value) => value };
     this.step = step ?? stepOf(lower, upper);
-    this.toPlace = toPlace;
+    this.toPosition = toPosition;
     this.held = false;
-    const move = oncePerPicture(onmove);
-    const places = [toPlace(lower), toPlace(upper)];
+    const move = oncePerFrame(onmove);
+    const ends = [toPosition(lower), toPosition(upper)];
     this.range = element("input", {
       type: "range",
-      min: places[0],
-      max: places[1],
+      min: ends[0],
+      max: ends[1],
       step: scale ? "any" : this.step,
       "aria-label": name ?? label,
     });
@@ -96,7 +96,7 @@ export class Slider {
       const value = this.number.valueAsNumber;
       if (!Number.isFinite(value)) return;
       this.hold();
-      this.range.value = toPlace(value);
+      this.range.value = toPosition(value);
       this.fill();
       move(value);
     });
@@ -110,7 +110,7 @@ export class Slider {
     );
   }
 
-  // What a person has just set is not overwritten until the twin has had the time to answer.
+  // Keep the value that a person has just set until the twin has had time to apply it.
   hold() {
     this.held = true;
     clearTimeout(this.release);
@@ -126,9 +126,9 @@ export class Slider {
     if (this.held || document.activeElement === this.number) return;
     const text = formatted(value, this.step);
     if (this.number.value !== text) this.number.value = text;
-    const place = String(this.toPlace(value));
-    if (this.range.value !== place) {
-      this.range.value = place;
+    const position = String(this.toPosition(value));
+    if (this.range.value !== position) {
+      this.range.value = position;
       this.fill();
     }
   }

@@ -1,4 +1,4 @@
-// One line with the latest message; all of them when it is pressed.
+// One line with the latest message; pressing it lists all messages.
 
 import { $, element, setText } from "./dom.js";
 

@@ -1,8 +1,9 @@
-// Puts the page together: what comes from the twin is shown, what a person does is asked for.
+// Connects the parts of the page with the twin: shows what it publishes, sends what a person requests.
 
 import { Connection } from "./connection.js";
 import { $, setIcon, setText } from "./dom.js";
 import { Messages } from "./messages.js";
+import { Panels } from "./panels.js";
 import { Robots } from "./robots.js";
 import { Stops } from "./stops.js";
 import { Teleop } from "./teleop.js";
@@ -21,25 +22,26 @@ const view = new View(ask);
 const teleop = new Teleop(ask);
 const robots = new Robots(ask, teleop);
 const messages = new Messages();
+const panels = new Panels(ask);
 let names = [];
 let status = "closed";
 let lost = "";
-let busy = 0; // s
+let pending = 0; // s that requests have been pending
 
 connection = new Connection({
   on: {
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
-      for (const part of [time, view, robots]) part.structure(structure);
+      for (const part of [time, view, robots, panels]) part.structure(structure);
     },
     state(state) {
-      for (const part of [time, view, robots]) part.state(state);
+      for (const part of [time, view, robots, panels]) part.state(state);
       stops.state(state.robots);
       document.body.classList.add("ready");
     },
     messages: (lines) => messages.show(lines),
     alive(seconds) {
-      busy = seconds > BUSY ? seconds : 0;
+      pending = seconds > PATIENCE ? seconds : 0;
       showBanner();
     },
   },
@@ -51,26 +53,26 @@ connection = new Connection({
     showBanner();
   },
   lost(what) {
-    lost = ` ${LOST[what] ?? "What you have just done"} did not reach it.`;
+    lost = ` ${LOST[what] ?? "Your last request"} did not reach it.`;
     showBanner();
   },
 });
 
-const LOST = { EmergencyStop: "The emergency stop", Drive: "What you drive" };
-const BUSY = 2; // s
+const LOST = { EmergencyStop: "The emergency stop", Drive: "Your drive command" };
+const PATIENCE = 2; // s
 const GONE = {
-  closed: "The twin has ended or cannot be reached: what you see is its last state. Trying again; if it was started elsewhere, open the address that it printed.",
-  silent: "The twin has not answered for more than a second: what you see may be old.",
+  closed: "The twin has ended or cannot be reached: the page shows its last state. Trying again; if it was started elsewhere, open the address that it printed.",
+  silent: "The twin has not answered for more than a second: the page may show an old state.",
 };
 
-// What is wrong, in one place: the twin is gone, or has not confirmed a stop.
+// Show the problems in one place: the twin is gone or does not process requests, or a stop is not confirmed.
 function showBanner() {
   const late = stops.unconfirmed;
-  const said = [];
-  if (status !== "open") said.push(GONE[status] + lost);
-  else if (busy) said.push(`The twin has been busy for ${busy.toFixed(0)} s: what you ask for waits.`);
-  if (late.length) said.push(`Not stopped yet: ${late.join(", ")}.`);
-  const text = said.join(" ");
+  const lines = [];
+  if (status !== "open") lines.push(GONE[status] + lost);
+  else if (pending) lines.push(`The twin has processed no requests for ${pending.toFixed(0)} s: yours are pending.`);
+  if (late.length) lines.push(`Not stopped yet: ${late.join(", ")}.`);
+  const text = lines.join(" ");
   $("connection").hidden = !text;
   setText($("connection"), text);
   $("stop-all").classList.toggle("waiting", stops.isWaiting());

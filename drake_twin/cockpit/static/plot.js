@@ -1,13 +1,13 @@
-// A small plot of the last seconds, one line for each value; drawn only while someone has it open.
+// A small plot of the last seconds, one line for each value; drawn only while it is open.
 
 import { element, formatted, setText } from "./dom.js";
 
 const KEPT = 300; // some 20 s of watching
 const HEIGHT = 56;
 const MARGIN = 3;
-const COLOURS = 8; // --line-1 to --line-8; what comes after them is grey
+const COLORS = 8; // --line-1 to --line-8; further lines are gray
 
-export const lineColour = (index) => (index < COLOURS ? `var(--line-${index + 1})` : "var(--track)");
+export const lineColor = (index) => (index < COLORS ? `var(--line-${index + 1})` : "var(--track)");
 
 function bounds(samples) {
   let [lower, upper] = [Infinity, -Infinity];
@@ -17,7 +17,7 @@ function bounds(samples) {
       if (value > upper) upper = value;
     }
   }
-  const missing = Math.max(0, 1e-3 - (upper - lower)); // what stands still is a line in the middle
+  const missing = Math.max(0, 1e-3 - (upper - lower)); // a constant value is a line in the middle
   return [lower - missing / 2, upper + missing / 2];
 }
 
@@ -37,7 +37,7 @@ export class Plot {
     );
   }
 
-  // Values at a time in seconds; a time before the last one, as after a reset, begins anew.
+  // Add values at a time (s); a time before the last one, as after a reset, clears the plot first.
   add(time, values) {
     const last = this.samples.at(-1);
     if (last && time === last.time) return;
@@ -55,7 +55,7 @@ export class Plot {
     const width = this.canvas.clientWidth;
     if (width === 0) return;
     const density = devicePixelRatio;
-    this.canvas.width = width * density; // which also wipes it
+    this.canvas.width = width * density; // which also clears it
     this.canvas.height = HEIGHT * density;
     const [lower, upper] = bounds(this.samples);
     const step = (upper - lower) / 100;
@@ -70,7 +70,7 @@ export class Plot {
     context.lineWidth = 1.5;
     context.lineJoin = "round";
     for (let index = this.samples[0].values.length - 1; index >= 0; index -= 1) {
-      context.strokeStyle = style.getPropertyValue(index < COLOURS ? `--line-${index + 1}` : "--track");
+      context.strokeStyle = style.getPropertyValue(index < COLORS ? `--line-${index + 1}` : "--track");
       context.beginPath();
       for (const { time, values } of this.samples) {
         context.lineTo(MARGIN + (time - first) * across, MARGIN + (upper - values[index]) * down);

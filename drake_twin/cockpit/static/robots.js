@@ -1,14 +1,14 @@
-// A folder for each robot: controllers, sliders, drive, joints.
+// A folder for each robot: sliders, drive, controllers, joints, plots.
 
 import { $, element, Slider, setText, toggle } from "./dom.js";
-import { lineColour, Plot } from "./plot.js";
+import { lineColor, Plot } from "./plot.js";
 
 function shortName(joint, robot) {
   return joint.replace(new RegExp(`^${robot}[_/]`), "").replace(/_joint$/, "");
 }
 
 class RobotFolder {
-  constructor(robot, { ask, teleop, can, displayOnly }) {
+  constructor(robot, { ask, teleop, displayOnly }) {
     this.ask = ask;
     this.name = robot.name;
     this.teleop = teleop;
@@ -20,14 +20,12 @@ class RobotFolder {
     });
     const summary = element("summary", {}, element("span", { class: "name", text: robot.name }), this.pill, element("span", { class: "spacer" }));
     if (!displayOnly) summary.append(this.stop);
-    if (can.delete) {
-      const remove = element("button", { class: "small quiet", text: "Delete", "aria-label": `Delete ${robot.name}` });
-      remove.addEventListener("click", (event) => {
-        event.preventDefault();
-        ask("Delete", { robot: robot.name });
-      });
-      summary.append(remove);
-    }
+    const remove = element("button", { class: "small quiet", text: "Delete", "aria-label": `Delete ${robot.name}` });
+    remove.addEventListener("click", (event) => {
+      event.preventDefault();
+      ask("Delete", { robot: robot.name });
+    });
+    summary.append(remove);
     this.node = element("details", { class: "robot", open: true, "data-robot": robot.name }, summary);
     if (displayOnly) this.addPoses(robot);
     else {
@@ -119,7 +117,7 @@ class RobotFolder {
     };
     const key = robot.joints.map((joint, index) => {
       const item = element("li", { title: joint.joint, text: shortName(joint.joint, robot.name) });
-      item.style.setProperty("--colour", lineColour(index));
+      item.style.setProperty("--color", lineColor(index));
       return item;
     });
     const figures = Object.values(this.plots).map((plot) => plot.node);
@@ -172,19 +170,19 @@ export class Robots {
     this.folders = new Map();
   }
 
-  structure({ robots, can, display_only: displayOnly }) {
+  structure({ robots, display_only: displayOnly }) {
     for (const [name, { folder, text }] of this.folders) {
       const robot = robots.find((each) => each.name === name);
-      if (robot && JSON.stringify([robot, can]) === text) continue;
+      if (robot && JSON.stringify(robot) === text) continue;
       folder.node.remove();
       this.teleop.forget(name);
       this.folders.delete(name);
     }
     for (const robot of robots) {
       if (!this.folders.has(robot.name)) {
-        const folder = new RobotFolder(robot, { ask: this.ask, teleop: this.teleop, can, displayOnly });
+        const folder = new RobotFolder(robot, { ask: this.ask, teleop: this.teleop, displayOnly });
         if (robots.length > 3) folder.node.open = false;
-        this.folders.set(robot.name, { folder, text: JSON.stringify([robot, can]) });
+        this.folders.set(robot.name, { folder, text: JSON.stringify(robot) });
       }
       $("robots").append(this.folders.get(robot.name).folder.node);
     }

@@ -1,4 +1,4 @@
-// Gives Meshcat's viewer the scene; the commands come from the page's own server, an array of them a message.
+// Passes the scene to Meshcat's viewer; each message of the page's server is an array of commands.
 
 const RETRY = 1000; // ms
 

@@ -1,11 +1,11 @@
-// Emergency stops that the twin has yet to confirm: their buttons are red until it has.
+// Emergency stops that the twin has not confirmed yet; their buttons are red until it does.
 
 const PATIENCE = 1000; // ms
 
 export class Stops {
   constructor(onchange) {
     this.onchange = onchange;
-    this.asked = new Map(); // robot → when (ms)
+    this.asked = new Map(); // robot → time of the request (ms)
   }
 
   ask(robot) {

@@ -1,4 +1,4 @@
-// Driving: pad, keyboard (WASD and arrows, Q and E sideways) and gamepad. A robot drives as long as it is told to.
+// Driving: pad, keyboard (WASD and arrows, Q and E sideways) and gamepad. A robot drives while the command is repeated.
 
 import { element, Slider } from "./dom.js";
 
@@ -30,7 +30,7 @@ export class Teleop {
     this.ask = ask;
     this.held = new Set(); // codes of keys and of pad buttons
     this.pads = new Map(); // topic → pad
-    this.driven = null; // the pad that has the keyboard and the gamepad
+    this.driven = null; // the pad that the keyboard and the gamepad drive
     setInterval(() => this.tick(), PERIOD);
     window.addEventListener("blur", () => this.release());
     document.addEventListener("visibilitychange", () => this.release());
@@ -101,7 +101,7 @@ export class Teleop {
     }
   }
 
-  // Takes a key that drives; says whether it was one.
+  // Process a key; return whether it is one that drives.
   key(event, down) {
     if (!this.driven) return false;
     if (event.code === "Escape" && down) {

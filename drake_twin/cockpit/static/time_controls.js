@@ -3,7 +3,7 @@
 import { $, Slider, setIcon, setText } from "./dom.js";
 import { Plot } from "./plot.js";
 
-const LOG = { toValue: (place) => 10 ** place, toPlace: (value) => Math.log10(value) };
+const LOG = { toValue: (position) => 10 ** position, toPosition: (value) => Math.log10(value) };
 const ROUND = (value) => Number(value.toPrecision(2));
 
 export class TimeControls {
@@ -54,9 +54,8 @@ export class TimeControls {
     if (Number.isInteger(count) && count >= 1) this.ask("Step", { count });
   }
 
-  structure(robots) {
-    this.timeStep.disabled = !robots.can.set_time_step;
-    document.body.classList.toggle("display-only", robots.display_only);
+  structure(structure) {
+    document.body.classList.toggle("display-only", structure.display_only);
   }
 
   state(state) {

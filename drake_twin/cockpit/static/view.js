@@ -1,27 +1,11 @@
-// What is drawn besides the robots, the camera, recording, spawning.
+// The overlays, the camera, recording, spawning.
 
 import { $, element, setText, toggle } from "./dom.js";
-
-const OVERLAYS = {
-  frames: "Frames (tf)",
-  contacts: "Contact forces",
-  collision: "Collision shapes",
-  inertia: "Inertia",
-};
-const MEANINGS = {
-  collision: "Green shapes touch with their faces, orange ones in a point, blue ones are wheels",
-};
 
 export class View {
   constructor(ask) {
     this.ask = ask;
     this.toggles = {};
-    for (const [what, label] of Object.entries(OVERLAYS)) {
-      const { node, input } = toggle(label, label, (on) => ask("Show", { what, on }));
-      node.title = MEANINGS[what] ?? "";
-      this.toggles[what] = input;
-      $("overlays").append(node);
-    }
     $("follow").addEventListener("change", () => ask("Follow", { robot: $("follow").value }));
     $("record").addEventListener("click", () => {
       this.wanted = this.recording;
@@ -52,13 +36,21 @@ export class View {
     for (let index = 1; ; index += 1) if (!this.names?.includes(`robot_${index}`)) return `robot_${index}`;
   }
 
-  structure({ robots, can, display_only: displayOnly }) {
+  addOverlay({ name, label, hint }) {
+    const { node, input } = toggle(label, label, (on) => this.ask("Show", { what: name, on }));
+    node.title = hint;
+    this.toggles[name] = input;
+    $("overlays").append(node);
+  }
+
+  structure({ robots, overlays, display_only: displayOnly }) {
+    for (const overlay of overlays) if (!(overlay.name in this.toggles)) this.addOverlay(overlay);
     this.names = robots.map((robot) => robot.name);
     $("follow").replaceChildren(
-      element("option", { value: "", text: "nobody" }),
+      element("option", { value: "", text: "no robot" }),
       ...this.names.map((name) => element("option", { value: name, text: name })),
     );
-    $("spawn").hidden = !can.spawn || displayOnly;
+    $("spawn").hidden = displayOnly;
     $("record").hidden = displayOnly;
     $("stop-all").hidden = displayOnly;
     document.title = `${this.names.length === 1 ? this.names[0] : `${this.names.length} robots`} – drake_twin`;

@@ -1,4 +1,4 @@
-// Meshcat's viewer, drawn where its page has a place for it, whenever something has changed.
+// Meshcat's viewer, drawn in the page's pane whenever something has changed.
 "use strict";
 const viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 viewer.animate = () => {

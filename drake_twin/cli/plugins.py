@@ -1,0 +1,77 @@
+"""The option ``--plugin``: modules that register controllers, sensors, repairs or page panels of others."""
+
+import sys
+import traceback
+from argparse import ArgumentParser
+from collections.abc import Iterable
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from zlib import crc32
+
+from drake_twin.errors import InputError
+
+
+def add_plugin(parser: ArgumentParser) -> None:
+    """Add ``--plugin MODULE``, whose values `load_plugins` takes."""
+    parser.add_argument(
+        "--plugin",
+        action="append",
+        default=[],
+        metavar="MODULE",
+        help="import a module (a.b.c, or a .py file) that registers controllers, sensors, … (may be repeated)",
+    )
+
+
+def load_plugins(names: Iterable[str]) -> None:
+    """Import modules, each once, so that what they register is known.
+
+    Args:
+        names: Dotted names, or paths that end in ``.py``.
+
+    Raises:
+        InputError: If a module does not exist, or raises an error while it is imported.
+    """
+    for name in names:
+        if name.endswith(".py"):
+            _import_file(name)
+        else:
+            _import_module(name)
+
+
+def _import_file(name: str) -> None:
+    file = Path(name).expanduser().resolve()
+    if not file.is_file():
+        raise InputError(f"--plugin {name}: no such file")
+    module_name = f"{file.stem}_{crc32(str(file).encode()):08x}"  # unique, so that it replaces no other module
+    if module_name in sys.modules:
+        return
+    spec = spec_from_file_location(module_name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules[module_name] = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        del sys.modules[module_name]
+        raise _failure(name, error) from error
+
+
+def _import_module(name: str) -> None:
+    try:
+        import_module(name)
+    except (Exception, SystemExit) as error:
+        if isinstance(error, ModuleNotFoundError) and f"{name}.".startswith(f"{error.name}."):
+            raise InputError(
+                f"--plugin {name}: no module named {error.name!r}; a file is named by its path, which ends in .py"
+            ) from error
+        raise _failure(name, error) from error
+
+
+def _failure(name: str, error: BaseException) -> InputError:
+    """Return what a plugin raised, with the line of the plugin, or of what it imports, that raised it."""
+    text = f"--plugin {name}: {type(error).__name__}: {' '.join(str(error).split())}"
+    if isinstance(error, SyntaxError):
+        return InputError(text, file=error.filename, line=error.lineno)
+    frames = [item for item in traceback.extract_tb(error.__traceback__) if not item.filename.startswith("<frozen")]
+    return InputError(text, file=frames[-1].filename, line=frames[-1].lineno)

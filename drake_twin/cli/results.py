@@ -1,0 +1,77 @@
+"""What is kept of a run when it ends: saved state, recording, summary."""
+
+import argparse
+import json
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import RunError
+from drake_twin.program import say
+from drake_twin.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from drake_twin.twin.twin import Twin
+
+
+def save_results(
+    twin: "Twin", wall_time: float, options: argparse.Namespace, failure: RunError | None
+) -> RunError | None:
+    """Write the files that the options ask for, and print the result; a failed file does not prevent the others.
+
+    Args:
+        twin: The twin at its last moment.
+        wall_time: The duration of the run (s).
+        options: The options of ``drake_twin.run``.
+        failure: The error that ended the run, if there was one.
+
+    Returns:
+        The first error, of the run or of a file; later ones are printed.
+    """
+    writers: list[Callable[[], None]] = []
+    if options.save_state is not None:
+        writers.append(lambda: twin.snapshot().save(options.save_state))
+    if options.record is not None:
+        writers.append(lambda: twin.recording().save(options.record))
+    writers.append(partial(_report, twin, wall_time, options.summary, failure))
+    for write in writers:
+        try:
+            write()
+        except RunError as error:
+            if failure is not None:
+                say(f"error: {error}", sys.stderr)
+            failure = failure or error
+    return failure
+
+
+def write_result(what: str, file: Path, text: str) -> None:
+    """Write a file whole.
+
+    Args:
+        what: What it is, for the error.
+        file: The file.
+        text: Its text.
+
+    Raises:
+        RunError: If it cannot be written.
+    """
+    try:
+        write_whole(file, text)
+    except OSError as error:
+        raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
+
+
+def _report(twin: "Twin", wall_time: float, file: Path | None, failure: RunError | None) -> None:
+    """Print the result, and write the summary."""
+    from drake_twin.cli.summary import summary
+
+    result = summary(twin, wall_time, failure)
+    count = len(result["robots"])
+    say(
+        f"{count} robot{'s' if count > 1 else ''}, {result['sim_time']:.3f} s simulated in {wall_time:.3f} s"
+        f" (real-time factor {result['real_time_factor']:.2f}), state {result['state_sha256'][:12]}"
+    )
+    if file is not None:
+        write_result("summary", file, json.dumps(result, indent=2) + "\n")

@@ -1,0 +1,80 @@
+"""What a page can draw besides the robots; an overlay exists while it is shown, so that a hidden one costs nothing."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Protocol, TypeVar
+
+from drake_twin.cockpit.extensions import load_extensions, register
+from drake_twin.cockpit.scene import Scene
+from drake_twin.twin.twin import Twin
+
+# Name → module, in the order of their switches; those of others follow.
+_OWN = {"frames": "frames", "contacts": "contact_forces", "collision": "collision_shapes", "inertia": "inertia"}
+
+
+class Overlay(Protocol):
+    """Something drawn in the scene.
+
+    It is made with the page's scene and the twin when its switch is turned on, and made again when robots come or go.
+    """
+
+    def __init__(self, scene: Scene, twin: Twin): ...
+
+    def draw(self) -> None:
+        """Draw the present state."""
+
+    def remove(self) -> None:
+        """Remove everything that was drawn."""
+
+
+_T = TypeVar("_T", bound=type[Overlay])
+
+
+@dataclass(frozen=True)
+class OverlayKind:
+    """A registered overlay.
+
+    Attributes:
+        name: Its name in requests.
+        label: The text of its switch.
+        hint: The tooltip of its switch.
+        type: Its class.
+    """
+
+    name: str
+    label: str
+    hint: str
+    type: type[Overlay]
+
+
+_kinds: dict[str, OverlayKind] = {}
+
+
+def overlay(name: str, label: str, hint: str = "") -> Callable[[_T], _T]:
+    """Register an `Overlay` class, so that every page has a switch for it.
+
+    A package of its own does so in a module that its entry point in the group ``drake_twin.page_panels`` names.
+
+    Args:
+        name: An identifier, unique among the overlays. Objects belong below ``f"{OVERLAYS}/{name}"`` of the scene.
+        label: The text of its switch.
+        hint: The tooltip of its switch.
+
+    Raises:
+        ValueError: If the name is not an identifier, or belongs to another class.
+    """
+
+    def register_type(kind: _T) -> _T:
+        register(_kinds, OverlayKind(name, label, hint, kind))
+        return kind
+
+    return register_type
+
+
+def overlay_kinds() -> Mapping[str, OverlayKind]:
+    """Return the registered overlays by name, those of other packages included."""
+    for module in _OWN.values():
+        import_module(f"drake_twin.cockpit.overlays.{module}")
+    load_extensions()
+    return {name: _kinds[name] for name in (*_OWN, *_kinds)}

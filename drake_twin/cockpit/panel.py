@@ -1,0 +1,73 @@
+"""Sections that other packages add to the page: a Python class beside the twin, and a script in the browser."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+from drake_twin.cockpit.extensions import load_extensions, register
+from drake_twin.twin.twin import Twin
+
+
+class Panel(Protocol):
+    """The Python half of a panel, made with the twin that the page shows. Data are plain: what JSON can hold."""
+
+    def __init__(self, twin: Twin): ...
+
+    def state(self) -> Any:
+        """Return the data that the script is given with each snapshot, about 15 times a second."""
+
+    def ask(self, data: Any) -> None:
+        """Do what the script asks, between two steps.
+
+        Raises:
+            InputError: If it is refused; the page shows the reason.
+        """
+
+
+_T = TypeVar("_T", bound=type[Panel])
+
+
+@dataclass(frozen=True)
+class PanelKind:
+    """A registered panel.
+
+    Attributes:
+        name: Its name in requests.
+        script: Its JavaScript file.
+        type: The class of its Python half.
+    """
+
+    name: str
+    script: Path
+    type: type[Panel]
+
+
+_kinds: dict[str, PanelKind] = {}
+
+
+def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
+    """Register a `Panel` class, so that every page has the panel.
+
+    A package of its own does so in a module that its entry point in the group ``drake_twin.page_panels`` names.
+
+    Args:
+        name: An identifier, unique among the panels.
+        script: A JavaScript module. Its default export is a class that is made with a function ``ask(data)``, has the
+            panel's element as ``node``, and a method ``state(data)``.
+
+    Raises:
+        ValueError: If the name is not an identifier, or belongs to another class.
+    """
+
+    def register_type(kind: _T) -> _T:
+        register(_kinds, PanelKind(name, Path(script), kind))
+        return kind
+
+    return register_type
+
+
+def panel_kinds() -> Mapping[str, PanelKind]:
+    """Return the registered panels by name."""
+    load_extensions()
+    return _kinds

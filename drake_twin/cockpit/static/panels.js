@@ -1,0 +1,30 @@
+// Panels of other packages: each is a script whose default export is a class, made with `ask(data)`.
+
+import { $, element } from "./dom.js";
+
+export class Panels {
+  constructor(ask) {
+    this.ask = ask;
+    this.panels = new Map();
+  }
+
+  structure({ panels }) {
+    for (const name of panels) {
+      if (!this.panels.has(name)) this.add(name);
+    }
+  }
+
+  async add(name) {
+    this.panels.set(name, null); // while its script is loading
+    const { default: Panel } = await import(`./files/panel_${name}.js`);
+    const panel = new Panel((data) => this.ask("AskPanel", { panel: name, data: JSON.stringify(data) }));
+    $("panel").append(element("section", { class: "group", "data-panel": name }, panel.node));
+    this.panels.set(name, panel);
+  }
+
+  state({ panels }) {
+    for (const [name, panel] of this.panels) {
+      if (panel && name in panels) panel.state(panels[name]);
+    }
+  }
+}

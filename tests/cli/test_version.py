@@ -1,0 +1,29 @@
+import subprocess
+import sys
+
+import pytest
+
+import drake_twin
+
+
+@pytest.mark.parametrize("module", ["", ".run", ".check", ".benchmarks"])
+def test_every_program_prints_the_version_and_ends(module):
+    command = [sys.executable, "-m", f"drake_twin{module}", "--version"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (result.returncode, result.stderr) == (0, "")
+    assert result.stdout == f"drake_twin {drake_twin.__version__}\n"
+
+
+def test_a_program_that_is_named_first_prints_it_too():
+    command = [sys.executable, "-m", "drake_twin", "run", "--version"]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.startswith("drake_twin ")
+
+
+def test_a_package_that_is_not_installed_has_a_version_all_the_same(monkeypatch):
+    from importlib import metadata
+
+    def missing(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(metadata, "version", missing)
+    assert drake_twin.__version__ == "0+unknown"

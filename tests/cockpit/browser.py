@@ -1,0 +1,145 @@
+"""The page in a real Chromium: fixtures and helpers of the tests that operate its controls and check the twin's state.
+
+Screenshots before and after each test are in its ``tmp_path``.
+"""
+
+import io
+import shutil
+
+import numpy as np
+import pytest
+from conftest import rovers
+from PIL import Image
+
+from drake_twin import Twin
+from drake_twin.cockpit.served_page import ServedPage
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+OFFLINE = ["--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
+
+BROWSER_TESTS = [
+    pytest.mark.browser,
+    pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (on Debian: apt install chromium)"),
+]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE_RENDERING + OFFLINE)
+        yield browser
+        browser.close()
+
+
+class Shown:
+    """A twin, its page's server side, and browsers' tabs with the page."""
+
+    def __init__(self, browser, scenario, **options):
+        self._browser = browser
+        self.served = ServedPage()
+        self.scene = self.served.scene
+        self.twin = Twin(scenario)
+        self.cockpit = self.served.show(self.twin, **options)
+        self.tabs = []
+        self.faults = []
+
+    def tab(self):
+        """Opens the page in a new tab and waits until it shows something."""
+        tab = self._browser.new_page(viewport={"width": 1280, "height": 800})
+        tab.on("pageerror", lambda error: self.faults.append(str(error)))
+        tab.on("console", lambda line: line.type == "error" and self.faults.append(line.text))
+        self.tabs.append(tab)
+        tab.goto(self.served.url)
+        self.frames(lambda: len(self.served.server.clients) == len(self.tabs))
+        self.frames(lambda: len(self.served.server._viewers) == len(self.tabs))
+        self.frames(lambda: tab.locator("body.ready").count() == 1)
+        return tab
+
+    def frames(self, until, most=900):
+        """Run frame by frame, as the program does, until something holds."""
+        count = 0
+
+        def each_frame():
+            nonlocal count
+            count += 1
+            self.cockpit.process_requests()
+            return not until() and count < most
+
+        self.twin.run(each_frame=each_frame)
+        assert until(), f"not within {most} frames"
+
+    def seen(self, locator, text):
+        """Runs until an element reads as wanted."""
+        self.frames(lambda: locator.inner_text() == text)
+
+    def for_frames(self, count):
+        """Runs so many frames."""
+        left = iter(range(count))
+        self.frames(lambda: next(left, None) is None, most=count + 2)
+
+    def close(self):
+        for tab in self.tabs:
+            tab.close()
+        self.served.close()
+
+
+@pytest.fixture
+def show(browser, tmp_path):
+    """Shows a scenario in a tab; screenshots are taken then and at the end."""
+    shown = []
+
+    def show_(scenario, **options):
+        it = Shown(browser, scenario, **options)
+        shown.append(it)
+        tab = it.tab()
+        tab.screenshot(path=tmp_path / "before.png")
+        return it, tab
+
+    yield show_
+    for it in shown:
+        for number, tab in enumerate(it.tabs):
+            tab.screenshot(path=tmp_path / f"after_{number}.png")
+        it.close()
+        assert it.faults == []
+
+
+@pytest.fixture
+def page(show):
+    """Two rovers that stand still."""
+    return show(rovers(2).scenario())
+
+
+def folder(tab, robot="robot_1"):
+    return tab.locator(f"details.robot[data-robot={robot}]")
+
+
+def picture(tab):
+    """The scene's pixels, once two pictures in a row are alike."""
+    last = None
+    for _ in range(40):
+        shot = tab.locator("#scene").screenshot()
+        if shot == last:
+            break
+        last = shot
+    return np.asarray(Image.open(io.BytesIO(last)).convert("RGB")).astype(int)
+
+
+def changed(before, after):
+    """How many pixels differ clearly."""
+    return int((np.abs(after - before).sum(axis=2) > 60).sum())
+
+
+def orange(shot):
+    """Where the orange of a rover's body is: rows and columns."""
+    red, green, blue = shot[..., 0], shot[..., 1], shot[..., 2]
+    return np.nonzero((red > 130) & (red > 1.6 * green) & (green > 1.5 * blue))
+
+
+def orange_bodies(shot):
+    """How many groups of columns, 30 pixels or more apart, hold the orange of a rover's body."""
+    _, columns = orange(shot)
+    columns = np.unique(columns)
+    return 1 + int((np.diff(columns) >= 30).sum()) if len(columns) else 0

@@ -1,0 +1,79 @@
+"""Driving bases from the page by keys, pad and gamepad, in a real Chromium."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import pytest
+from browser import BROWSER_TESTS, browser, folder, show
+from robots_to_steer import CMD_VEL, driven_rovers
+
+pytestmark = BROWSER_TESTS
+
+
+@pytest.fixture
+def driven(show, tmp_path):
+    return show(driven_rovers(tmp_path, 2).scenario())
+
+
+def forward_speed(it):
+    return it.twin.command(CMD_VEL) and it.twin.command(CMD_VEL).linear_x
+
+
+def test_keys_drive_the_chosen_robot_and_letting_go_stops_it(driven):
+    it, tab = driven
+    tab.keyboard.down("w")
+    it.for_frames(10)
+    assert it.twin.command(CMD_VEL) is None  # no robot is chosen
+    tab.keyboard.up("w")
+    folder(tab).get_by_role("button", name="Keys and gamepad").click()
+    tab.keyboard.down("w")
+    it.frames(lambda: it.twin.robot_state("robot_1").base_pose[0] > 0.2)
+    assert forward_speed(it) == 0.5
+    assert abs(it.twin.robot_state("robot_2").base_pose[0]) < 0.01
+    tab.keyboard.up("w")
+    it.frames(lambda: not forward_speed(it))
+    tab.locator("#scene").click()
+    tab.keyboard.down("ArrowLeft")
+    it.frames(lambda: it.twin.command(CMD_VEL) is not None and it.twin.command(CMD_VEL).angular_z == 1.0)
+    tab.keyboard.up("ArrowLeft")
+    it.frames(lambda: it.twin.command(CMD_VEL) is None or it.twin.command(CMD_VEL).angular_z == 0.0)
+    tab.keyboard.press("Escape")
+    tab.keyboard.down("w")
+    it.for_frames(10)
+    assert not forward_speed(it)
+
+
+def test_the_pad_drives_at_the_speed_that_is_set(driven):
+    it, tab = driven
+    number = folder(tab).get_by_label("robot_1 speed, number")
+    number.fill("0.25")
+    number.press("Enter")
+    box = folder(tab).get_by_label("robot_1 Forwards").bounding_box()
+    tab.mouse.move(box["x"] + 10, box["y"] + 10)
+    tab.mouse.down()
+    it.frames(lambda: forward_speed(it) == 0.25)
+    tab.mouse.up()
+    it.frames(lambda: not forward_speed(it))
+
+
+def test_a_gamepad_drives(driven):
+    it, tab = driven
+    tab.evaluate(
+        "() => { window.axes = [0, 0, 0, 0]; navigator.getGamepads = () => [{connected: true, axes: window.axes}]; }"
+    )
+    folder(tab).get_by_role("button", name="Keys and gamepad").click()
+    tab.evaluate("window.axes = [0, -1, 0.5, 0]")
+    it.frames(lambda: forward_speed(it) == 0.5 and it.twin.command(CMD_VEL).angular_z == -0.5)
+    tab.evaluate("window.axes = [0, 0.05, 0, 0]")
+    it.frames(lambda: not forward_speed(it))
+
+
+def test_closing_the_drivers_tab_stops_the_robot_and_not_the_twin(driven):
+    it, tab = driven
+    folder(tab).get_by_role("button", name="Keys and gamepad").click()
+    tab.keyboard.down("w")
+    it.frames(lambda: forward_speed(it) == 0.5)
+    tab.close()
+    it.tabs.remove(tab)
+    it.frames(lambda: not forward_speed(it))
+    start = it.twin.time
+    it.frames(lambda: it.twin.time > start + 0.2)

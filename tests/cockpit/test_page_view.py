@@ -1,0 +1,112 @@
+"""The scene, overlays, camera and recording on the page, in a real Chromium."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import io
+
+import numpy as np
+import pytest
+from browser import BROWSER_TESTS, browser, changed, orange, orange_bodies, page, picture, show
+from PIL import Image
+from robots_to_steer import WHEELS_1
+
+from drake_twin.builder.demo import demo_scenario
+from drake_twin.cockpit.scene import OVERLAYS
+
+pytestmark = BROWSER_TESTS
+
+
+def test_the_page_shows_both_rovers_and_they_drive(show):
+    it, tab = show(demo_scenario("rover", 2))
+    it.twin.pause()
+    it.for_frames(3)
+    before = picture(tab)
+    assert orange_bodies(before) == 2
+    it.twin.play()
+    start = it.twin.time
+    it.frames(lambda: it.twin.time > start + 1.0)
+    it.twin.pause()
+    it.for_frames(3)
+    after = picture(tab)
+    assert orange_bodies(after) == 2
+    assert changed(before, after) > 1000
+
+
+def test_meshcats_own_panel_is_not_shown(page):
+    _, tab = page
+    scene = tab.frame_locator("#scene")
+    assert scene.locator("#meshcat-pane canvas").count() == 1
+    assert not any(
+        scene.locator(".dg.main").nth(index).is_visible() for index in range(scene.locator(".dg.main").count())
+    )
+
+
+@pytest.mark.parametrize(
+    ("label", "path"),
+    [
+        ("Frames (tf)", "frames"),
+        ("Contact forces", "contact"),
+        ("Collision shapes", "collision"),
+        ("Inertia", "inertia"),
+    ],
+)
+def test_an_overlay_is_drawn_and_taken_away(page, label, path):
+    it, tab = page
+    it.frames(lambda: it.twin.time > 0.3)
+    it.twin.pause()
+    it.for_frames(3)
+    before = picture(tab)
+    tab.get_by_label(label).click(force=True)
+    it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/{path}"))
+    it.for_frames(5)
+    assert changed(before, picture(tab)) > 200
+    tab.get_by_label(label).click(force=True)
+    it.frames(lambda: not it.scene.has_path(f"{OVERLAYS}/{path}"))
+    it.for_frames(5)
+    assert changed(before, picture(tab)) < 20
+
+
+def test_the_camera_follows_a_robot_and_lets_it_go(page):
+    it, tab = page
+    tab.get_by_label("Camera follows").select_option("robot_1")
+    it.frames(lambda: it.cockpit._camera.robot == "robot_1")
+    it.twin.publish(WHEELS_1, [9, 9, 9, 9])
+    it.frames(lambda: it.twin.robot_state("robot_1").base_pose[0] > 2.0)
+    it.twin.pause()
+    it.for_frames(5)
+    shot = picture(tab)
+    rows, columns = orange(shot)
+    assert abs(np.median(columns) / shot.shape[1] - 0.5) < 0.1
+    assert abs(np.median(rows) / shot.shape[0] - 0.5) < 0.15
+    tab.get_by_label("Camera follows").select_option("")
+    it.frames(lambda: it.cockpit._camera.robot == "")
+
+
+def test_a_recording_is_downloaded_and_plays_without_a_network(show, browser, tmp_path):
+    it, tab = show(demo_scenario("rover", 1))
+    tab.get_by_role("button", name="Record").click()
+    it.frames(lambda: tab.locator("#recording-badge").is_visible())
+    start = it.twin.time
+    it.frames(lambda: it.twin.time > start + 1)
+    with tab.expect_download() as download:
+        tab.get_by_role("button", name="Save as HTML").click()
+        it.frames(lambda: it.cockpit._recording is None)
+        it.for_frames(5)  # the page is told, and fetches it
+    file = tmp_path / "run.html"
+    download.value.save_as(file)
+    offline = browser.new_context(offline=True)
+    alone = offline.new_page()
+    alone.goto(file.as_uri())
+    assert alone.locator("#meshcat-pane canvas").count() == 1
+    assert orange_bodies(np.asarray(Image.open(io.BytesIO(alone.screenshot())).convert("RGB")).astype(int)) == 1
+    offline.close()
+    it.frames(lambda: it.twin.time > start + 1.5)  # the live page goes on
+
+
+def test_the_side_panel_is_folded_away(page):
+    _, tab = page
+    tab.get_by_label("Side panel").click()
+    assert not tab.locator("#panel").is_visible()
+    assert tab.get_by_label("Side panel").get_attribute("aria-expanded") == "false"
+    tab.keyboard.press("p")
+    assert tab.locator("#panel").is_visible()

@@ -1,0 +1,51 @@
+"""Worlds of ``drake_twin.run --world``."""
+
+from pathlib import Path
+
+import pytest
+from program_runs import ROVER, summary_of
+
+from drake_twin.run import main
+
+CRATE_WORLD = """<sdf version="1.9"><world name="w"><gravity>0 0 -3</gravity>
+<physics type="ode"><max_step_size>0.002</max_step_size></physics><gui/>
+<include><uri>model://ground_plane</uri></include>
+<model name="crate"><pose>3 0 1 0 0 0</pose><link name="l"/></model></world></sdf>"""
+
+
+@pytest.fixture
+def crate_world(tmp_path) -> Path:
+    (tmp_path / "crate.world").write_text(CRATE_WORLD)
+    return tmp_path / "crate.world"
+
+
+def test_robots_stand_in_the_world_of_a_file_at_its_own_step(tmp_path, crate_world, capsys):
+    result = summary_of(tmp_path, "--robots", 2, "--duration", 0.5, "--world", crate_world)
+    assert (result["time_step"], result["steps"]) == (0.002, 250)
+    assert all(robot["base_pose"][2] == pytest.approx(0.13, abs=0.01) for robot in result["robots"].values())
+    assert result["warnings"] == []
+    assert [(item["kind"], item["what"]) for item in result["findings"]] == [("window", "<gui> of the world")]
+    assert "window: <gui> of the world (crate.world:2)" in capsys.readouterr().err
+
+
+def test_a_step_that_is_typed_goes_before_the_worlds(tmp_path, crate_world):
+    result = summary_of(tmp_path, ROVER, "--duration", 0.1, "--world", crate_world, "--time-step", 0.001)
+    assert result["time_step"] == 0.001
+
+
+def test_a_world_is_part_of_the_printed_scenario(tmp_path, crate_world, capsys):
+    assert main(["--robots", "1", "--world", str(crate_world), "--show-scenario"]) == 0
+    text = capsys.readouterr().out
+    assert f"world:\n  file: {crate_world}\n" in text
+    (tmp_path / "twin.yaml").write_text(text.replace(str(crate_world), "crate.world"))
+    assert summary_of(tmp_path, tmp_path / "twin.yaml", "--duration", 0.1)["time_step"] == 0.002
+
+
+@pytest.mark.parametrize(
+    ("name", "what"), [("gone.world", "there is no world file"), ("shapes.sdf", "only some are built in")]
+)
+def test_a_world_that_is_not_there_ends_in_a_paragraph(tmp_path, capsys, name, what):
+    assert main(["--robots", "1", "--headless", "--duration", "1", "--world", str(tmp_path / name)]) == 2
+    error = capsys.readouterr().err
+    assert what in error
+    assert "Traceback" not in error
