@@ -85,7 +85,11 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
 
 def _print_scenario(target: Target) -> None:
     # What a launch file publishes without a subscriber is left out when the twin is built.
-    scenario = build_twin(target).scenario if target.launched_commands else target.scenario
+    scenario = (
+        build_twin(target).scenario
+        if any(command.optional for command in target.scenario.commands)
+        else target.scenario
+    )
     say(scenario_to_yaml(scenario), end="")
 
 

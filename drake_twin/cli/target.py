@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
-from drake_twin.findings import Finding, Kind
 from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError
 from drake_twin.scenario.scenario_file import ScenarioFile
 
 if TYPE_CHECKING:
+    from drake_twin.planning.robot_plan import RobotPlan
     from drake_twin.twin.recording import Recording
     from drake_twin.twin.snapshot import Snapshot
     from drake_twin.twin.twin import Twin
@@ -33,7 +33,7 @@ class Target:
     Attributes:
         scenario: The scenario.
         file: Its file, if it was read from one.
-        launched_commands: The commands that the launch file publishes.
+        plans: The plans of its robots that are made already.
         snapshot: The state to continue from.
         recording: The run to replay first.
         paused: Whether the launch file starts a simulator paused.
@@ -43,7 +43,7 @@ class Target:
 
     scenario: Scenario
     file: ScenarioFile | None = None
-    launched_commands: tuple[Command, ...] = ()
+    plans: tuple[RobotPlan, ...] = ()
     snapshot: Snapshot | None = None
     recording: Recording | None = None
     paused: bool = False
@@ -85,7 +85,7 @@ def find_target(options: argparse.Namespace) -> Target:
         file = _scenario_file(words[0], options, given)
         target = Target(file.scenario, file)
     else:
-        target = Target(_robot_file(words[0], options, given))
+        target = _robot_file(words[0], options, given)
     return replace(target, scenario=_with_options(target, options, commands))
 
 
@@ -145,8 +145,6 @@ def target_name(options: argparse.Namespace) -> str:
 def build_twin(target: Target) -> Twin:
     """Build the twin of a target.
 
-    What a launch file publishes on a topic without a subscriber is left out, as it would have no effect in ROS.
-
     Raises:
         InputError: If the scenario cannot be built, with the file and line of the invalid value.
     """
@@ -155,26 +153,13 @@ def build_twin(target: Target) -> Twin:
 
     if target.recording is not None:
         return replay(target.recording)
-    scenario = target.scenario
-    while True:
-        try:
-            twin = Twin(scenario)
-            if target.snapshot is not None:
-                twin.restore(target.snapshot)
-            return twin
-        except ScenarioError as error:
-            index = error.path[1] if error.path[0] == "commands" and len(error.path) > 1 else None
-            if not isinstance(index, int) or scenario.commands[index] not in target.launched_commands:
-                raise target.located(error) from None
-            command = scenario.commands[index]
-            scenario = replace(
-                scenario,
-                commands=scenario.commands[:index] + scenario.commands[index + 1 :],
-                findings=(
-                    *scenario.findings,
-                    Finding(Kind.NOT_STARTED, f"ros2 topic pub {command.topic} ({error.reason})"),
-                ),
-            )
+    try:
+        twin = Twin(target.scenario, plans=target.plans)
+        if target.snapshot is not None:
+            twin.restore(target.snapshot)
+    except ScenarioError as error:
+        raise target.located(error) from None
+    return twin
 
 
 def package_paths(options: argparse.Namespace) -> list[str]:
@@ -233,7 +218,7 @@ def _launched(file: Path, options: argparse.Namespace, arguments: Mapping[str, s
     launched = launch_file_scenario(file, arguments, package_paths(options), time_step=options.time_step)
     return Target(
         launched.scenario,
-        launched_commands=launched.scenario.commands,
+        plans=launched.plans,
         paused=launched.paused,
         only_displayed=launched.only_displayed,
         log=launched.log,
@@ -275,8 +260,8 @@ def _scenario_file(name: str, options: argparse.Namespace, xacro_args: dict[str,
     return ScenarioFile.read(_own_or(name))
 
 
-def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> Scenario:
-    from drake_twin.builder.robot_file import robot_file_scenario
+def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> Target:
+    from drake_twin.builder.robot_file import planned_robots
     from drake_twin.description.package_index import PackageIndex
 
     if options.robot is not None:
@@ -284,12 +269,8 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
     file = PackageIndex(package_paths(options)).resolve(name)
     if file.is_dir():
         raise InputError("expected a robot file, but this is a folder", file=file)
-    return robot_file_scenario(
-        file,
-        options.robots,
-        xacro_args=xacro_args,
-        package_paths=package_paths(options),
-    )
+    planned = planned_robots(file, options.robots, xacro_args=xacro_args, package_paths=package_paths(options))
+    return Target(planned.scenario, plans=planned.plans)
 
 
 def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:

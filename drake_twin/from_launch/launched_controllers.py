@@ -136,8 +136,8 @@ def published_commands(process: LaunchedProcess) -> list[Command] | None:
         raise line.error(f"a rate of {rate:g} Hz is none: it must be above zero")
     times = 1 if line.flag("1", "once") else int(line.number("t", "times"))
     if not 0 < times <= _MOST_TIMES:  # none given, or as good as for ever
-        return [Command(topic, data, process.start_time, 1.0 / rate)]
-    return [Command(topic, data, process.start_time + index / rate) for index in range(times)]
+        return [Command(topic, data, process.start_time, 1.0 / rate, optional=True)]
+    return [Command(topic, data, process.start_time + index / rate, optional=True) for index in range(times)]
 
 
 def _message(line: CommandLine, text: str) -> tuple[float, ...] | dict[str, Any]:
