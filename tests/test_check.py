@@ -78,7 +78,7 @@ def test_a_robot_that_does_not_run_says_why_and_fails(capsys, tmp_path):
 
 def test_a_missing_file_fails(capsys):
     assert main(["/nowhere/robot.urdf"]) == 1
-    assert "/nowhere/robot.urdf: there is no such file" in capsys.readouterr().out
+    assert "/nowhere/robot.urdf: the file does not exist" in capsys.readouterr().out
 
 
 def test_xacro_arguments_reach_the_file(capsys):

@@ -253,9 +253,9 @@ def refused(capsys, *arguments):
 
 
 def test_a_missing_file(capsys):
-    assert "/nowhere/robot.urdf: there is no such file" in refused(capsys, "/nowhere/robot.urdf")
+    assert "/nowhere/robot.urdf: the file does not exist" in refused(capsys, "/nowhere/robot.urdf")
     assert "nowhere.yaml: the scenario cannot be read" in refused(capsys, "nowhere.yaml")
-    assert "package 'nowhere' is in none of:" in refused(capsys, "package://nowhere/a.urdf")
+    assert "package 'nowhere' was not found in:" in refused(capsys, "package://nowhere/a.urdf")
 
 
 def test_broken_xml_is_named_with_its_line(capsys, tmp_path):
@@ -278,7 +278,7 @@ def test_an_unknown_package_in_a_xacro_file(capsys, tmp_path):
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         '<xacro:include filename="$(find no_such_package)/a.xacro"/></robot>'
     )
-    assert "package 'no_such_package' is in none of:" in refused(capsys, file)
+    assert "package 'no_such_package' was not found in:" in refused(capsys, file)
 
 
 def test_an_unknown_joint_in_the_parameters_file(capsys, tmp_path):
@@ -443,7 +443,7 @@ def test_substitutions_work_without_xacros_namespace(tmp_path):
         "$(find arduinobot_description)/config/none.yaml</parameters></plugin></gazebo></robot>"
     )
     result = run(file, "--headless", "--duration", 0.1)
-    assert "arduinobot_description/config/none.yaml: there is no such file" in result.stderr
+    assert "arduinobot_description/config/none.yaml: the file does not exist" in result.stderr
     assert "$(find" not in result.stderr
 
 
@@ -475,7 +475,7 @@ def test_limits_that_leave_no_velocity_keep_a_controller_from_starting(tmp_path)
         ([*PUB_1, "[" + "9" * 400 + ", 1, 1, 1]"], "the data must be a list of numbers"),
         ([*PUB_1, '"2222"'], "the data must be a list of numbers"),
         ([*PUB_1, "[true, 1, 1, 1]"], "the data must be a list of numbers"),
-        (["~nobody/x.urdf"], "there is no such file"),
+        (["~nobody/x.urdf"], "the file does not exist"),
         (["x" * 300 + ".urdf"], "this is not a file's name"),
         (["/dev/zero"], "/dev/zero: a robot file is needed, and this is none"),
         (["/"], "a robot file is needed, and this is a folder"),
@@ -556,9 +556,7 @@ def test_a_world_is_part_of_the_printed_scenario(tmp_path, crate_world, capsys):
     assert summary_of(tmp_path, tmp_path / "twin.yaml", "--duration", 0.1)["time_step"] == 0.002
 
 
-@pytest.mark.parametrize(
-    ("name", "what"), [("gone.world", "there is no world file"), ("shapes.sdf", "only some are built in")]
-)
+@pytest.mark.parametrize(("name", "what"), [("gone.world", "the world file"), ("shapes.sdf", "only some are built in")])
 def test_a_world_that_is_not_there_ends_in_a_paragraph(tmp_path, capsys, name, what):
     assert main(["--robots", "1", "--headless", "--duration", "1", "--world", str(tmp_path / name)]) == 2
     error = capsys.readouterr().err

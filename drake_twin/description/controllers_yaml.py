@@ -9,6 +9,7 @@ from typing import Any
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place
+from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
 
@@ -199,7 +200,7 @@ def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
 
 def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
     rate = parameters.get("update_rate", default)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 < rate < HIGHEST_RATE:
+    if not is_number(rate) or not 0 < rate < HIGHEST_RATE:
         raise document.error((*path, "update_rate"), f"{rate!r} is not a rate above zero (Hz)")
     return float(rate)
 

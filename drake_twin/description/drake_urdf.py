@@ -22,7 +22,7 @@ from drake_twin.description.meshes import (
 )
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
-from drake_twin.description.unread import is_known
+from drake_twin.description.used_elements import is_known
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind

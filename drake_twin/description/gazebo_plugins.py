@@ -3,13 +3,13 @@
 import re
 import shlex
 from collections.abc import Iterable, Iterator
-from math import isfinite
 
 from lxml import etree
 
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.values import parse_number
 
 _GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
 _CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
@@ -153,12 +153,9 @@ class PluginReader:
         values = []
         for text in self.texts(tag):
             try:
-                value = float(text)
-            except ValueError:
-                raise self.error(f"<{tag}> is {text!r}, which is not a number") from None
-            if not isfinite(value):
-                raise self.error(f"<{tag}> is {text!r}, which is not finite")
-            values.append(value)
+                values.append(parse_number(text))
+            except ValueError as error:
+                raise self.error(f"<{tag}> is {text!r}, which is {error}") from None
         return tuple(values)
 
     def number(self, tag: str, default: float) -> float:

@@ -114,11 +114,8 @@ def effort_limits(text: str, file: Path) -> dict[str, float]:
         bounds = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
         gear = reader.parse_number(actuator, next(iter(actuator.get("gear", "").split()), "1"), "gear")
         if bounds is not None:
-            numbers = [abs(reader.parse_number(actuator, part, "range")) for part in bounds.split()]
-            if len(numbers) != 2:
-                raise reader.error(actuator, f"its range is {bounds!r}, where two numbers are needed")
-            largest = max(numbers)
-            limits[actuator.get("joint", "")] = abs(gear) * largest
+            lower, upper = reader.parse_numbers(actuator, bounds, "range", 2)
+            limits[actuator.get("joint", "")] = abs(gear) * max(abs(lower), abs(upper))
     return limits
 
 

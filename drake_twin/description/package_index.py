@@ -1,4 +1,4 @@
-"""Where ROS packages are, and which file a ``package://``, ``model://`` or ``file://`` address names."""
+"""The folders of ROS packages, and the files that ``package://``, ``model://`` and ``file://`` addresses name."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -17,20 +17,33 @@ _FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RES
 
 
 class MissingPackageError(InputError):
-    """A package that is in none of the folders that were looked in."""
+    """Raised for a package that was not found.
+
+    Args:
+        package: The package's name.
+        searched: The folders that were searched.
+    """
+
+    def __init__(self, package: str, searched: Iterable[str]):
+        self.searched = ", ".join(searched)
+        self.advice = "Name the folder that holds it with --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+        super().__init__(f"package {package!r} was not found in: {self.searched}. {self.advice}")
 
 
 class PackageIndex:
     """Finds packages by name, the closest source first.
 
-    In this order: the folders given, the workspace of the file at hand (its package's neighbours), the packages
-    installed under ``AMENT_PREFIX_PATH`` and ``COLCON_PREFIX_PATH``, the folders of ``ROS_PACKAGE_PATH``,
-    ``GZ_SIM_RESOURCE_PATH``, ``IGN_GAZEBO_RESOURCE_PATH`` and ``GAZEBO_MODEL_PATH``, and the twin's own models. Each
-    is looked at only when those before it do not have the package.
+    These are searched in order, until one has the package: the folders given, the workspace of the file at hand (its
+    package's neighbours), the packages installed under ``AMENT_PREFIX_PATH`` and ``COLCON_PREFIX_PATH``, the folders of
+    ``ROS_PACKAGE_PATH``, ``GZ_SIM_RESOURCE_PATH``, ``IGN_GAZEBO_RESOURCE_PATH`` and ``GAZEBO_MODEL_PATH``, and the
+    twin's own models.
 
     Args:
-        folders: folders of packages (or packages themselves) to look in first.
-        environment: the environment variables; the process's own by default.
+        folders: Folders of packages (or packages themselves) to search first.
+        environment: The environment variables; the process's own by default.
+
+    Raises:
+        InputError: If one of the folders does not exist.
     """
 
     def __init__(self, folders: Iterable[str | Path] = (), environment: Mapping[str, str] | None = None):
@@ -54,7 +67,7 @@ class PackageIndex:
 
     @property
     def folders(self) -> tuple[Path, ...]:
-        """The folders that are looked in first."""
+        """The folders that are searched first."""
         return tuple(self._folders)
 
     @property
@@ -63,34 +76,31 @@ class PackageIndex:
         return tuple(self._resource_folders)
 
     def find(self, package: str, near: str | Path | None = None) -> Path:
-        """The share folder of a package; that of a source package looks as if it were installed.
+        """Find the share folder of a package; that of a source package looks as if it were installed.
 
         Args:
-            package: the package's name.
-            near: a file of the workspace to look in first.
+            package: The package's name.
+            near: A file of the workspace to search first.
 
         Raises:
-            MissingPackageError: no such package; the text lists where it was looked for.
+            MissingPackageError: If the package is not found; the text lists the folders that were searched.
         """
         for folder in self._candidates(package, near):
             if folder.is_dir():
                 return installed_layout(folder)
-        looked_in = [str(folder) for folder in self._source_folders(near)]
-        looked_in += [f"{prefix}/share" for prefix in self._prefixes]
-        raise MissingPackageError(
-            f"package {package!r} is in none of: {', '.join(looked_in)}. Name the folder that holds it with"
-            " --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
-        )
+        searched = [str(folder) for folder in self._source_folders(near)]
+        searched += [f"{prefix}/share" for prefix in self._prefixes]
+        raise MissingPackageError(package, searched)
 
     def resolve(self, address: str, base: str | Path | None = None) -> Path:
-        """The file that an address names: ``package://``, ``model://``, ``file://``, or a path relative to ``base``.
+        """Find the file that an address names.
 
         Args:
-            address: the address.
-            base: the file that holds the address.
+            address: ``package://``, ``model://``, ``file://``, or a path relative to ``base``.
+            base: The file that holds the address.
 
         Raises:
-            InputError: the package or the file does not exist.
+            InputError: If the package or the file does not exist.
         """
         scheme, separator, rest = address.partition("://")
         if not separator:
@@ -103,15 +113,13 @@ class PackageIndex:
             if base is not None and not Path(rest).is_absolute() and not rest.startswith("~"):
                 path = Path(base).absolute().parent / rest
         else:
-            raise InputError(
-                f"{address!r} has a scheme that is not understood", valid=["package://", "model://", "file://"]
-            )
+            raise InputError(f"unknown scheme of {address!r}", valid=["package://", "model://", "file://"])
         try:
             exists = path.exists()
         except OSError as error:  # a name that is too long, say
             raise InputError(f"this is not a file's name ({error.strerror})", file=path) from None
         if not exists:
-            raise InputError("there is no such file", file=path)
+            raise InputError("the file does not exist", file=path)
         return Path(os.path.abspath(path))
 
     def _candidates(self, package: str, near: str | Path | None) -> Iterator[Path]:
@@ -139,7 +147,7 @@ class PackageIndex:
 
 
 def absolute_path(name: str | Path) -> str:
-    """A path that a user typed, with ``~`` and relative to the working folder, in full."""
+    """Return a path that a user typed as an absolute one; it may begin with ``~``."""
     try:
         return os.path.abspath(Path(name).expanduser())
     except RuntimeError:  # ~nobody

@@ -20,6 +20,7 @@ from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerParameters, nested
 from drake_twin.findings import Finding, Kind
+from drake_twin.values import yaml_number
 
 # Parameters that every node of ROS 2 has, and those that ros2_control itself reads for any controller.
 _OF_EVERY_NODE = frozenset(
@@ -152,14 +153,10 @@ def _read(annotation: Any, value: Any, controller: ControllerParameters, path: P
         isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63  # what ROS's parameters hold
     )
     if annotation is float:
-        if isinstance(value, str):  # YAML 1.1 reads 1e-3 as text
-            try:
-                return float(value)
-            except ValueError:
-                pass
-        if not is_number:
+        number = yaml_number(value) if is_number or isinstance(value, str) else None
+        if number is None:
             raise controller.error(f"{value!r} is not a number", *path)
-        return float(value)
+        return number
     if annotation is int and not (is_number and float(value).is_integer()):
         raise controller.error(f"{value!r} is not a whole number", *path)
     if annotation is bool and not isinstance(value, bool):

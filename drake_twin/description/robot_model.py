@@ -8,7 +8,7 @@ from pathlib import Path
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import RULES, check_rule_names, repair_urdf
+from drake_twin.description.repairs import check_repair_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
@@ -69,7 +69,7 @@ def load_robot_model(
     Raises:
         InputError: a file that is missing or wrong; see the functions of this package that read it.
     """
-    check_rule_names(without_repairs, (*RULES, *DRAKE_RULES))
+    check_repair_names(without_repairs, DRAKE_RULES)
     file = packages.resolve(address)
     text = read_robot_file(file)
     arguments = dict(xacro_args or {})

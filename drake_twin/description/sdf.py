@@ -10,6 +10,7 @@ from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
+from drake_twin.values import is_true
 
 
 class PreparedSdf(NamedTuple):
@@ -49,7 +50,7 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         model.remove(plugin)
     is_fixed = False
     for static in model.findall("static"):
-        is_fixed = is_fixed or (static.text or "").strip().lower() in ("1", "true")
+        is_fixed = is_fixed or is_true(static.text)
         model.remove(static)
     for joint in model.findall("joint"):
         if (joint.findtext("parent") or "").strip() == "world":

@@ -109,10 +109,7 @@ def _pose(reader: XmlReader, element: etree._Element) -> Pose:
     text = _text(element, "pose") or _text(element, "origin")
     if not text:
         return Pose()
-    numbers = [reader.parse_number(element, part, "pose") for part in text.split()]
-    if len(numbers) != 6:
-        raise reader.error(element, f"pose is {text!r}, where six numbers are needed")
-    x, y, z, roll, pitch, yaw = numbers
+    x, y, z, roll, pitch, yaw = reader.parse_numbers(element, text, "pose", 6)
     return Pose((x, y, z), (roll, pitch, yaw))
 
 
@@ -129,9 +126,6 @@ def _orientation_reference(reader: XmlReader, element: etree._Element) -> Vector
         return _LOCALIZATIONS[localization]
     if localization not in ("CUSTOM", "GRAV_UP", "GRAV_DOWN"):
         raise reader.error(frame, f"localization {localization!r} is none of CUSTOM, {', '.join(_LOCALIZATIONS)}")
-    text = _text(frame, "custom_rpy")
-    numbers = [reader.parse_number(frame, part, "custom_rpy") for part in text.split()]
-    if len(numbers) not in (0, 3):
-        raise reader.error(frame, f"custom_rpy is {text!r}, where three numbers are needed")
-    roll, pitch, yaw = numbers or (0.0, 0.0, 0.0)
+    text = _text(frame, "custom_rpy") or "0 0 0"
+    roll, pitch, yaw = reader.parse_numbers(frame, text, "custom_rpy", 3)
     return roll, pitch, yaw

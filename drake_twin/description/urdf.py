@@ -23,6 +23,7 @@ from drake_twin.description.robot_description import (
 )
 from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.values import is_true
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
@@ -236,7 +237,7 @@ def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
                 found = replace(found, **{tag: reader.parse_number(element, text, tag)})  # type: ignore[arg-type]
         self_collide = _text_or_value(element, "selfCollide") or _text_or_value(element, "self_collide")
         if self_collide is not None:
-            found = replace(found, self_collide=self_collide.lower() in ("1", "true"))
+            found = replace(found, self_collide=is_true(self_collide))
         if found != LinkSurface():
             surfaces[link] = found
     return surfaces

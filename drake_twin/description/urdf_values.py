@@ -38,10 +38,7 @@ def check_values(reader: XmlReader) -> None:
             text = element.get(attribute)
             if text is None:
                 continue
-            values = [reader.parse_number(element, part, attribute) for part in text.split()]
-            if len(values) != count:
-                needed = "one number is" if count == 1 else f"{count} numbers are"
-                raise reader.error(element, f"{attribute} is {text!r}, where {needed} needed")
+            values = reader.parse_numbers(element, text, attribute, count)
             if any(abs(value) > _LARGEST for value in values):
                 raise reader.error(element, f"{attribute} is {text!r}, which is larger than anything on a robot")
             if element.tag in _NEVER_NEGATIVE and values[0] < 0:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from copy import copy, deepcopy
-from math import isfinite
 from pathlib import Path
 from typing import Any, cast
 
@@ -10,6 +9,7 @@ from lxml import etree
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
+from drake_twin.values import needed, parse_number
 
 # No network, no external entities, and libxml2's own bound on how far entities may expand.
 _PARSER = etree.XMLParser(
@@ -65,10 +65,10 @@ class XmlReader:
             return self._places[line - 1] if line is not None and known else Place(str(self.file or ""))
         return Place(str(self.file or ""), line if line and line < _MOST_LINES else None)
 
-    def error(self, element: etree._Element, message: str) -> InputError:
-        """An error that points at an element."""
+    def error(self, element: etree._Element, message: str, **more: Any) -> InputError:
+        """Return an error that points at an element; more arguments are those of `InputError`."""
         place = self.place(element)
-        return InputError(f"{described(element)}: {message}", file=place.file or None, line=place.line)
+        return InputError(f"{described(element)}: {message}", file=place.file or None, line=place.line, **more)
 
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
         """A required (or defaulted) attribute."""
@@ -84,14 +84,18 @@ class XmlReader:
         return default if text is None else self.parse_number(element, text, attribute)
 
     def parse_number(self, element: etree._Element, text: str, what: str) -> float:
-        """Text as a finite number, written as in C: Python would also take ``1_000`` and the digits of any script."""
+        """Read text as a finite number; ``what`` names it in the error."""
         try:
-            value = float(text if text.isascii() and "_" not in text else "none")
-        except ValueError:
-            raise self.error(element, f"{what} is {text!r}, which is not a number") from None
-        if not isfinite(value):
-            raise self.error(element, f"{what} is {text!r}, which is not finite")
-        return value
+            return parse_number(text)
+        except ValueError as error:
+            raise self.error(element, f"{what} is {text!r}, which is {error}") from None
+
+    def parse_numbers(self, element: etree._Element, text: str, what: str, count: int) -> tuple[float, ...]:
+        """Read text as so many finite numbers; ``what`` names it in the error."""
+        values = tuple(self.parse_number(element, part, what) for part in text.split())
+        if len(values) != count:
+            raise self.error(element, f"{what} is {text!r}, where {needed(count)}")
+        return values
 
     def vector3(
         self, element: etree._Element, attribute: str, default: tuple[float, float, float]
@@ -100,10 +104,8 @@ class XmlReader:
         text = element.get(attribute)
         if text is None:
             return default
-        values = [self.parse_number(element, part, attribute) for part in text.split()]
-        if len(values) != 3:
-            raise self.error(element, f"{attribute} is {text!r}, where three numbers are needed")
-        return values[0], values[1], values[2]
+        x, y, z = self.parse_numbers(element, text, attribute, 3)
+        return x, y, z
 
 
 def described(element: etree._Element) -> str:

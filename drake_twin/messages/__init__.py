@@ -16,6 +16,7 @@ from typing import Any
 from drake_twin.frozen import Frozen
 from drake_twin.messages.definitions import DEFINITIONS
 from drake_twin.saved import saved
+from drake_twin.values import yaml_number
 
 _STORE_TYPES = {
     name.rpartition("/")[2]: name
@@ -224,16 +225,17 @@ def _base(kind: str, value: Any, path: str) -> Any:
                 raise TypeError
             return bool(value)
         if "float" in kind:
-            if isinstance(value, bool) or not isinstance(value, Real | str):  # YAML 1.1 reads 1e-3 as text
+            number = yaml_number(value)
+            if number is None:
                 raise TypeError
-            return float(value)
+            return number
         if isinstance(value, bool) or not isinstance(value, Real) or not float(value).is_integer():
             raise TypeError
         whole: Any = value
-        number, limits = int(whole), np.iinfo(kind)
-        if not limits.min <= number <= limits.max:
+        integer, limits = int(whole), np.iinfo(kind)
+        if not limits.min <= integer <= limits.max:
             raise ValueError
-        return number
+        return integer
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{path[:-1]}: {shortened(value)} is not a {kind}") from None
 

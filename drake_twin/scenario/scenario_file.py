@@ -5,7 +5,7 @@ import types
 import typing
 from collections.abc import Mapping
 from enum import Enum
-from math import isfinite, nan
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from drake_twin.description.package_index import absolute_path
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError, field_types
+from drake_twin.values import yaml_number
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
@@ -127,11 +128,8 @@ def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any
 def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if kind is float:
-        try:  # YAML 1.1 reads 1e-3 as text, and an integer may be too large for a float
-            number = float(value) if is_number or isinstance(value, str) else nan
-        except (ValueError, OverflowError):
-            number = nan
-        if not isfinite(number):
+        number = yaml_number(value)
+        if number is None or not isfinite(number):
             shown = repr(value) if len(repr(value)) <= 80 else repr(value)[:80] + "…"
             raise document.error(path, f"{shown} is not a finite number")
         return number
