@@ -470,8 +470,8 @@ def test_limits_that_leave_no_velocity_keep_a_controller_from_starting(tmp_path)
     [
         (["--port", "80"], "--port 80: the page's port is a number from 1024 to 65535"),
         (["--duration", "1e308"], "--duration 1e+308: the value must be above zero, and 1e+09 at most"),
-        (["--time-step", "1e-320"], "is no step that simulates robots"),
-        (["--time-step", "10"], "10 s is no step that simulates robots: valid are 1e-06 s to 0.1 s"),
+        (["--time-step", "1e-320"], "s is out of bounds: valid are"),
+        (["--time-step", "10"], "10 s is out of bounds: valid are 1e-06 s to 0.1 s"),
         ([*PUB_1, "[" + "9" * 400 + ", 1, 1, 1]"], "the data must be a list of numbers"),
         ([*PUB_1, '"2222"'], "the data must be a list of numbers"),
         ([*PUB_1, "[true, 1, 1, 1]"], "the data must be a list of numbers"),

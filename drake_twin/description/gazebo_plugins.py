@@ -45,7 +45,7 @@ def _texts(element: etree._Element, above: str = "") -> Iterator[tuple[str, str]
 
 
 def plugin_kind(plugin: GazeboPlugin) -> str:
-    """Return a plugin's kind, whatever the spelling of its library: ``gazebo_ros_diff_drive``, ``diff-drive-system``."""
+    """Return a plugin's kind, in any spelling of its library: ``gazebo_ros_diff_drive``, ``diff-drive-system``."""
     library = plugin.filename.rpartition("/")[2]
     for pattern in (_GZ_LIBRARY, _CLASSIC_LIBRARY):
         match = pattern.fullmatch(library)

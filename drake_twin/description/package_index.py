@@ -8,7 +8,7 @@ from pathlib import Path
 from drake_twin.description.share_layout import installed_layout, package_name
 from drake_twin.errors import InputError
 
-# Folders that hold no source packages, or copies of them.
+# Folders without source packages, or with copies of them.
 _SKIPPED_FOLDERS = {"build", "log", "node_modules", "site-packages", "__pycache__"}
 _SEARCH_DEPTH = 6
 
@@ -155,14 +155,14 @@ def absolute_path(name: str | Path) -> str:
 
 
 def share_folder(name: str) -> Path:
-    """The twin's own ``models`` or ``diagrams``: inside an installed wheel, or at the top of the source tree."""
+    """Return the twin's own ``models`` or ``diagrams``: of an installed wheel, or at the top of the source tree."""
     package = Path(__file__).resolve().parent.parent
     installed = package / "share" / name
     return installed if installed.is_dir() else package.parent / name
 
 
 def containing_package(file: str | Path) -> Path | None:
-    """The innermost folder above a file that holds a ``package.xml``."""
+    """Return the innermost folder above a file that holds a ``package.xml``."""
     for folder in Path(file).absolute().parents:
         if (folder / "package.xml").is_file():
             return folder
@@ -170,13 +170,13 @@ def containing_package(file: str | Path) -> Path | None:
 
 
 def workspace_folders(workspace: str | Path) -> tuple[Path, ...]:
-    """The folders of packages of a colcon workspace, to be given to `PackageIndex`: its sources, then what is built.
+    """List the folders of packages of a colcon workspace for `PackageIndex`: its sources, then its install folders.
 
     Args:
-        workspace: the workspace, its ``src`` or ``install`` folder, or a folder of packages.
+        workspace: The workspace, its ``src`` or ``install`` folder, or a folder of packages.
 
     Raises:
-        InputError: there is no such folder, or no package in it.
+        InputError: If the folder does not exist, or holds no package.
     """
     root = Path(absolute_path(workspace))
     if not root.is_dir():
@@ -188,26 +188,26 @@ def workspace_folders(workspace: str | Path) -> tuple[Path, ...]:
     folders = ([source] if has_sources else []) + installed
     if not folders:
         raise InputError(
-            "the workspace holds no ROS package: none with a package.xml, and no install folder", file=root
+            "the workspace holds no ROS package: it has neither a package.xml nor an install folder", file=root
         )
     return tuple(folders)
 
 
 def _share_folders(install: Path) -> list[Path]:
-    """The share folders of an install tree: one where it is merged, one a package where it is isolated."""
+    """List the share folders of an install tree: one where it is merged, one a package where it is isolated."""
     merged = install / "share"
     found = [merged] if merged.is_dir() and any(merged.glob("*/package.xml")) else []
     return found + sorted(path.parents[1] for path in install.glob("*/share/*/package.xml"))
 
 
 def _in_prefix(prefix: Path, package: str) -> Iterator[Path]:
-    """Places for an installed package: in a merged install tree, then in an isolated one."""
+    """Yield places for an installed package: in a merged install tree, then in an isolated one."""
     yield prefix / "share" / package
     yield prefix / package / "share" / package
 
 
 def _in_folder(folder: Path, package: str) -> Iterator[Path]:
-    """Places for a package at or below a folder: by the name in its package.xml, then by the folder's name."""
+    """Yield places for a package at or below a folder: by the name in its package.xml, then by the folder's name."""
     named = folder / package
     ignored = (named / "COLCON_IGNORE").exists()
     for place in (folder,) if ignored else (named, folder):
@@ -219,7 +219,7 @@ def _in_folder(folder: Path, package: str) -> Iterator[Path]:
 
 
 def workspace_of(package: Path) -> Path:
-    """The folder whose packages a package sees: its colcon workspace's ``src``, or the folder it stands in."""
+    """Return the folder whose packages a package sees: its colcon workspace's ``src``, or its parent folder."""
     for folder in list(package.parents)[:_SEARCH_DEPTH]:
         if folder.name == "src":
             return folder
@@ -228,7 +228,10 @@ def workspace_of(package: Path) -> Path:
 
 @lru_cache(maxsize=256)
 def _packages_below(folder: Path, depth: int = _SEARCH_DEPTH) -> tuple[Path, ...]:
-    """Folders with a package.xml, as colcon finds them: not inside another package, not where COLCON_IGNORE stands."""
+    """List the folders with a package.xml, as colcon finds them.
+
+    Packages inside another package, and folders with COLCON_IGNORE, are left out.
+    """
     found: list[Path] = []
     try:
         names = sorted(entry.name for entry in os.scandir(folder) if entry.is_dir())
