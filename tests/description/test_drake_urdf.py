@@ -210,7 +210,7 @@ def test_a_shape_whose_mesh_is_missing_or_broken_is_left_out(tmp_path, shape, co
     shapes = f"\n<{shape}>{MESH.format('wheel.stl')}</{shape}><{shape}>{BOX}</{shape}>"
     robot, (repair,) = prepare(f"<link name='base'>{shapes}</link>", tmp_path / "rover.urdf")
     assert len(robot.findall(f"link/{shape}")) == 1
-    assert repair.startswith(f"rover.urdf:2: link 'base' goes without its {shape} mesh: {tmp_path}/wheel.stl: ")
+    assert repair.startswith(f"rover.urdf:2: the {shape} mesh of link 'base' is left out: {tmp_path}/wheel.stl: ")
     assert repair.endswith("[missing_mesh]")
 
 
