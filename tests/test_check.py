@@ -73,7 +73,7 @@ def test_a_robot_that_does_not_run_says_why_and_fails(capsys, tmp_path):
     (tmp_path / "broken.urdf").write_text("<robot name='r'><link name='a'/><link name='b'/></robot>")
     report = report_of(capsys, tmp_path / "broken.urdf", code=1)
     assert not report["ok"]
-    assert "several links without a parent: a, b" in report["error"]
+    assert "several have no parent: a, b" in report["error"]
 
 
 def test_a_missing_file_fails(capsys):

@@ -477,7 +477,7 @@ def test_limits_that_leave_no_velocity_keep_a_controller_from_starting(tmp_path)
         ([*PUB_1, "[true, 1, 1, 1]"], "the data must be a list of numbers"),
         (["~nobody/x.urdf"], "the file does not exist"),
         (["x" * 300 + ".urdf"], "this is not a file's name"),
-        (["/dev/zero"], "/dev/zero: a robot file is needed, and this is none"),
+        (["/dev/zero"], "/dev/zero: this is not a file: a robot file is needed"),
         (["/"], "a robot file is needed, and this is a folder"),
     ],
     ids=lambda value: value[-1][:20] if isinstance(value, list) else "",

@@ -18,7 +18,15 @@ def small_sphere(mass: float) -> np.ndarray:
 
 
 def possible_inertia(mass: float, tensor: np.ndarray) -> tuple[np.ndarray, str | None]:
-    """The inertia nearest to a given one (kg·m², 3×3) that a body of a mass (kg) can have, and why it differs if so."""
+    """Find the inertia nearest to a given one that a body can have.
+
+    Args:
+        mass: The body's mass (kg).
+        tensor: The given inertia (kg·m², 3×3).
+
+    Returns:
+        The inertia, and why it differs from the given one; None where it does not.
+    """
     if not np.any(tensor):
         return small_sphere(mass), f"it has mass but no inertia: that of a sphere of {_LEAST_RADIUS:g} m is used"
     moments, axes = np.linalg.eigh(tensor)
@@ -32,16 +40,16 @@ def possible_inertia(mass: float, tensor: np.ndarray) -> tuple[np.ndarray, str |
 
 
 def _change(moment: float, repaired: float) -> str:
-    """What becomes of a principal moment (kg·m²)."""
-    has_share = moment > 1e-3 * repaired  # what was next to nothing has become something
+    """Describe the change of a principal moment (kg·m²)."""
+    has_share = moment > 1e-3 * repaired  # a change of more is not worth a percentage
     return f"{repaired:.3g} ({100 * (repaired / moment - 1):+.3g} %)" if has_share else f"{repaired:.3g}"
 
 
 def _physical(moments: np.ndarray) -> np.ndarray:
-    """The principal moments nearest to given ones that a body can have.
+    """Return the principal moments nearest to given ones that a body can have.
 
-    None is larger than the other two together: they are those of three rods, one along each axis, whose moments are not
-    negative. The nearest are on the face of that cone which leaves the least difference.
+    No moment is larger than the other two together: they are those of three rods, one along each axis, whose moments
+    are not negative. The nearest are on the face of that cone with the least difference.
     """
     largest = float(np.abs(moments).max())
     if moments.min() >= _LEAST_MOMENT * largest and 2 * moments.max() <= moments.sum() + _PHYSICAL_MARGIN * largest:
@@ -53,5 +61,7 @@ def _physical(moments: np.ndarray) -> np.ndarray:
             found = parts @ rods
             if parts.min() >= 0 and np.linalg.norm(found - moments) < np.linalg.norm(nearest - moments):
                 nearest = found
-    parts = np.maximum(nearest.sum() / 2 - nearest, _LEAST_MOMENT * largest)  # the rods': no moment is zero then
+    parts = np.maximum(
+        nearest.sum() / 2 - nearest, _LEAST_MOMENT * largest
+    )  # of the rods, so that all moments are above zero
     return np.asarray(parts.sum() - parts)

@@ -20,20 +20,20 @@ _PARSER = etree.XMLParser(
 )
 
 
-_MOST_LINES = 65535  # what libxml2 has room for
+_MOST_LINES = 65535  # libxml2's bound
 
 
 class XmlReader:
     """Reads values out of one XML document.
 
     Args:
-        text: the document.
-        file: the file it came from, for error messages.
-        places: where each element was written, in the order of the document, for text that was made of other files;
+        text: The document.
+        file: The file it came from, for error messages.
+        places: Where each element was written, in the order of the document, for text that was made of other files;
             None when the text is the file's own.
 
     Raises:
-        InputError: not well-formed.
+        InputError: If the text is not well-formed.
     """
 
     def __init__(self, text: str, file: Path | None = None, *, places: Sequence[Place] | None = None):
@@ -52,14 +52,14 @@ class XmlReader:
                 element.sourceline = number if number <= _MOST_LINES else 0  # copies of the element keep it
 
     def copy(self) -> "XmlReader":
-        """The same document once more, to be changed on its own."""
+        """Return a copy of the document, to be changed independently."""
         copied = copy(self)
         copied.root = deepcopy(self.root)
         return copied
 
     def place(self, element: etree._Element) -> Place:
-        """Where an element was written."""
-        line: int | None = cast(Any, element).sourceline  # the stubs' type is not a number's
+        """Return where an element was written."""
+        line: int | None = cast(Any, element).sourceline  # the stubs give another type
         if self._places is not None:
             known = line is not None and 0 < line <= len(self._places)
             return self._places[line - 1] if line is not None and known else Place(str(self.file or ""))
@@ -71,7 +71,7 @@ class XmlReader:
         return InputError(f"{described(element)}: {message}", file=place.file or None, line=place.line, **more)
 
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
-        """A required (or defaulted) attribute."""
+        """Read a required (or defaulted) attribute."""
         value = element.get(attribute, default)
         value = None if value is None else value.strip()
         if value is None or (value == "" and default is None):
@@ -79,7 +79,7 @@ class XmlReader:
         return value
 
     def number(self, element: etree._Element, attribute: str, default: float) -> float:
-        """An attribute as a finite number."""
+        """Read an attribute as a finite number."""
         text = element.get(attribute)
         return default if text is None else self.parse_number(element, text, attribute)
 
@@ -100,7 +100,7 @@ class XmlReader:
     def vector3(
         self, element: etree._Element, attribute: str, default: tuple[float, float, float]
     ) -> tuple[float, float, float]:
-        """An attribute as three finite numbers."""
+        """Read an attribute as three finite numbers."""
         text = element.get(attribute)
         if text is None:
             return default
@@ -109,7 +109,7 @@ class XmlReader:
 
 
 def described(element: etree._Element) -> str:
-    """An element as a person would point at it: ``<limit> of <joint name="elbow">``."""
+    """Describe an element for a message: ``<limit> of <joint name="elbow">``."""
     text = f"<{etree.QName(element).localname}"
     name = element.get("name") or element.get("reference")
     text += f' name="{name}">' if name else ">"
