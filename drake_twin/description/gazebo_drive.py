@@ -6,7 +6,6 @@ Other packages add a plugin with the same decorator as the twin's own::
 
     @gazebo_plugin("libmy_spinner.so")
     def my_spinner(plugin: DrivePlugin) -> GazeboDrive:
-        \"""``libmy_spinner.so`` as a controller of velocities.\"""
         joints = plugin.joints("joint")
         return GazeboDrive(
             plugin.plugin,

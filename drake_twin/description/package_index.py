@@ -150,7 +150,7 @@ def absolute_path(name: str | Path) -> str:
     """Return a path that a user typed as an absolute one; it may begin with ``~``."""
     try:
         return os.path.abspath(Path(name).expanduser())
-    except RuntimeError:  # ~nobody
+    except RuntimeError:  # the home of an unknown user
         return os.path.abspath(name)
 
 

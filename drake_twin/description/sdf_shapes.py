@@ -187,7 +187,7 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
         scale = _scale(mesh)
         try:
             if uri is None or scale is None:
-                raise InputError("<uri> is missing" if uri is None else "its scale is not three numbers above zero")
+                raise InputError("<uri> is missing" if uri is None else "its scale lacks a number, or one is zero")
             file = find(address, reader.file)
             if shape.tag == "visual":
                 uri.text = mesh_address(visual_mesh(file))

@@ -43,7 +43,7 @@ class SolidMesh:
     faces: tuple[np.ndarray, ...]
 
     def __len__(self) -> int:
-        """The number of solids."""
+        """Count the solids."""
         return len(self.hulls) + len(self.faces)
 
     def solids(self, scale: tuple[float, float, float]) -> list[np.ndarray]:

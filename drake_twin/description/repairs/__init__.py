@@ -8,7 +8,6 @@ add repairs with the same decorator::
 
     @repair("wheel_without_friction")
     def wheel_without_friction(reader):
-        \"""Give wheels without a coefficient of friction one of 1.\"""
         for element in reader.root.iterfind(...):
             ...
             yield element, "the wheel has no coefficient of friction: 1 is used"

@@ -67,7 +67,7 @@ def check_repair_names(names: Collection[str], others: Collection[str] = ()) -> 
         others: Names of repairs that are not in the registry.
 
     Raises:
-        InputError: If there is no repair of a name.
+        InputError: If a name is unknown.
     """
     if not names:
         return
