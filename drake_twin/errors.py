@@ -1,4 +1,4 @@
-"""The one family of exceptions of the twin: each prints as one paragraph that a person can act on."""
+"""The exceptions of the twin: each prints as one paragraph that says what to do."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -7,25 +7,26 @@ from typing import Any
 
 
 class TwinError(Exception):
-    """Anything the twin refuses or fails at.
+    """The base of all errors that the twin raises.
 
-    ``exit_code`` is what a program of this package returns when the error ends it.
+    Attributes:
+        exit_code: What a program of this package returns when the error ends it.
     """
 
     exit_code = 1
 
 
 class InputError(TwinError):
-    """A file, an argument or a call that cannot be used as it is.
+    """Raised for a file, an argument or a call that cannot be used as it is.
 
     The text reads ``FILE:LINE: message. Valid: a, b, c.``; each part is left out when it is not known.
 
     Args:
-        message: what is wrong, naming the value.
-        file: the file that holds the wrong value.
-        line: its line, counted from 1.
-        valid: what would have been accepted; ``value`` is compared with it to suggest the closest.
-        value: the refused value, when it is one of many names.
+        message: What is wrong, naming the value.
+        file: The file that holds the wrong value.
+        line: Its line, counted from 1.
+        valid: What would have been accepted; ``value`` is compared with it to suggest the closest.
+        value: The refused value, when it is one of many names.
     """
 
     exit_code = 2
@@ -55,15 +56,15 @@ class InputError(TwinError):
             close = get_close_matches(str(self.value), self.valid, n=1) if self.value else []
             if close:
                 text += f" Did you mean {close[0]!r}?"
-            text += f" Valid: {', '.join(self.valid)}." if self.valid else " There is none to choose from."
+            text += f" Valid: {', '.join(self.valid)}." if self.valid else " There are no valid choices."
         return text
 
 
 class CommandError(InputError):
-    """A message that a controller does not accept.
+    """Raised for a message that a controller does not accept.
 
     Attributes:
-        deactivates: whether ros2_control deactivates the controller that is sent such a message.
+        deactivates: Whether ros2_control deactivates the controller that receives such a message.
     """
 
     def __init__(self, message: str, *, deactivates: bool = False, **more: Any):
@@ -71,10 +72,10 @@ class CommandError(InputError):
         self.deactivates = deactivates
 
     def about(self, topic: str) -> "CommandError":
-        """The same error, saying which topic or action it is about."""
+        """Return the same error with the topic or action that it is about."""
         more = {"valid": self.valid, "value": self.value}
         return CommandError(f"{topic}: {self.message}", deactivates=self.deactivates, **more)
 
 
 class RunError(TwinError):
-    """A failure while the twin runs."""
+    """Raised when the twin fails while it runs."""

@@ -1,4 +1,4 @@
-"""What became of each part of the files that a twin is made of, where it was not simply used."""
+"""What became of each part of the files that a twin is built from, where it was not simply used."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -11,13 +11,13 @@ from drake_twin.saved import saved
 
 
 class Kind(StrEnum):
-    """What became of it, in the order in which it is told."""
+    """What became of a part of a file, in the order in which findings are listed."""
 
     NOT_STARTED = "not started"
     IGNORED = "ignored"
     WARNING = "warning"
     MENDED = "mended"
-    WINDOW = "window"  # of a program for people, such as RViz: the page is in its place, and nothing is missing
+    WINDOW = "window"  # of a program such as RViz: the page replaces it, and nothing is lost
 
 
 @saved("Place")
@@ -32,7 +32,7 @@ class Place:
         return self.file if self.line is None else f"{self.file}:{self.line}"
 
 
-LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # what a file asks for and the twin does not do
+LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # a file asks for it and the twin does not do it
 
 _MOST_LINES = 8  # in a sentence
 
@@ -40,15 +40,15 @@ _MOST_LINES = 8  # in a sentence
 @saved("Finding")
 @dataclass(frozen=True)
 class Finding:
-    """What became of one thing that a file says.
+    """What became of one thing in a file.
 
     Attributes:
-        kind: mended, ignored, not started or a warning.
-        what: the thing, and why it is so.
-        robot: the robot that it is about; empty when it is about the world or the launch.
-        file: the file that says it, where that is known.
-        lines: where it stands there, where the file's own lines are known.
-        rule: the name of the repair.
+        kind: Mended, ignored, not started, a warning or a window.
+        what: The thing, and why it is so.
+        robot: The robot that it is about; empty when it is about the world or the launch.
+        file: The file that says it, where that is known.
+        lines: Its lines in that file, where they are known.
+        rule: The name of the repair.
     """
 
     kind: Kind
@@ -60,7 +60,7 @@ class Finding:
 
     @classmethod
     def at(cls, kind: Kind, what: str, place: Place, rule: str = "") -> "Finding":
-        """About one place."""
+        """Return a finding about one place."""
         return cls(kind, what, file=place.file, lines=() if place.line is None else (place.line,), rule=rule)
 
     def __str__(self) -> str:
@@ -68,7 +68,7 @@ class Finding:
 
     @property
     def sentence(self) -> str:
-        """All but the robot's name."""
+        """The finding without the robot's name."""
         more = f" and {len(self.lines) - _MOST_LINES} more" if len(self.lines) > _MOST_LINES else ""
         numbers = ", ".join(map(str, self.lines[:_MOST_LINES])) + more
         where = (f"{PurePath(self.file).name}:{numbers}" if self.file else f"line {numbers}") if numbers else ""
@@ -77,7 +77,7 @@ class Finding:
         return self.what + (f" ({where})" if where else "")
 
     def as_plain(self) -> dict[str, Any]:
-        """As plain data, for JSON."""
+        """Return the finding as plain data, for JSON."""
         return {
             "kind": str(self.kind),
             "what": self.what,
@@ -89,12 +89,12 @@ class Finding:
 
 
 def at_places(kind: Kind, found: Iterable[tuple[str, Place]]) -> Iterator[Finding]:
-    """Findings of what was found at several places: one for each file, with its lines."""
+    """Group what was found at several places into findings: one for each file, with its lines."""
     return merged(Finding.at(kind, what, place) for what, place in found)
 
 
 def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
-    """Findings that differ in nothing but their lines as one."""
+    """Merge findings that differ only in their lines."""
     lines: dict[Finding, dict[int, None]] = {}  # in place of an ordered set
     for finding in findings:
         lines.setdefault(replace(finding, lines=()), {}).update(dict.fromkeys(finding.lines))
@@ -103,12 +103,12 @@ def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
 
 
 def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
-    """Those of some kinds, as sentences."""
+    """Return the findings of some kinds as sentences."""
     return tuple(str(finding) for finding in findings if finding.kind in kinds)
 
 
 def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
-    """Kind and sentence of each, kind by kind, the same one about several robots once."""
+    """Return kind and sentence of each finding, kind by kind; the same one about several robots once."""
     about: dict[tuple[Kind, str], list[str]] = {}
     kinds = list(Kind)
     for finding in sorted(findings, key=lambda finding: kinds.index(finding.kind)):
@@ -121,16 +121,17 @@ def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
 
 
 def strict_text(lost: Iterable[Finding]) -> str:
-    """``2 ignored, 1 not started``."""
+    """Count findings by kind: ``2 ignored, 1 not started``."""
     return ", ".join(f"{count} {kind}" for kind, count in Counter(finding.kind for finding in lost).items())
 
 
 def counted(findings: Sequence[Finding], strict: str | None) -> list[Finding]:
-    """What ``--strict`` does not let pass.
+    """Select the findings that ``--strict`` does not accept.
 
     Args:
-        findings: all findings.
-        strict: None without ``--strict``; ``lost`` for what is ignored or not started, ``mended`` for that, too.
+        findings: All findings.
+        strict: None without ``--strict``; ``lost`` for what is ignored or not started, ``mended`` for that and what is
+            mended.
     """
     kinds = () if strict is None else (*LOST, Kind.MENDED) if strict == "mended" else LOST
     return [finding for finding in findings if finding.kind in kinds]

@@ -4,10 +4,10 @@ from typing import Any, Self
 
 
 class Frozen:
-    """A base for frozen dataclasses of frozen fields: a copy of one is itself.
+    """Base of frozen dataclasses of frozen fields: a copy of one is itself.
 
-    Drake copies what it is given for a port, and at each unrestricted update of any system all abstract states, which
-    would take Python longer than a step of the physics.
+    Drake copies the value of a port, and at each unrestricted update of any system all abstract states, which would
+    take Python longer than a step of the physics.
     """
 
     __slots__ = ()

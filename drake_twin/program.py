@@ -1,4 +1,4 @@
-"""What the programs of this package share: errors in one paragraph, exit codes, output that never gets in the way."""
+"""What the programs of this package share: errors in one paragraph, exit codes, output that never fails."""
 
 import argparse
 import atexit
@@ -15,15 +15,19 @@ from drake_twin.errors import InputError, TwinError
 
 
 class ArgumentParser(argparse.ArgumentParser):
-    """Reports wrong arguments as every other wrong input is reported."""
+    """Reports wrong arguments like any other wrong input."""
 
     def error(self, message: str) -> NoReturn:
-        """Raises `InputError`."""
+        """Raise an error of the command line.
+
+        Raises:
+            InputError: Always.
+        """
         raise InputError(f"{message} (--help lists the options)")
 
 
 def add_strict(parser: Any, consequence: str) -> None:
-    """Adds ``--strict`` and ``--strict=mended``, which mean the same in every program."""
+    """Add ``--strict`` and ``--strict=mended``, which mean the same in every program."""
     what = "when something that a file asks for is ignored or not started"
     parser.add_argument("--strict", dest="strict", action="store_const", const="lost", help=f"{consequence} {what}")
     parser.add_argument(
@@ -32,11 +36,11 @@ def add_strict(parser: Any, consequence: str) -> None:
 
 
 def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str] | None) -> int:
-    """Runs a program and turns its errors into messages and exit codes.
+    """Run a program and turn its errors into messages and exit codes.
 
     Args:
-        program: is given the arguments and returns the exit code.
-        arguments: the command line without the program's name; the process's own by default.
+        program: Takes the arguments and returns the exit code.
+        arguments: The command line without the program's name; the process's own by default.
 
     Returns:
         The exit code: the program's, 1 for a failure while running, 2 for input that cannot be used, 130 for Ctrl-C.
@@ -66,20 +70,20 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
 
 
 def leave(code: int) -> NoReturn:
-    """Ends the process, without taking apart what the operating system frees anyway: 50 ms of a start and an end.
+    """End the process without freeing what the operating system frees anyway, which takes 50 ms.
 
-    Handlers of ``atexit`` run, and nobody waits for threads.
+    Handlers of ``atexit`` run; threads are not waited for.
     """
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError, AttributeError):  # nobody reads, or it was closed before
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # the stream is closed
             stream.flush()
     os._exit(code)
 
 
 @contextlib.contextmanager
 def collecting_later() -> Iterator[None]:
-    """Puts garbage collection off while much is imported and made that stays."""
+    """Suspend garbage collection while many lasting objects are imported and created."""
     collects = gc.isenabled()
     gc.disable()
     try:
@@ -90,7 +94,7 @@ def collecting_later() -> Iterator[None]:
 
 
 class _LogHandler(logging.Handler):
-    """Shows what happens while a twin runs, such as a controller that is given up."""
+    """Shows log records of a running twin, such as a controller that is deactivated."""
 
     def emit(self, record: logging.LogRecord) -> None:
         text = f"{record.levelname.lower()}: {record.getMessage()}"
@@ -98,7 +102,7 @@ class _LogHandler(logging.Handler):
 
 
 class _OthersLogHandler(_LogHandler):
-    """Shows what libraries have to say. Drake would put a handler there that repeats the twin's own lines."""
+    """Shows log records of libraries, in place of Drake's handler, which would repeat the twin's own lines."""
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.name.partition(".")[0] != "drake_twin":
@@ -106,7 +110,7 @@ class _OthersLogHandler(_LogHandler):
 
 
 def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
-    """Prints, and goes on when nobody reads: a closed pipe or terminal must not end a simulation."""
+    """Print a text, and continue if the stream is closed: a closed pipe or terminal must not end a simulation."""
     stream = sys.stdout if stream is None else stream
     if stream is None:  # closed before the program started
         return
@@ -114,12 +118,12 @@ def say(text: str, stream: TextIO | None = None, end: str = "\n") -> None:
         stream.write(text + end)
         stream.flush()
     except (OSError, ValueError):
-        with contextlib.suppress(OSError, ValueError):  # what the interpreter flushes at its end goes nowhere
+        with contextlib.suppress(OSError, ValueError):  # discard what the interpreter flushes at its end
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def announce_page(url: str, *, open_browser: bool) -> None:
-    """Says where the page is, and opens it where there is a desktop and it is wanted."""
+    """Print the page's address, and open it in a browser if that is wanted and there is a desktop."""
     say(f"page: {url}")
     if not open_browser:
         return
@@ -131,7 +135,7 @@ def announce_page(url: str, *, open_browser: bool) -> None:
 
 @contextlib.contextmanager
 def stop_signals() -> Iterator[list[int]]:
-    """Collects Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
+    """Collect Ctrl-C, SIGTERM and a closed terminal, so that a run ends between two steps; a second one kills."""
     stopped: list[int] = []
     previous: dict[int, Any] = {}
 
@@ -142,7 +146,7 @@ def stop_signals() -> Iterator[list[int]]:
 
     number: int
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        with contextlib.suppress(ValueError):  # signals are the main thread's
+        with contextlib.suppress(ValueError):  # only the main thread may handle signals
             previous[number] = signal.signal(number, stop)
     try:
         yield stopped

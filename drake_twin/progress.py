@@ -1,4 +1,4 @@
-"""What a twin is being built of at the moment, for whoever waits."""
+"""Progress of building a twin: what is done at the moment, for a listener such as a status line."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ _listener: ContextVar[Callable[[str], None] | None] = ContextVar("progress", def
 
 @contextmanager
 def heard(listener: Callable[[str], None]) -> Iterator[None]:
-    """Tells a function of what is done inside the block."""
+    """Call a function with each step that is reported inside the block."""
     token = _listener.set(listener)
     try:
         yield
@@ -21,13 +21,13 @@ def heard(listener: Callable[[str], None]) -> Iterator[None]:
 
 
 def told(what: str, items: Sequence[_T], name: Callable[[_T], str]) -> Iterable[_T]:
-    """The items, each told of as it comes: ``reads robot_3 (3 of 500)``."""
+    """Yield the items, and report each one: ``reads robot_3 (3 of 500)``."""
     for index, item in enumerate(items, start=1):
         tell(f"{what} {name(item)} ({index} of {len(items)})")
         yield item
 
 
 def tell(what: str) -> None:
-    """Tells what is done next, if anybody listens."""
+    """Report the next step, if there is a listener."""
     if (listener := _listener.get()) is not None:
         listener(what)

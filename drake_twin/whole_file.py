@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written completely or not at all."""
 
 import contextlib
 import os
@@ -7,10 +7,10 @@ from pathlib import Path
 
 
 def write_whole(file: Path, content: str | bytes) -> None:
-    """Writes a file; whoever stops the process meanwhile, or fills the disk, finds it as it was before, or whole.
+    """Write a file so that it is complete, or unchanged if the process is stopped or the disk fills up.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: If it cannot be written.
     """
     data = content.encode() if isinstance(content, str) else content
     file = file.resolve()
@@ -28,18 +28,18 @@ def write_whole(file: Path, content: str | bytes) -> None:
             if file.exists():
                 os.fchmod(descriptor, file.stat().st_mode)
             if not has_name:
-                os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)  # which makes it follow the link
+                os.link(f"/proc/self/fd/{descriptor}", part, src_dir_fd=descriptor)  # so that it follows the link
         os.replace(part, file)
     finally:
         part.unlink(missing_ok=True)
 
 
 def _open_part(part: Path) -> tuple[int, bool]:
-    """A new file in a folder, and whether it has its name already.
+    """Open a new file in a folder; return its descriptor and whether it has a name already.
 
-    Where the system can, it has none until it is finished: then nothing is left of it, even after SIGKILL.
+    Where the system supports it, the file has no name until it is finished, so that even SIGKILL leaves nothing behind.
     """
-    if hasattr(os, "O_TMPFILE") and os.path.isdir("/proc/self/fd"):  # by which it gets its name
+    if hasattr(os, "O_TMPFILE") and os.path.isdir("/proc/self/fd"):  # needed to give it a name
         with contextlib.suppress(OSError):
             return os.open(part.parent, os.O_TMPFILE | os.O_WRONLY, 0o666), False
     return os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666), True

@@ -73,12 +73,12 @@ def test_a_robot_that_does_not_run_says_why_and_fails(capsys, tmp_path):
     (tmp_path / "broken.urdf").write_text("<robot name='r'><link name='a'/><link name='b'/></robot>")
     report = report_of(capsys, tmp_path / "broken.urdf", code=1)
     assert not report["ok"]
-    assert "several links without a parent: a, b" in report["error"]
+    assert "several have no parent: a, b" in report["error"]
 
 
 def test_a_missing_file_fails(capsys):
     assert main(["/nowhere/robot.urdf"]) == 1
-    assert "/nowhere/robot.urdf: there is no such file" in capsys.readouterr().out
+    assert "/nowhere/robot.urdf: the file does not exist" in capsys.readouterr().out
 
 
 def test_xacro_arguments_reach_the_file(capsys):

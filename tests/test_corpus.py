@@ -187,7 +187,7 @@ def whole_robots():
 @pytest.mark.parametrize("file", whole_robots(), ids=lambda file: f"{file.parent.parent.parent.name}-{file.stem}")
 def test_a_robot_of_the_corpus_loads_and_steps(file):
     if file.name == "rosbot_xl.urdf.xacro":  # its parts come from a package that is not in the corpus
-        with pytest.raises(InputError, match="package 'ros_components_description' is in none of"):
+        with pytest.raises(InputError, match="package 'ros_components_description' was not found in"):
             twin_of(file)
         return
     twin = twin_of(file)

@@ -94,7 +94,7 @@ def test_each_controller_of_a_type_that_the_twin_has_is_read_with_its_parameters
 @pytest.mark.parametrize("file", whole_robots(), ids=lambda file: f"{file.parent.parent.parent.name}-{file.stem}")
 def test_each_controller_of_a_robot_that_names_a_parameters_file_is_active_or_says_why_not(file):
     if "rosbot_xl" in file.name:  # its parts come from a package that is not in the corpus
-        with pytest.raises(InputError, match="package 'ros_components_description' is in none of"):
+        with pytest.raises(InputError, match="package 'ros_components_description' was not found in"):
             robot_file_scenario(file, xacro_args={})
         return
     scenario = robot_file_scenario(file, xacro_args={})

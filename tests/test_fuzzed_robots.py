@@ -24,11 +24,11 @@ from lxml import etree
 from drake_twin import TwinBuilder
 from drake_twin.description.drake_urdf import DRAKE_RULES
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import RULES
+from drake_twin.description.repairs import REPAIRS
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.errors import InputError, RunError, TwinError
 
-REPAIRS = [*RULES, *DRAKE_RULES]
+REPAIRS = [*REPAIRS, *DRAKE_RULES]
 LONGEST = 10.0  # s of wall time that a mutated robot may take
 
 # Every kind of element that the twin reads, once.

@@ -70,7 +70,7 @@ def test_substitutions_work_without_xacros_namespace(tmp_path):
         "$(find arduinobot_description)/config/none.yaml</parameters></plugin></gazebo></robot>"
     )
     result = run(file, "--headless", "--duration", 0.1)
-    assert "arduinobot_description/config/none.yaml: there is no such file" in result.stderr
+    assert "arduinobot_description/config/none.yaml: the file does not exist" in result.stderr
     assert "$(find" not in result.stderr
 
 
@@ -97,14 +97,14 @@ def test_limits_that_leave_no_velocity_keep_a_controller_from_starting(tmp_path)
     [
         (["--port", "80"], "--port 80: the page's port must be from 1024 to 65535"),
         (["--duration", "1e308"], "--duration 1e+308: the value must be above zero, and 1e+09 at most"),
-        (["--time-step", "1e-320"], "is no step that simulates robots"),
-        (["--time-step", "10"], "10 s is no step that simulates robots: valid are 1e-06 s to 0.1 s"),
+        (["--time-step", "1e-320"], "s is out of bounds: valid are"),
+        (["--time-step", "10"], "10 s is out of bounds: valid are 1e-06 s to 0.1 s"),
         ([*PUB_1, "[" + "9" * 400 + ", 1, 1, 1]"], "the data must be a list of numbers"),
         ([*PUB_1, '"2222"'], "the data must be a list of numbers"),
         ([*PUB_1, "[true, 1, 1, 1]"], "the data must be a list of numbers"),
-        (["~nobody/x.urdf"], "there is no such file"),
+        (["~nobody/x.urdf"], "the file does not exist"),
         (["x" * 300 + ".urdf"], "this is not a file's name"),
-        (["/dev/zero"], "/dev/zero: a robot file is needed, and this is none"),
+        (["/dev/zero"], "/dev/zero: this is not a file: a robot file is needed"),
         (["/"], "expected a robot file, but this is a folder"),
     ],
     ids=lambda value: value[-1][:20] if isinstance(value, list) else "",

@@ -8,9 +8,9 @@ from program_runs import ARM, MODELS, PUB_1, ROVER, refused, run
 
 
 def test_a_missing_file(capsys):
-    assert "/nowhere/robot.urdf: there is no such file" in refused(capsys, "/nowhere/robot.urdf")
+    assert "/nowhere/robot.urdf: the file does not exist" in refused(capsys, "/nowhere/robot.urdf")
     assert "nowhere.yaml: the scenario cannot be read" in refused(capsys, "nowhere.yaml")
-    assert "package 'nowhere' is in none of:" in refused(capsys, "package://nowhere/a.urdf")
+    assert "package 'nowhere' was not found in:" in refused(capsys, "package://nowhere/a.urdf")
 
 
 def test_broken_xml_is_named_with_its_line(capsys, tmp_path):
@@ -33,7 +33,7 @@ def test_an_unknown_package_in_a_xacro_file(capsys, tmp_path):
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
         '<xacro:include filename="$(find no_such_package)/a.xacro"/></robot>'
     )
-    assert "package 'no_such_package' is in none of:" in refused(capsys, file)
+    assert "package 'no_such_package' was not found in:" in refused(capsys, file)
 
 
 def test_an_unknown_joint_in_the_parameters_file(capsys, tmp_path):

@@ -41,9 +41,7 @@ def test_a_world_is_part_of_the_printed_scenario(tmp_path, crate_world, capsys):
     assert summary_of(tmp_path, tmp_path / "twin.yaml", "--duration", 0.1)["time_step"] == 0.002
 
 
-@pytest.mark.parametrize(
-    ("name", "what"), [("gone.world", "there is no world file"), ("shapes.sdf", "only some are built in")]
-)
+@pytest.mark.parametrize(("name", "what"), [("gone.world", "the world file"), ("shapes.sdf", "only some are built in")])
 def test_a_world_that_is_not_there_ends_in_a_paragraph(tmp_path, capsys, name, what):
     assert main(["--robots", "1", "--headless", "--duration", "1", "--world", str(tmp_path / name)]) == 2
     error = capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Which wheels turn how fast for a velocity of the base, and which velocity turning wheels make."""
+"""Forward and inverse kinematics of wheeled bases."""
 
 from dataclasses import dataclass
 from math import atan, atan2, cos, inf, pi, sin, tan
@@ -11,9 +11,9 @@ class DifferentialDrive:
     """Two sides of wheels on one axle.
 
     Attributes:
-        wheel_separation: the distance between the sides (m).
-        left_radius: radius of the left wheels (m).
-        right_radius: radius of the right wheels (m).
+        wheel_separation: The distance between the sides (m).
+        left_radius: Radius of the left wheels (m).
+        right_radius: Radius of the right wheels (m).
     """
 
     wheel_separation: float
@@ -21,12 +21,12 @@ class DifferentialDrive:
     right_radius: float
 
     def wheel_velocities(self, linear: float, angular: float) -> tuple[float, float]:
-        """Velocities of the left and right wheels (rad/s) for one of the base (m/s, rad/s)."""
+        """Return the velocities of the left and right wheels (rad/s) for a velocity of the base (m/s, rad/s)."""
         half = 0.5 * angular * self.wheel_separation
         return (linear - half) / self.left_radius, (linear + half) / self.right_radius
 
     def base_velocity(self, left: float, right: float) -> tuple[float, float]:
-        """The base's velocity (m/s, rad/s) for those of its left and right wheels (rad/s)."""
+        """Return the base's velocity (m/s, rad/s) for those of its left and right wheels (rad/s)."""
         left, right = left * self.left_radius, right * self.right_radius
         return 0.5 * (left + right), (right - left) / self.wheel_separation
 
@@ -36,9 +36,9 @@ class MecanumDrive:
     """Four mecanum wheels; their order is front left, front right, rear right, rear left.
 
     Attributes:
-        wheel_radius: radius of the wheels (m).
-        projection: distance from the robot's centre to a wheel along x, plus that along y (m).
-        offset: the base frame in the robot's centre: x, y (m), theta (rad).
+        wheel_radius: Radius of the wheels (m).
+        projection: Distance from the robot's centre to a wheel along x, plus that along y (m).
+        offset: The base frame in the robot's centre: x, y (m), theta (rad).
     """
 
     wheel_radius: float
@@ -46,7 +46,7 @@ class MecanumDrive:
     offset: Twist = (0.0, 0.0, 0.0)
 
     def wheel_velocities(self, linear_x: float, linear_y: float, angular: float) -> tuple[float, float, float, float]:
-        """Velocities of the wheels (rad/s) for one of the base frame (m/s, m/s, rad/s)."""
+        """Return the velocities of the wheels (rad/s) for a velocity of the base frame (m/s, m/s, rad/s)."""
         offset_x, offset_y, theta = self.offset
         x, y = _turned(linear_x, linear_y, theta)
         x, y = x + offset_y * angular, y - offset_x * angular
@@ -59,7 +59,7 @@ class MecanumDrive:
         )
 
     def base_velocity(self, front_left: float, front_right: float, rear_right: float, rear_left: float) -> Twist:
-        """The base frame's velocity (m/s, m/s, rad/s) for those of the wheels (rad/s)."""
+        """Return the base frame's velocity (m/s, m/s, rad/s) for those of the wheels (rad/s)."""
         quarter = 0.25 * self.wheel_radius
         x = quarter * (front_left + front_right + rear_right + rear_left)
         y = quarter * (-front_left + front_right - rear_right + rear_left)
@@ -72,17 +72,17 @@ class MecanumDrive:
 class SteeringDrive:
     """One or two driven wheels on one axle and one or two steered ones on the other; right comes before left.
 
-    One driven and one steered wheel are a bicycle, two and one a tricycle, two and two Ackermann's steering. As
-    ros2_controllers' steering_controllers_library: the base frame is in the middle of the driven axle.
+    One driven and one steered wheel are a bicycle, two and one a tricycle, two and two Ackermann's steering. As in
+    ros2_controllers' steering_controllers_library, the base frame is in the middle of the driven axle.
 
     Attributes:
-        wheelbase: the distance between the axles (m).
-        wheel_radius: radius of the driven wheels (m).
-        driven: the number of driven wheels, 1 or 2.
-        steered: the number of steered wheels, 1 or 2.
-        driven_track: the distance between two driven wheels (m).
-        steered_track: the distance between two steered wheels (m).
-        largest_angle: the largest angle in the middle of the steered axle (rad).
+        wheelbase: The distance between the axles (m).
+        wheel_radius: Radius of the driven wheels (m).
+        driven: The number of driven wheels, 1 or 2.
+        steered: The number of steered wheels, 1 or 2.
+        driven_track: The distance between two driven wheels (m).
+        steered_track: The distance between two steered wheels (m).
+        largest_angle: The largest angle in the middle of the steered axle (rad).
     """
 
     wheelbase: float
@@ -94,7 +94,7 @@ class SteeringDrive:
     largest_angle: float = inf
 
     def steering_angle(self, linear: float, angular: float) -> float:
-        """The angle (rad) in the middle of the steered axle for a velocity of the base (m/s, rad/s)."""
+        """Return the angle (rad) in the middle of the steered axle for a velocity of the base (m/s, rad/s)."""
         if linear == 0.0:
             angle = 0.0 if angular == 0.0 else atan(angular * self.wheelbase * inf)
         else:
@@ -102,11 +102,11 @@ class SteeringDrive:
         return self.within_limits(angle)
 
     def within_limits(self, angle: float) -> float:
-        """The nearest angle (rad) that the steered axle reaches."""
+        """Return the nearest angle (rad) that the steered axle reaches."""
         return min(max(angle, -self.largest_angle), self.largest_angle)
 
     def mean_steering_angle(self, angles: tuple[float, ...]) -> float:
-        """The angle (rad) in the middle of the steered axle for those of its wheels."""
+        """Return the angle (rad) in the middle of the steered axle for those of its wheels."""
         if self.steered == 1:
             return angles[0]
         half = 0.5 * self.steered_track
@@ -117,14 +117,14 @@ class SteeringDrive:
     def wheel_commands(
         self, linear: float, angle: float, measured: float | None = None, *, slow_while_steering: bool = False
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Velocities of the driven wheels (rad/s) and angles of the steered ones (rad).
+        """Compute velocities of the driven wheels (rad/s) and angles of the steered ones (rad).
 
         Args:
-            linear: the base's commanded velocity (m/s).
-            angle: the commanded angle in the middle of the steered axle (rad); see `steering_angle`.
-            measured: the present angle in the middle of the steered axle (rad), after which the driven wheels turn;
-                None: they turn as if it were the commanded one.
-            slow_while_steering: the driven wheels turn slower while the angle is more than 30° off.
+            linear: The base's commanded velocity (m/s).
+            angle: The commanded angle in the middle of the steered axle (rad); see `steering_angle`.
+            measured: The present angle in the middle of the steered axle (rad), for which the driven wheels turn; None
+                to turn them for the commanded one.
+            slow_while_steering: Whether the driven wheels turn slower while the angle is more than 30° off.
         """
         speed = linear / self.wheel_radius
         if measured is not None and slow_while_steering and abs(measured - angle) >= pi / 6.0:
@@ -144,11 +144,11 @@ class SteeringDrive:
         return speeds, (atan2(rise, along + across), atan2(rise, along - across))
 
     def base_velocity(self, speeds: tuple[float, ...], angle: float) -> tuple[float, float]:
-        """The base's velocity (m/s, rad/s).
+        """Compute the base's velocity (m/s, rad/s).
 
         Args:
-            speeds: velocities of the driven wheels (rad/s).
-            angle: the angle in the middle of the steered axle (rad).
+            speeds: Velocities of the driven wheels (rad/s).
+            angle: The angle in the middle of the steered axle (rad).
         """
         if self.driven == 1:
             linear = speeds[0] * self.wheel_radius
@@ -159,31 +159,31 @@ class SteeringDrive:
         return linear, tan(angle) * linear / self.wheelbase
 
     def _share(self, angle: float) -> float:
-        """How much faster the outer driven wheel runs than the middle of its axle."""
+        """Return how much faster the outer driven wheel runs than the middle of its axle."""
         return 0.5 * self.driven_track * tan(angle) / self.wheelbase
 
 
 @dataclass(frozen=True)
 class SteeredDrivenWheel:
-    """One wheel in front that is driven and steered, two free ones behind, as tricycle_controller has it.
+    """One wheel in front that is driven and steered, two free ones behind, as in tricycle_controller.
 
     Attributes:
-        wheelbase: the distance from the front wheel to the rear axle (m).
-        wheel_radius: radius of the front wheel (m).
+        wheelbase: The distance from the front wheel to the rear axle (m).
+        wheel_radius: Radius of the front wheel (m).
     """
 
     wheelbase: float
     wheel_radius: float
 
     def wheel_command(self, linear: float, angular: float) -> tuple[float, float]:
-        """The front wheel's velocity (rad/s) and angle (rad) for a velocity of the base (m/s, rad/s)."""
+        """Return the front wheel's velocity (rad/s) and angle (rad) for a velocity of the base (m/s, rad/s)."""
         if linear == 0.0 and angular != 0.0:
             return abs(angular) * self.wheelbase / self.wheel_radius, 0.5 * pi if angular > 0.0 else -0.5 * pi
         angle = 0.0 if linear == 0.0 else atan(angular * self.wheelbase / linear)
         return linear / (self.wheel_radius * cos(angle)), angle
 
     def base_velocity(self, speed: float, angle: float) -> tuple[float, float]:
-        """The base's velocity (m/s, rad/s) for the front wheel's (rad/s) at an angle (rad)."""
+        """Return the base's velocity (m/s, rad/s) for the front wheel's (rad/s) at an angle (rad)."""
         rim = speed * self.wheel_radius
         return rim * cos(angle), rim * sin(angle) / self.wheelbase
 

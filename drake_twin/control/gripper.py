@@ -1,4 +1,4 @@
-"""When a gripper has reached its goal, and when it has stalled on the way."""
+"""The state of a gripper's goal: reached, stalled or still executing."""
 
 from dataclasses import dataclass, replace
 
@@ -8,14 +8,14 @@ from drake_twin.saved import saved
 @saved("GripperGoal")
 @dataclass(frozen=True)
 class GripperGoal:
-    """What a gripper is told.
+    """The goal of a gripper.
 
     Attributes:
-        id: the goal's number, counted from 1; that of the last goal while the gripper holds.
-        position: the position to go to (rad or m).
-        effort: the largest effort (N·m or N).
-        velocity: the largest velocity (rad/s or m/s).
-        time: when it was told (s).
+        id: The goal's number, counted from 1; that of the last goal while the gripper holds.
+        position: The position to move to (rad or m).
+        effort: The largest effort (N·m or N).
+        velocity: The largest velocity (rad/s or m/s).
+        time: The time at which the goal was accepted (s).
     """
 
     id: int
@@ -28,16 +28,16 @@ class GripperGoal:
 @saved("GripperRun")
 @dataclass(frozen=True)
 class GripperRun:
-    """How a goal is getting on.
+    """The progress of a goal.
 
     Attributes:
-        id: the goal's number; 0 before the first.
+        id: The goal's number; 0 before the first.
         status: ``executing``, ``succeeded``, ``aborted`` or ``canceled``.
-        last_movement: when the gripper last moved faster than the threshold, or was told the goal (s).
-        position: its position at the last update, or at the goal's end (rad or m).
-        effort: the effort that it was given (N·m or N).
-        stalled: whether it stopped short of the goal.
-        reached_goal: whether it arrived.
+        last_movement: The last time at which the gripper moved faster than the threshold, or accepted the goal (s).
+        position: Its position at the last update, or at the goal's end (rad or m).
+        effort: Its commanded effort (N·m or N).
+        stalled: Whether it stopped short of the goal.
+        reached_goal: Whether it reached the goal.
     """
 
     id: int = 0
@@ -50,19 +50,19 @@ class GripperRun:
 
     @property
     def is_executing(self) -> bool:
-        """Whether the goal is neither reached nor given up."""
+        """Whether the goal is still being executed."""
         return self.status == "executing"
 
 
 @dataclass(frozen=True)
 class StallRule:
-    """What counts as having arrived, and as having stalled; names as in the gripper controllers' parameters.
+    """What counts as reached and as stalled; names as in the gripper controllers' parameters.
 
     Attributes:
-        goal_tolerance: how near the goal is near enough (rad or m).
-        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
-        stall_timeout: how long it stands still before it has stalled (s).
-        allow_stalling: whether a stall is success: a gripper that closes on an object stalls.
+        goal_tolerance: The largest distance at which the goal is reached (rad or m).
+        stall_velocity_threshold: The largest velocity that counts as standing still (rad/s or m/s).
+        stall_timeout: How long it must stand still to be stalled (s).
+        allow_stalling: Whether a stall is success: a gripper that closes on an object stalls.
     """
 
     goal_tolerance: float = 0.01
@@ -74,16 +74,16 @@ class StallRule:
 def judged(
     run: GripperRun, rule: StallRule, time: float, goal: float, position: float, velocity: float, effort: float
 ) -> GripperRun:
-    """A run after one update of the controller.
+    """Return a run after one update of the controller.
 
     Args:
-        run: the run before; one that does not execute comes back as it is.
-        rule: what counts as arrived and as stalled.
-        time: the present time (s).
-        goal: the position to go to (rad or m).
-        position: the present position (rad or m).
-        velocity: the present velocity (rad/s or m/s).
-        effort: the effort that the gripper is given (N·m or N).
+        run: The run before; returned as it is unless it is executing.
+        rule: What counts as reached and as stalled.
+        time: The present time (s).
+        goal: The position to move to (rad or m).
+        position: The present position (rad or m).
+        velocity: The present velocity (rad/s or m/s).
+        effort: The commanded effort (N·m or N).
     """
     if not run.is_executing:
         return run

@@ -11,7 +11,12 @@ from drake_twin.saved import saved
 @saved("LowPassMemory")
 @dataclass(frozen=True)
 class LowPassMemory:
-    """What a filter keeps from one sample to the next: the last value that came in and the last that went out."""
+    """What a filter keeps from one sample to the next.
+
+    Attributes:
+        value: The last input.
+        filtered: The last output.
+    """
 
     value: tuple[float, ...] = ()
     filtered: tuple[float, ...] = ()
@@ -19,15 +24,15 @@ class LowPassMemory:
 
 @dataclass(frozen=True)
 class LowPassFilter:
-    """``filtered[n] = (1 - a)·value[n-1] + a·filtered[n-1]``, on each element by itself.
+    """``filtered[n] = (1 - a)·value[n-1] + a·filtered[n-1]``, for each element.
 
     As control_toolbox's ``LowPassFilter`` (Jazzy): ``a = exp(-2π·damping_frequency / sampling_frequency /
-    10^(-damping_intensity/10))``. An element starts at its first value, and starts anew after it was NaN.
+    10^(-damping_intensity/10))``. An element starts at its first value, and starts again after it was NaN.
 
     Attributes:
-        sampling_frequency: how often a value comes (Hz).
-        damping_frequency: the cut-off frequency, where the intensity is 0 (Hz).
-        damping_intensity: the intensity (dB).
+        sampling_frequency: The rate of the samples (Hz).
+        damping_frequency: The cut-off frequency, where the intensity is 0 (Hz).
+        damping_intensity: The intensity (dB).
     """
 
     sampling_frequency: float
@@ -41,11 +46,11 @@ class LowPassFilter:
         return exp(-2.0 * pi * self.damping_frequency / self.sampling_frequency / scale)
 
     def update(self, value: np.ndarray, memory: LowPassMemory) -> tuple[np.ndarray, LowPassMemory]:
-        """One sample.
+        """Filter one sample.
 
         Args:
-            value: what comes in.
-            memory: what the last sample left; ``LowPassMemory()`` at first.
+            value: The input.
+            memory: The memory after the last sample; ``LowPassMemory()`` at first.
 
         Returns:
             The filtered value, and the new memory.

@@ -19,17 +19,17 @@ class PidGains:
     way, so that it changes no command.
 
     Attributes:
-        p: proportional gain (unit of the command per unit of the error).
-        i: integral gain (per second).
-        d: derivative gain (times second).
-        u_clamp_max: the highest command.
-        u_clamp_min: the lowest command.
-        i_clamp_max: the highest integral term, not below 0; in the unit of the command.
-        i_clamp_min: the lowest integral term, not above 0.
-        antiwindup_strategy: one of `ANTIWINDUP_STRATEGIES`. ``legacy`` integrates before the command is formed, the
+        p: Proportional gain (unit of the command per unit of the error).
+        i: Integral gain (per second).
+        d: Derivative gain (times second).
+        u_clamp_max: The highest command.
+        u_clamp_min: The lowest command.
+        i_clamp_max: The highest integral term, not below 0; in the unit of the command.
+        i_clamp_min: The lowest integral term, not above 0.
+        antiwindup_strategy: One of `ANTIWINDUP_STRATEGIES`. ``legacy`` integrates before the command is formed, the
             others after it.
-        tracking_time_constant: of ``back_calculation`` (s); 0 for √(d/i), or p/i without d.
-        error_deadband: an error of at most this is not integrated.
+        tracking_time_constant: Of ``back_calculation`` (s); 0 for √(d/i), or p/i without d.
+        error_deadband: The largest error that is not integrated.
     """
 
     p: float = 0.0
@@ -50,9 +50,9 @@ class PidMemory:
     """What a PID keeps from one call to the next.
 
     Attributes:
-        integral: the integral term, in the unit of the command.
-        error: the last error that was differentiated.
-        command: the last command.
+        integral: The integral term, in the unit of the command.
+        error: The last error that was differentiated.
+        command: The last command.
     """
 
     integral: float = 0.0
@@ -64,10 +64,10 @@ class Pid:
     """``command = p·error + integral + d·error_dot``, as control_toolbox's ``Pid`` computes it (Jazzy).
 
     Args:
-        gains: gains and limits.
+        gains: Gains and limits.
 
     Raises:
-        InputError: the limits exclude each other, or the strategy is unknown or lacks its time constant.
+        InputError: If the limits exclude each other, or the strategy is unknown or lacks its time constant.
     """
 
     def __init__(self, gains: PidGains):
@@ -79,22 +79,25 @@ class Pid:
             )
         strategy = gains.antiwindup_strategy
         if strategy not in ANTIWINDUP_STRATEGIES:
-            raise InputError(f"{strategy!r} is not an antiwindup_strategy", valid=ANTIWINDUP_STRATEGIES, value=strategy)
+            raise InputError(f"unknown antiwindup_strategy {strategy!r}", valid=ANTIWINDUP_STRATEGIES, value=strategy)
         if strategy == "back_calculation" and gains.i != 0.0:
             gains = replace(gains, tracking_time_constant=_tracking_time_constant(gains))
         self.gains = gains
 
     def compute(self, error: float, error_dot: float | None, dt: float, memory: PidMemory) -> tuple[float, PidMemory]:
-        """One step.
+        """Compute one step.
 
         Args:
-            error: desired minus measured.
-            error_dot: its derivative (per second); None to take the difference to the last error.
-            dt: time since the last step (s); zero repeats the last command.
-            memory: what the last step left; ``PidMemory()`` at first.
+            error: Desired minus measured.
+            error_dot: Its derivative (per second); None to take the difference to the last error.
+            dt: Time since the last step (s); zero repeats the last command.
+            memory: The memory after the last step; ``PidMemory()`` at first.
 
         Returns:
             The command, which is NaN when the error is not finite, and the new memory.
+
+        Raises:
+            ValueError: If ``dt`` is negative.
         """
         if dt < 0.0:
             raise ValueError(f"time runs backwards by {-dt:g} s")
@@ -119,7 +122,7 @@ class Pid:
         return command, replace(memory, integral=integral, command=command)
 
     def _integrand(self, error: float, wanted: float, command: float) -> float:
-        """What the strategies that integrate after the command add per second."""
+        """Return what the strategies that integrate after the command add per second."""
         gains = self.gains
         if gains.antiwindup_strategy == "legacy" or gains.i == 0.0:
             return 0.0
@@ -134,5 +137,5 @@ def _tracking_time_constant(gains: PidGains) -> float:
     if constant == 0.0:
         constant = sqrt(max(gains.d / gains.i, 0.0)) if gains.d != 0.0 else gains.p / gains.i
     if not (constant > 0.0 and isfinite(constant)):
-        raise InputError(f"back_calculation needs a tracking_time_constant above zero, and {constant:g} is not")
+        raise InputError(f"back_calculation needs a tracking_time_constant above zero, not {constant:g}")
     return constant

@@ -6,25 +6,25 @@ from math import isnan, nan
 
 @dataclass(frozen=True)
 class SpeedLimiter:
-    """Keeps a commanded speed within its limits, as ros2_controllers' drives do.
+    """Limits a commanded speed as ros2_controllers' drives do.
 
     The jerk limit comes first, then acceleration, then velocity, so that the later ones are never exceeded. A NaN
     maximum switches a limit off; a NaN minimum is the maximum's opposite. The behaviour is that of control_toolbox's
-    ``RateLimiter`` in ROS 2 Jazzy: an acceleration may ease off at any jerk, because a limit on that too would let the
+    ``RateLimiter`` in ROS 2 Jazzy: an acceleration may decrease at any jerk, because a limit on that too would let the
     speed oscillate about its target.
 
     Attributes:
-        min_velocity: the smallest velocity, at most zero (m/s or rad/s).
-        max_velocity: the largest velocity.
-        max_acceleration_reverse: the strongest acceleration backwards, at most zero (m/s² or rad/s²).
-        max_acceleration: the strongest acceleration forwards.
-        max_deceleration: the strongest braking of a forward motion, at most zero; NaN: ``max_acceleration_reverse``.
-        max_deceleration_reverse: the strongest braking of a backward motion; NaN: ``max_acceleration``.
-        min_jerk: the smallest jerk, at most zero (m/s³ or rad/s³).
-        max_jerk: the largest jerk.
+        min_velocity: The smallest velocity, at most zero (m/s or rad/s).
+        max_velocity: The largest velocity.
+        max_acceleration_reverse: The strongest acceleration backwards, at most zero (m/s² or rad/s²).
+        max_acceleration: The strongest acceleration forwards.
+        max_deceleration: The strongest braking of a forward motion, at most zero; NaN for ``max_acceleration_reverse``.
+        max_deceleration_reverse: The strongest braking of a backward motion; NaN for ``max_acceleration``.
+        min_jerk: The smallest jerk, at most zero (m/s³ or rad/s³).
+        max_jerk: The largest jerk.
 
     Raises:
-        ValueError: a minimum above its maximum.
+        ValueError: If a minimum is above its maximum.
     """
 
     min_velocity: float = nan
@@ -47,13 +47,13 @@ class SpeedLimiter:
                 raise ValueError(f"the {what} limits are in the wrong order: {lower:g} is above {upper:g}")
 
     def limited(self, speed: float, last: float, second_to_last: float, period: float) -> float:
-        """The speed nearest to the commanded one that the limits allow.
+        """Return the speed within the limits that is nearest to the commanded one.
 
         Args:
-            speed: the commanded speed (m/s or rad/s).
-            last: what came out a period ago.
-            second_to_last: what came out two periods ago.
-            period: the time between two updates (s).
+            speed: The commanded speed (m/s or rad/s).
+            last: The output one period ago.
+            second_to_last: The output two periods ago.
+            period: The time between two updates (s).
         """
         change_before = last - second_to_last
         further = speed - last - change_before
@@ -71,7 +71,7 @@ class SpeedLimiter:
 
     def _accelerations(self, last: float) -> tuple[float, float]:
         forward = self.max_acceleration
-        if isnan(forward):  # as upstream: without it none of the acceleration limits counts
+        if isnan(forward):  # as upstream: without it the other acceleration limits have no effect
             return nan, nan
         backward = _or(self.max_acceleration_reverse, -forward)
         if last > 0.0:

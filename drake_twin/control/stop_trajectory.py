@@ -8,10 +8,10 @@ _FLOAT32_EPSILON = 2.0**-23
 
 
 def hold_trajectory(positions: Sequence[float]) -> Trajectory:
-    """Rests where it is.
+    """Return a trajectory that rests at positions.
 
     Args:
-        positions: of the joints (rad or m).
+        positions: Of the joints (rad or m).
     """
     zeros = (0.0,) * len(positions)
     return Trajectory((TrajectoryPoint(tuple(positions), zeros, zeros, zeros),), (0.0,))
@@ -20,14 +20,14 @@ def hold_trajectory(positions: Sequence[float]) -> Trajectory:
 def stop_trajectory(
     positions: Sequence[float], velocities: Sequence[float], decelerations: Sequence[float]
 ) -> Trajectory:
-    """Brings each joint to rest with its constant deceleration, and holds it where it comes to rest.
+    """Return a trajectory that brings each joint to rest with its constant deceleration, and holds it there.
 
     Its cubic splines are the parabolas of that motion.
 
     Args:
-        positions: of the joints (rad or m).
-        velocities: of the joints (rad/s or m/s).
-        decelerations: of the joints (rad/s² or m/s²), above zero.
+        positions: Of the joints (rad or m).
+        velocities: Of the joints (rad/s or m/s).
+        decelerations: Of the joints (rad/s² or m/s²), above zero.
     """
     durations = [
         abs(v) / a if abs(v) > _FLOAT32_EPSILON else 0.0 for v, a in zip(velocities, decelerations, strict=True)

@@ -1,4 +1,4 @@
-"""How far joints may be from their trajectory, as joint_trajectory_controller judges it."""
+"""How far joints may be from their trajectory, as in joint_trajectory_controller."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,9 +27,9 @@ class Tolerances:
     """The tolerances of a trajectory.
 
     Attributes:
-        path: of each joint on the way.
-        goal: of each joint at the end.
-        goal_time: how long after the end the goal tolerances may still be reached (s); 0 for ever.
+        path: Of each joint on the way.
+        goal: Of each joint at the end.
+        goal_time: How long after the end the goal tolerances may still be reached (s); 0 for no bound.
     """
 
     path: tuple[StateTolerance, ...]
@@ -44,23 +44,23 @@ def goal_tolerances(
     goal: Mapping[str, StateTolerance],
     goal_time: float,
 ) -> Tolerances:
-    """The tolerances of an action's goal: 0 leaves the default, -1 takes the restriction away.
+    """Merge the tolerances of an action's goal with the defaults: 0 keeps the default, -1 removes the restriction.
 
     Args:
-        defaults: the controller's own.
-        joints: its joints.
-        path: joint → tolerance on the way, of those that the goal names.
-        goal: joint → tolerance at the end.
-        goal_time: as in `Tolerances`.
+        defaults: The controller's own.
+        joints: Its joints.
+        path: Joint → tolerance on the way, of those that the goal names.
+        goal: Joint → tolerance at the end.
+        goal_time: As in `Tolerances`.
 
     Raises:
-        CommandError: an unknown joint, or a negative tolerance. Upstream logs this and goes on with its defaults.
+        CommandError: If a joint is unknown or a tolerance is negative. Upstream logs this and uses its defaults.
     """
     for where, given in (("path", path), ("goal", goal)):
         for joint in given:
             if joint not in joints:
                 raise CommandError(
-                    f"{where}_tolerance has a joint {joint!r} that the controller does not have",
+                    f"{where}_tolerance names an unknown joint {joint!r}",
                     valid=joints,
                     value=joint,
                 )
@@ -82,7 +82,7 @@ def goal_tolerances(
 
 
 def violation(joints: Sequence[str], error: TrajectoryPoint, tolerances: Sequence[StateTolerance]) -> str | None:
-    """Which joint's error is beyond its tolerance and by how much; None when all are within."""
+    """Say which joint's error is beyond its tolerance and by how much; return None when all are within."""
     for i, (joint, tolerance) in enumerate(zip(joints, tolerances, strict=True)):
         for what, errors, allowed in (
             ("position", error.positions, tolerance.position),
@@ -100,5 +100,5 @@ def _resolved(default: float, wanted: float, name: str) -> float:
     if abs(wanted - _ERASED) < _FLOAT32_EPSILON:
         return 0.0
     if wanted < 0.0:
-        raise CommandError(f"the {name} is {wanted:g}; 0 means the default, -1 none")
+        raise CommandError(f"the {name} is {wanted:g}; 0 means the default, -1 no restriction")
     return default

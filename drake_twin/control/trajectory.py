@@ -1,4 +1,4 @@
-"""Trajectories of joints, and what joint_trajectory_controller makes of them at a time."""
+"""Trajectories of joints, and their samples as joint_trajectory_controller computes them."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ SAME_TIME = 0.5e-9
 @saved("TrajectoryPoint")
 @dataclass(frozen=True)
 class TrajectoryPoint:
-    """Positions (rad or m) and their derivatives, and efforts (N·m or N); each empty where nothing is said of it."""
+    """Positions (rad or m) and their derivatives, and efforts (N·m or N); each empty where it is not given."""
 
     positions: tuple[float, ...] = ()
     velocities: tuple[float, ...] = ()
@@ -29,12 +29,12 @@ class TrajectoryPoint:
 @saved("Trajectory")
 @dataclass(frozen=True)
 class Trajectory:
-    """What a ``trajectory_msgs/msg/JointTrajectory`` says, in the controller's order of joints.
+    """The content of a ``trajectory_msgs/msg/JointTrajectory``, in the controller's order of joints.
 
     Attributes:
-        points: its points; a position that is NaN is that of a joint which the message left out.
-        times: the time of each point from the start (s), increasing.
-        start: the simulation time of the start (s); None for the time at which it is taken up.
+        points: Its points; the position of a joint that the message left out is NaN.
+        times: The time of each point from the start (s), increasing.
+        start: The simulation time of the start (s); None to start when it is accepted.
     """
 
     points: tuple[TrajectoryPoint, ...]
@@ -42,7 +42,7 @@ class Trajectory:
     start: float | None = None
 
     def with_missing_positions(self, positions: Sequence[float]) -> "Trajectory":
-        """The same, with the joints that the message left out standing at their place of ``positions``."""
+        """Return the same, with joints that the message left out at their place in ``positions``."""
         if not any(isnan(position) for point in self.points for position in point.positions):
             return self
         points = tuple(
@@ -63,9 +63,9 @@ class TrajectorySample:
     """A trajectory at a time.
 
     Attributes:
-        point: the state, complete: what is not said is zero.
-        is_over: whether the last point has been reached.
-        time_since_point: the time since the last point that has been reached (s); negative before the first one.
+        point: The state, complete: what is not given is zero.
+        is_over: Whether the last point has been reached.
+        time_since_point: The time since the last point that has been reached (s); negative before the first one.
     """
 
     point: TrajectoryPoint
@@ -76,16 +76,16 @@ class TrajectorySample:
 @saved("RunningTrajectory")
 @dataclass(frozen=True)
 class RunningTrajectory:
-    """A trajectory that has been taken up: its points are complete, and it has a state before its first point.
+    """An accepted trajectory: its points are complete, and it has a state before its first point.
 
     Attributes:
-        start: the simulation time of the trajectory's start (s).
-        times: the time of each point from the start (s).
-        firsts: the first state of the segment that ends at the point of the same index.
-        lasts: the last state of that segment.
-        taken_up: the time from the start at which the first segment begins (s).
-        interpolation_method: one of `INTERPOLATION_METHODS`.
-        turns: whole turns of each joint that wraps around, from the trajectory's positions to the joint's own (rad).
+        start: The simulation time of the trajectory's start (s).
+        times: The time of each point from the start (s).
+        firsts: The first state of the segment that ends at the point of the same index.
+        lasts: The last state of that segment.
+        taken_up: The time from the start at which the first segment begins (s).
+        interpolation_method: One of `INTERPOLATION_METHODS`.
+        turns: Whole turns of each joint that wraps around, from the trajectory's positions to the joint's own (rad).
     """
 
     start: float
@@ -102,8 +102,8 @@ class RunningTrajectory:
         return self.start + self.times[-1]
 
     def sample(self, time: float) -> TrajectorySample:
-        """The state at a simulation time (s); before the trajectory was taken up, the state then."""
-        elapsed = max(time - self.start, self.taken_up)  # a trajectory that is slowed down lags behind an update
+        """Return the state at a simulation time (s); before the first segment, the state at its begin."""
+        elapsed = max(time - self.start, self.taken_up)  # a slowed-down trajectory lags behind an update
         index = bisect_right(self.times, elapsed + SAME_TIME)  # the first point that has not been reached
         size = len(self.lasts[0].positions)
         if index == len(self.times):
@@ -125,17 +125,17 @@ def take_up(
     wraparound: Sequence[bool] = (),
     interpolation_method: str = "splines",
 ) -> RunningTrajectory:
-    """Begins a trajectory from a state, as joint_trajectory_controller does.
+    """Start a trajectory from a state, as joint_trajectory_controller does.
 
     The segment before the first point begins now. Positions that the points do not give are integrated from their
     velocities, and velocities from accelerations, by the trapezoidal rule.
 
     Args:
-        trajectory: the trajectory, without missing positions.
-        time: the present simulation time (s).
-        state: the state from which the joints begin; all joints' positions.
-        wraparound: whether each joint is continuous: it goes the short way to its first point.
-        interpolation_method: one of `INTERPOLATION_METHODS`.
+        trajectory: The trajectory, without missing positions.
+        time: The present simulation time (s).
+        state: The state from which the joints begin; all joints' positions.
+        wraparound: Whether each joint is continuous: it takes the short way to its first point.
+        interpolation_method: One of `INTERPOLATION_METHODS`.
     """
     size = len(state.positions)
     start = time if trajectory.start is None else trajectory.start
@@ -168,17 +168,17 @@ def take_up(
 
 
 def interpolate(first: TrajectoryPoint, last: TrajectoryPoint, duration: float, elapsed: float) -> TrajectoryPoint:
-    """The spline between two states.
+    """Interpolate between two states with a spline.
 
-    It is linear where only positions are given at both, cubic with velocities, quintic with accelerations besides;
-    efforts are interpolated linearly. (Positions with accelerations and without velocities are linear too, where
-    upstream returns zeros.)
+    It is linear where only positions are given at both, cubic with velocities, quintic with accelerations too; efforts
+    are interpolated linearly. (Positions with accelerations and without velocities are linear too, where upstream
+    returns zeros.)
 
     Args:
-        first: the state at its begin.
-        last: the state at its end.
-        duration: the time between the two (s), above zero.
-        elapsed: the time since its begin (s).
+        first: The state at its begin.
+        last: The state at its end.
+        duration: The time between the two (s), above zero.
+        elapsed: The time since its begin (s).
     """
     T = duration
     s = min(max(elapsed / T, 0.0), 1.0)
@@ -217,14 +217,14 @@ def interpolate(first: TrajectoryPoint, last: TrajectoryPoint, duration: float, 
 
 
 def position_error(desired: Sequence[float], actual: Sequence[float], wraparound: Sequence[bool]) -> tuple[float, ...]:
-    """Desired minus actual positions (rad or m); the short way around for joints that wrap around."""
+    """Return desired minus actual positions (rad or m); the short way around for joints that wrap around."""
     return tuple(
         _shortest_turn(q, q_d) if wraps else q_d - q for q_d, q, wraps in zip(desired, actual, wraparound, strict=True)
     )
 
 
 def _shortest_turn(start: float, goal: float) -> float:
-    """The angle from one to the other within ±π (rad); half a turn goes towards the goal's number."""
+    """Return the angle from one to the other within ±π (rad); half a turn has the sign of goal minus start."""
     turn = (goal - start + pi) % (2.0 * pi) - pi
     if abs(abs(turn) - pi) < 1e-9:
         return pi if goal > start else -pi
@@ -243,7 +243,7 @@ def _complete(point: TrajectoryPoint, size: int) -> TrajectoryPoint:
 def _with_positions(
     first: TrajectoryPoint, last: TrajectoryPoint, size: int, duration: float
 ) -> tuple[TrajectoryPoint, TrajectoryPoint]:
-    """The two ends of a segment, the last one's position integrated where it is not given."""
+    """Return the two ends of a segment, with the last one's position integrated where it is not given."""
     if last.positions:
         return first, last
     zeros = (0.0,) * size

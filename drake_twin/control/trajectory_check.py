@@ -1,4 +1,4 @@
-"""Which trajectories joint_trajectory_controller takes, and which it refuses."""
+"""The checks of a trajectory before joint_trajectory_controller accepts it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ _FLOAT32_EPSILON = 2.0**-23
 
 @dataclass(frozen=True)
 class TrajectoryRules:
-    """What a controller takes.
+    """What a controller accepts.
 
     Attributes:
-        joints: its joints, in its order.
-        allow_partial_joints_goal: whether a trajectory may leave joints out.
-        allow_integration: whether points may come without positions.
-        allow_nonzero_velocity_at_end: whether the last point may have a velocity.
-        has_effort: whether points may have efforts.
+        joints: Its joints, in its order.
+        allow_partial_joints_goal: Whether a trajectory may leave joints out.
+        allow_integration: Whether points may lack positions.
+        allow_nonzero_velocity_at_end: Whether the last point may have a velocity.
+        has_effort: Whether points may have efforts.
     """
 
     joints: tuple[str, ...]
@@ -38,18 +38,18 @@ def checked_trajectory(
     start: float | None,
     now: float,
 ) -> Trajectory:
-    """A message's trajectory in the controller's order of joints.
+    """Check a message's trajectory and sort it into the controller's order of joints.
 
     Args:
-        rules: what the controller takes.
-        joints: the message's joints, in its own order.
-        points: its points, in that order.
-        times: their times from the start (s).
-        start: the simulation time of the start (s); None for at once.
-        now: the present simulation time (s).
+        rules: What the controller accepts.
+        joints: The message's joints, in its own order.
+        points: Its points, in that order.
+        times: Their times from the start (s).
+        start: The simulation time of the start (s); None to start at once.
+        now: The present simulation time (s).
 
     Raises:
-        CommandError: the trajectory is refused.
+        CommandError: If the trajectory is refused.
     """
     _check_joints(rules, joints)
     if not points:
@@ -74,7 +74,7 @@ def _check_joints(rules: TrajectoryRules, joints: Sequence[str]) -> None:
     for i, joint in enumerate(joints):
         if joint not in rules.joints:
             raise CommandError(
-                f"the trajectory has a joint {joint!r} that the controller does not have",
+                f"the trajectory names an unknown joint {joint!r}",
                 valid=rules.joints,
                 value=joint,
             )
@@ -83,7 +83,7 @@ def _check_joints(rules: TrajectoryRules, joints: Sequence[str]) -> None:
     missing = [joint for joint in rules.joints if joint not in joints]
     if missing and not rules.allow_partial_joints_goal:
         raise CommandError(
-            f"the trajectory leaves out {', '.join(missing)}, which allow_partial_joints_goal would have to permit"
+            f"the trajectory leaves out {', '.join(missing)}, which only allow_partial_joints_goal permits"
         )
 
 
@@ -99,8 +99,8 @@ def _check_end(
         for joint, velocity in zip(joints, point.velocities, strict=False):
             if abs(velocity) > _FLOAT32_EPSILON:
                 raise CommandError(
-                    f"the trajectory ends with a velocity of {velocity:g} at joint {joint}, which"
-                    " allow_nonzero_velocity_at_trajectory_end would have to permit"
+                    f"the trajectory ends with a velocity of {velocity:g} at joint {joint}, which only"
+                    " allow_nonzero_velocity_at_trajectory_end permits"
                 )
     if start is not None and start + time < now:
         raise CommandError(
@@ -111,11 +111,10 @@ def _check_end(
 
 def _check_point(rules: TrajectoryRules, joints: Sequence[str], point: TrajectoryPoint, i: int) -> None:
     if point.effort and not rules.has_effort:
-        raise CommandError(f"point {i} of the trajectory has efforts, and the controller commands none")
+        raise CommandError(f"point {i} of the trajectory has efforts, but the controller does not command efforts")
     if not rules.allow_integration and not point.positions:
         raise CommandError(
-            f"point {i} of the trajectory has no positions, which"
-            " allow_integration_in_goal_trajectories would have to permit"
+            f"point {i} of the trajectory has no positions, which only allow_integration_in_goal_trajectories permits"
         )
     if not (point.positions or point.velocities or point.accelerations):
         raise CommandError(f"point {i} of the trajectory has no positions, velocities or accelerations")
@@ -131,7 +130,7 @@ def _check_point(rules: TrajectoryRules, joints: Sequence[str], point: Trajector
 
 
 def _sorted(point: TrajectoryPoint, places: Sequence[int | None]) -> TrajectoryPoint:
-    """A point with its values in other places; a joint without one keeps its position and rests."""
+    """Return a point with its values in other places; a joint without one keeps its position and rests."""
 
     def moved(values: tuple[float, ...], otherwise: float) -> tuple[float, ...]:
         return tuple(otherwise if place is None else values[place] for place in places) if values else ()

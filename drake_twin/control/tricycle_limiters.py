@@ -1,4 +1,4 @@
-"""The limits of tricycle_controller: one number each for both directions, on its wheel and on its steering angle."""
+"""The limits of tricycle_controller: one number for both directions, on its wheel and on its steering angle."""
 
 from dataclasses import dataclass
 from math import isnan, nan
@@ -8,16 +8,16 @@ _NO_MAXIMUM = 1000.0  # upstream's stand-in for a maximum when only the minimum 
 
 @dataclass(frozen=True)
 class TractionLimiter:
-    """Keeps the driven wheel's commanded speed within limits that hold in both directions.
+    """Limits the driven wheel's commanded speed, in both directions alike.
 
-    As ``TractionLimiter`` of ros2_controllers' tricycle_controller, the factor 2 of its jerk limit included. Minima
+    As ``TractionLimiter`` of ros2_controllers' tricycle_controller, including the factor 2 of its jerk limit. Minima
     are real: a speed between zero and ``min_velocity`` becomes ``min_velocity``. NaN switches a limit off.
 
     Attributes:
-        min_velocity: smallest speed (rad/s); so on for acceleration, deceleration (rad/s²) and jerk (rad/s³).
+        min_velocity: Smallest speed (rad/s); likewise for acceleration, deceleration (rad/s²) and jerk (rad/s³).
 
     Raises:
-        ValueError: a negative limit, or a minimum above its maximum.
+        ValueError: If a limit is negative, or a minimum is above its maximum.
     """
 
     min_velocity: float = nan
@@ -34,7 +34,7 @@ class TractionLimiter:
             _check(what, *self._limits(what))
 
     def limited(self, speed: float, last: float, second_to_last: float, period: float) -> float:
-        """The speed (rad/s) nearest to the commanded one that the limits allow; see `SpeedLimiter.limited`."""
+        """Return the speed (rad/s) within the limits nearest to the commanded one; see `SpeedLimiter.limited`."""
         speed = _near(speed, 2.0 * last - second_to_last, self._limits("jerk"), 2.0 * period**2)
         speed = _near(speed, last, self._limits("acceleration" if abs(speed) >= abs(last) else "deceleration"), period)
         return _near(speed, 0.0, self._limits("velocity"), 1.0)
@@ -45,18 +45,18 @@ class TractionLimiter:
 
 @dataclass(frozen=True)
 class SteeringLimiter:
-    """Keeps a commanded steering angle within limits; as ``SteeringLimiter`` of tricycle_controller.
+    """Limits a commanded steering angle, as ``SteeringLimiter`` of tricycle_controller.
 
     Attributes:
-        min_position: smallest angle (rad); NaN: the maximum's opposite.
-        max_position: largest angle (rad).
-        min_velocity: smallest speed in either direction (rad/s).
-        max_velocity: largest speed.
-        min_acceleration: smallest acceleration in either direction (rad/s²).
-        max_acceleration: largest acceleration.
+        min_position: Smallest angle (rad); NaN for the maximum's opposite.
+        max_position: Largest angle (rad).
+        min_velocity: Smallest speed in either direction (rad/s).
+        max_velocity: Largest speed.
+        min_acceleration: Smallest acceleration in either direction (rad/s²).
+        max_acceleration: Largest acceleration.
 
     Raises:
-        ValueError: a negative speed or acceleration, or a minimum above its maximum.
+        ValueError: If a speed or acceleration is negative, or a minimum is above its maximum.
     """
 
     min_position: float = nan
@@ -74,7 +74,7 @@ class SteeringLimiter:
         _check("acceleration", *_both(self.min_acceleration, self.max_acceleration))
 
     def limited(self, angle: float, last: float, second_to_last: float, period: float) -> float:
-        """The angle (rad) nearest to the commanded one that the limits allow; see `SpeedLimiter.limited`."""
+        """Return the angle (rad) within the limits nearest to the commanded one; see `SpeedLimiter.limited`."""
         accelerations = _both(self.min_acceleration, self.max_acceleration)
         angle = _near(angle, 2.0 * last - second_to_last, accelerations, 2.0 * period**2)
         angle = _near(angle, last, _both(self.min_velocity, self.max_velocity), period)
@@ -93,7 +93,7 @@ def _both(lower: float, upper: float) -> tuple[float, float]:
 
 
 def _near(value: float, middle: float, limits: tuple[float, float], scale: float) -> float:
-    """The value nearest to the wanted one whose distance from ``middle`` is within limits."""
+    """Return the value nearest to the wanted one whose distance from ``middle`` is within limits."""
     lower, upper = limits
     if isnan(upper):
         return value
@@ -103,6 +103,6 @@ def _near(value: float, middle: float, limits: tuple[float, float], scale: float
 
 def _check(what: str, lower: float, upper: float) -> None:
     if lower < 0.0 or upper < 0.0:
-        raise ValueError(f"a limit of {what} is negative; one number, above zero, holds in both directions")
+        raise ValueError(f"a limit of {what} is negative; one number above zero holds in both directions")
     if lower > upper:
         raise ValueError(f"the {what} limits are in the wrong order: {lower:g} is above {upper:g}")

@@ -1,4 +1,4 @@
-"""Where a base on wheels is, reckoned from what its wheels did."""
+"""Odometry from the motion of wheels."""
 
 from dataclasses import dataclass, replace
 from math import cos, sin
@@ -11,17 +11,17 @@ _SHORTEST_INTERVAL = 1e-4  # s; as upstream: no speed is estimated over less
 @saved("WheelOdometry")
 @dataclass(frozen=True)
 class WheelOdometry:
-    """A base's pose and velocity in its odometry frame; values do not change, each step makes a new one.
+    """A base's pose and velocity in its odometry frame; immutable, each step returns a new one.
 
     Attributes:
-        x: position (m).
-        y: position (m).
-        heading: angle about z (rad), not wrapped.
-        linear_x: velocity forwards in the base's own frame (m/s).
-        linear_y: velocity to the left in the base's own frame (m/s).
-        angular_z: velocity about z (rad/s).
-        time: the time of this value (s).
-        samples: the last (linear, angular) velocities, newest last, over which the velocity is averaged.
+        x: Position (m).
+        y: Position (m).
+        heading: Angle about z (rad), not wrapped.
+        linear_x: Velocity forwards in the base's own frame (m/s).
+        linear_y: Velocity to the left in the base's own frame (m/s).
+        angular_z: Velocity about z (rad/s).
+        time: The time of this value (s).
+        samples: The last (linear, angular) velocities, newest last, over which the velocity is averaged.
     """
 
     x: float = 0.0
@@ -34,17 +34,18 @@ class WheelOdometry:
     samples: tuple[tuple[float, float], ...] = ()
 
     def is_due(self, time: float) -> bool:
-        """Whether enough time has passed for another step."""
+        """Tell whether enough time has passed for another step."""
         return time - self.time >= _SHORTEST_INTERVAL
 
     def moved(self, linear: float, angular: float, time: float, window: int = 1) -> "WheelOdometry":
-        """A step at a constant velocity, on an arc; the reported velocity is the mean of the last ones.
+        """Return the odometry after a step at a constant velocity, on an arc; its velocity is the mean of the last
+        ones.
 
         Args:
-            linear: velocity forwards since the last step (m/s).
-            angular: velocity about z since the last step (rad/s).
-            time: the present time (s); nothing happens when it is less than 0.1 ms after the last step.
-            window: how many velocities are averaged.
+            linear: Velocity forwards since the last step (m/s).
+            angular: Velocity about z since the last step (rad/s).
+            time: The present time (s); nothing changes when it is less than 0.1 ms after the last step.
+            window: The number of velocities to average.
         """
         if not self.is_due(time):
             return self
@@ -55,13 +56,13 @@ class WheelOdometry:
         return WheelOdometry(x, y, heading, mean_linear, 0.0, mean_angular, time, samples)
 
     def moved_open_loop(self, linear: float, angular: float, time: float) -> "WheelOdometry":
-        """A step at a commanded velocity, which is taken to be the real one and is not averaged."""
+        """Return the odometry after a step at a commanded velocity, taken as the real one and not averaged."""
         step = time - self.time
         x, y, heading = integrate_exactly(self.x, self.y, self.heading, linear * step, angular * step)
         return replace(self, x=x, y=y, heading=heading, linear_x=linear, linear_y=0.0, angular_z=angular, time=time)
 
     def moved_sideways_too(self, linear_x: float, linear_y: float, angular: float, time: float) -> "WheelOdometry":
-        """A step of a base that can move in all directions: Euler's, with the heading at its end, as upstream's."""
+        """Return the odometry after an Euler step in any direction, with the heading at its end, as upstream."""
         if not self.is_due(time):
             return self
         step = time - self.time
@@ -71,12 +72,12 @@ class WheelOdometry:
         return WheelOdometry(x, y, heading, linear_x, linear_y, angular, time)
 
     def reset(self) -> "WheelOdometry":
-        """The same velocities and time at the origin."""
+        """Return the same velocities and time at the origin."""
         return replace(self, x=0.0, y=0.0, heading=0.0)
 
 
 def integrate_exactly(x: float, y: float, heading: float, distance: float, turn: float) -> tuple[float, float, float]:
-    """A pose moved along an arc; along a straight line (`integrate_by_midpoint`) where the turn is below 1e-6 rad."""
+    """Move a pose along an arc; along a straight line (`integrate_by_midpoint`) where the turn is below 1e-6 rad."""
     if abs(turn) < 1e-6:
         return integrate_by_midpoint(x, y, heading, distance, turn)
     radius, after = distance / turn, heading + turn
@@ -86,6 +87,6 @@ def integrate_exactly(x: float, y: float, heading: float, distance: float, turn:
 def integrate_by_midpoint(
     x: float, y: float, heading: float, distance: float, turn: float
 ) -> tuple[float, float, float]:
-    """A pose moved by one Runge-Kutta step of second order (distance in m, turn in rad)."""
+    """Move a pose by one Runge-Kutta step of second order (distance in m, turn in rad)."""
     between = heading + 0.5 * turn
     return x + distance * cos(between), y + distance * sin(between), heading + turn

@@ -1,8 +1,8 @@
 """Caster balls: a ball joint whose child link is a sphere, or spheres, about the joint's centre.
 
-A ball that rolls freely keeps its base at its height and does not resist where the base goes. A frictionless sphere
-does the same, and on its joint it moves exactly as if it were welded on with all its mass in its centre. So that is
-what becomes of it: it costs least, and moves alike in every engine. What is lost is the spin of the ball, and the force
+A ball that rolls freely keeps its base at its height and does not resist the base's motion. A frictionless sphere does
+the same, and on its joint it moves exactly as if it were welded on with all its mass in its centre. The ball is
+replaced by that: it costs least, and moves alike in every engine. What is lost is the spin of the ball, and the force
 that it takes to spin it up (0.4 of the ball's mass more to accelerate).
 """
 
@@ -17,12 +17,12 @@ _OFF_CENTER = 0.02  # of the radius
 
 
 def weld_caster_balls(model: etree._Element) -> Iterator[str]:
-    """Changes the ball joints of caster balls to fixed ones, and the balls to frictionless points of mass.
+    """Change the ball joints of caster balls to fixed ones, and the balls to frictionless point masses.
 
     A pose that is relative to a frame other than the link's own is not followed: that joint stays a ball joint.
 
     Args:
-        model: the model, whose collision meshes that are spheres are ``<sphere>``s, with Drake's friction.
+        model: The model, with Drake's friction, and ``<sphere>``s in place of collision meshes that are spheres.
 
     Yields:
         What was changed.
@@ -38,11 +38,11 @@ def weld_caster_balls(model: etree._Element) -> Iterator[str]:
                 if center is not None and _is_ball(link, center):
                     joint.set("type", "fixed")
                     _make_frictionless_point(link)
-                    yield f"joint {joint.get('name', '')}: its caster ball slides without friction in place of rolling"
+                    yield f"joint {joint.get('name', '')}: its caster ball slides without friction instead of rolling"
 
 
 def _center(joint: etree._Element, link: etree._Element) -> np.ndarray | None:
-    """The joint's centre in the link's frame (m); None where other frames would have to be followed."""
+    """Return the joint's centre in the link's frame (m); None where other frames would have to be followed."""
     pose, own = joint.find("pose"), link.find("pose")
     try:
         if pose is None:
@@ -51,13 +51,13 @@ def _center(joint: etree._Element, link: etree._Element) -> np.ndarray | None:
             return np.asarray(pose_transform(pose).translation())
         if own is not None and own.get("relative_to") == joint.get("name"):
             return np.asarray(pose_transform(own).inverse().translation())
-    except ValueError:  # Drake's parser says so
+    except ValueError:  # Drake's parser reports it
         pass
     return None
 
 
 def _is_ball(link: etree._Element, center: np.ndarray) -> bool:
-    """Whether a link's collision shapes are spheres about a point (m), of which it has at least one."""
+    """Tell whether a link has collision shapes, all of them spheres about a point (m)."""
     shapes = link.findall("collision")
     return bool(shapes) and all(_is_sphere_about(shape, center, link) for shape in shapes)
 

@@ -11,14 +11,16 @@ from drake_twin.description.gazebo_drive import (
     DrivePlugin,
     GazeboDrive,
     as_rate,
+    gazebo_plugin,
 )
 from drake_twin.description.wheel_geometry import wheel_centers, wheel_radius
 
-_UNKNOWN = 1e12  # the covariance that classic plugins give to what does not move in the plane
+_UNKNOWN = 1e12  # the covariance that classic plugins give to directions out of the plane
 
 
+@gazebo_plugin("libgazebo_ros_diff_drive.so")
 def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
-    """``libgazebo_ros_diff_drive.so`` as a diff_drive_controller."""
+    """Convert ``libgazebo_ros_diff_drive.so`` to a diff_drive_controller."""
     left, right = plugin.joints("left_joint"), plugin.joints("right_joint")
     pairs = max(int(plugin.number("num_wheel_pairs", 1.0)), 1)
     if len(left) != pairs or len(right) != pairs:
@@ -46,7 +48,7 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
         parameters["angular"] = {"z": {"max_acceleration": 2.0 * acceleration / separations[0]}}
     warnings = []
     if len({*separations}) > 1 or len({*diameters}) > 1:
-        warnings.append("its pairs of wheels differ, and all are driven like the first")
+        warnings.append("its pairs of wheels differ, but all are driven like the first")
     odometry = plugin.flag("publish_odom", False)
     return GazeboDrive(
         plugin.plugin,
@@ -59,8 +61,9 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
+@gazebo_plugin("libgazebo_ros_ackermann_drive.so")
 def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
-    """``libgazebo_ros_ackermann_drive.so`` as an ackermann_steering_controller."""
+    """Convert ``libgazebo_ros_ackermann_drive.so`` to an ackermann_steering_controller."""
     names = ("front_right_joint", "front_left_joint", "rear_right_joint", "rear_left_joint")
     wheels = tuple(plugin.text(tag, tag) for tag in names)
     steering = tuple(plugin.text(tag, tag) for tag in ("right_steering_joint", "left_steering_joint"))
@@ -68,7 +71,7 @@ def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
     front_right, front_left, rear_right, rear_left = wheel_centers(plugin.description, wheels)
     radius = wheel_radius(plugin.description, wheels[2])
     if radius is None:
-        raise CannotWorkError(f"the wheel of joint {wheels[2]!r} has no cylinder or sphere to take its radius from")
+        raise CannotWorkError(f"the radius is unknown: the wheel of joint {wheels[2]!r} has no cylinder or sphere")
     wheelbase = dist(0.5 * (front_right + front_left), 0.5 * (rear_right + rear_left))
     speed = plugin.number("max_speed", 20.0)
     parameters = _classic_odometry(plugin) | {
@@ -96,8 +99,9 @@ def gazebo_ros_ackermann_drive(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
+@gazebo_plugin("libgazebo_ros_planar_move.so")
 def gazebo_ros_planar_move(plugin: DrivePlugin) -> GazeboDrive:
-    """``libgazebo_ros_planar_move.so`` as the twin's own controller of a base in the plane."""
+    """Convert ``libgazebo_ros_planar_move.so`` to the twin's own controller of a base in the plane."""
     parameters = _classic_odometry(plugin) | {
         "publish_rate": as_rate(plugin.number("publish_rate", 20.0)),
         "enable_odom_tf": plugin.flag("publish_odom_tf", True),

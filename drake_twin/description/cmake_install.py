@@ -1,6 +1,6 @@
 """What a CMakeLists.txt installs into its package's share folder; the file is read, not run.
 
-Understood are the commands that say so (``install``, ``ament_auto_package``) and those that name what they use
+The commands that install (``install``, ``ament_auto_package``) are understood, and those that define what they use
 (``set``, ``list(APPEND)``, ``file(GLOB)``, ``foreach``, ``add_subdirectory``); both branches of an ``if`` count.
 """
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 _KINDS = ("DIRECTORY", "FILES", "PROGRAMS")
 
-# What may follow the list of files or folders of an install().
+# The keywords that end the list of files or folders of an install().
 _KEYWORDS = {"DESTINATION", "TYPE", "PATTERN", "REGEX", "FILES_MATCHING", "OPTIONAL", "PERMISSIONS", "COMPONENT"}
 _KEYWORDS |= {"USE_SOURCE_PERMISSIONS", "FILE_PERMISSIONS", "DIRECTORY_PERMISSIONS", "CONFIGURATIONS", "RENAME"}
 _KEYWORDS |= {"EXCLUDE", "MESSAGE_NEVER", "EXCLUDE_FROM_ALL"}
@@ -19,23 +19,24 @@ _COMMAND = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
 _WORD = re.compile(r'"((?:[^"\\]|\\.)*)"|([^\s"()]+)|[()]')
 _VARIABLE = re.compile(r"\$\{([\w.-]+)\}")
 
-_DEEPEST = 8  # of variables in variables, and of folders that add_subdirectory() goes into
-_MOST_COMMANDS = 10_000  # that a file comes to once its loops are written out
+_DEEPEST = 8  # levels of variables in variables, and of add_subdirectory()
+_MOST_COMMANDS = 10_000  # of a file, with its loops unrolled
 
 
 def cmake_installs(package: Path, name: str) -> Iterator[tuple[str, Path]]:
-    """Each place below the share folder of a package, and the file or folder of its source that goes there.
+    """Yield each place below the share folder of a package, and the file or folder of its source that is installed
+    there.
 
     Args:
-        package: the folder with the CMakeLists.txt.
-        name: the package's name.
+        package: The folder with the CMakeLists.txt.
+        name: The package's name.
     """
     reading = _Reading(package, name)
     yield from reading.folder(package)
 
 
 class _Reading:
-    """One package's CMakeLists.txt, while it is read."""
+    """The CMakeLists.txt of one package, while it is read."""
 
     def __init__(self, package: Path, name: str):
         self._name = name
@@ -53,7 +54,7 @@ class _Reading:
         self._depth = 0
 
     def folder(self, folder: Path) -> Iterator[tuple[str, Path]]:
-        """What the CMakeLists.txt of a folder installs."""
+        """Yield what the CMakeLists.txt of a folder installs."""
         try:
             text = (folder / "CMakeLists.txt").read_text(encoding="utf-8", errors="replace")
         except OSError:
@@ -141,7 +142,7 @@ class _Reading:
         return None if ".." in parts else "/".join(parts[2:])
 
     def _values(self, words: list[str]) -> list[str]:
-        """What a ``foreach(name …)`` goes through."""
+        """Return the values of a ``foreach(name …)``."""
         rest = words[1:]
         if rest[:1] == ["RANGE"]:
             return []
@@ -161,7 +162,7 @@ class _Reading:
 
 
 def _commands(text: str) -> list[tuple[str, list[str]]]:
-    """Commands with their arguments as words, in order."""
+    """Return commands with their arguments as words, in order."""
     found = []
     position = 0
     while (match := _COMMAND.search(text, position)) is not None:
@@ -187,7 +188,7 @@ def _end_of_loop(commands: list[tuple[str, list[str]]], start: int) -> int:
 
 
 def _installed_folder(folder: Path, word: str, below: str) -> Iterator[tuple[str, Path]]:
-    """``install(DIRECTORY a/b)`` installs b, ``install(DIRECTORY a/b/)`` what is in it."""
+    """Yield what an ``install(DIRECTORY)`` installs: ``a/b`` installs b, ``a/b/`` its contents."""
     source = folder / word
     if not source.is_dir():
         return

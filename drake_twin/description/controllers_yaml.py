@@ -1,4 +1,4 @@
-"""Controllers' parameters files, read for one robot: which controllers there are, their types and parameters."""
+"""Controllers' parameters files, read for one robot: its controllers, their types and parameters."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -9,6 +9,7 @@ from typing import Any
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place
+from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
 
@@ -34,10 +35,10 @@ class ControllerParameters:
     """One controller's entry in a parameters file.
 
     Attributes:
-        name: the controller's name; its topics stand below it.
-        type: the plugin's name, for example ``forward_command_controller/ForwardCommandController``.
-        parameters: its ``ros__parameters``.
-        sources: the documents that say them, the last word last, and where they stand there.
+        name: The controller's name; its topics are below it.
+        type: The plugin's name, for example ``forward_command_controller/ForwardCommandController``.
+        parameters: Its ``ros__parameters``.
+        sources: The documents that give them, the one that overrides the others last, each with the path in it.
     """
 
     name: str
@@ -46,35 +47,35 @@ class ControllerParameters:
     sources: tuple[tuple[YamlDocument, ValuePath], ...] = ()
 
     def names(self, parameter: str) -> tuple[str, ...]:
-        """A parameter that is a list of names; empty when it is not given."""
+        """Read a parameter that is a list of names; empty when it is not given."""
         value = self.parameters.get(parameter, [])
         if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
             raise self.error(f"{value!r} is not a list of names", parameter)
         return tuple(value)
 
     def text(self, parameter: str, default: str) -> str:
-        """A parameter that is text."""
+        """Read a parameter that is text."""
         value = self.parameters.get(parameter, default)
         if not isinstance(value, str):
             raise self.error(f"{value!r} is not text", parameter)
         return value
 
     def error(self, message: str, *path: str | int, **more: Any) -> InputError:
-        """An error that points at a parameter of this controller."""
+        """Return an error that points at a parameter of this controller."""
         if not self.sources:
             return InputError(f"controller {self.name!r}: {message}", **more)
         document, above = self._source(path)
         return document.error((*above, *path), message, **more)
 
     def place(self, *path: str | int) -> Place:
-        """Where a parameter of this controller is written."""
+        """Return where a parameter of this controller is written."""
         if not self.sources:
             return Place("")
         document, above = self._source(path)
         return Place(str(document.file), document.line((*above, *path)))
 
     def _source(self, path: ValuePath) -> tuple[YamlDocument, ValuePath]:
-        """The last of the sources that says something of a parameter."""
+        """Return the last of the sources that gives a parameter."""
         for part in (path, path[:1]):
             named = (source for source in reversed(self.sources) if part and source[0].has((*source[1], *part)))
             if (found := next(named, None)) is not None:
@@ -84,14 +85,14 @@ class ControllerParameters:
 
 @dataclass(frozen=True)
 class ControllerManagerParameters:
-    """What a robot's parameters files say to its controller manager.
+    """The parameters of a robot's controller manager.
 
     Attributes:
-        update_rate: how often controllers are updated (Hz).
-        enforce_command_limits: whether commands are clamped to the joints' limits. The twin does unless a file says no;
-            Jazzy's default is not to.
-        controllers: the controllers, in file order.
-        findings: what they say to the controller manager of which no use is made.
+        update_rate: The rate at which controllers are updated (Hz).
+        enforce_command_limits: Whether commands are clamped to the joints' limits. The twin does so unless a file
+            disables it; Jazzy's default is not to.
+        controllers: The controllers, in file order.
+        findings: Parameters of the controller manager that are ignored.
     """
 
     update_rate: float = DEFAULT_UPDATE_RATE
@@ -103,18 +104,18 @@ class ControllerManagerParameters:
 def read_controllers(
     files: Path | Sequence[Path], namespace: str, placeholders: Mapping[str, str]
 ) -> ControllerManagerParameters:
-    """Reads parameters files as the nodes in one namespace see them; a later file's values replace an earlier one's.
+    """Read parameters files as the nodes in one namespace see them; a later file's values replace an earlier one's.
 
     All forms in use are understood: ``controller_manager:`` at the top, below ``/**:``, below a namespace
-    (``robot_1:``), and ``/ns/controller_manager`` in one word. An entry for another namespace is not seen.
+    (``robot_1:``), and ``/ns/controller_manager`` in one word. An entry for another namespace is ignored.
 
     Args:
-        files: the YAML files.
-        namespace: the robot's namespace, for example ``/robot_1``.
-        placeholders: values of ``$(var name)`` and ``${name}`` in the file.
+        files: The YAML files.
+        namespace: The robot's namespace, for example ``/robot_1``.
+        placeholders: Values of ``$(var name)`` and ``${name}`` in the file.
 
     Raises:
-        InputError: not YAML, a placeholder without a value, or an entry of the wrong shape.
+        InputError: If a file is not YAML, a placeholder has no value, or an entry has the wrong shape.
     """
     nodes: dict[str, list[tuple[YamlDocument, ValuePath, Mapping[str, Any]]]] = {}
     for file in [files] if isinstance(files, Path) else files:
@@ -157,19 +158,19 @@ def read_controllers(
 
 
 def _unread(name: str, value: Any) -> str | None:
-    """Why a parameter of the controller manager changes nothing; None when it does, or is a controller's."""
+    """Say why a parameter of the controller manager is ignored; return None when it is used, or is a controller's."""
     first, dot, last = name.partition(".")
     if first in _OF_MANAGER or (dot and last in _OF_CONTROLLER):
         return None
     if first in _UNUSED_OF_MANAGER:
         return f"{name} is ignored: {_UNUSED_OF_MANAGER[first]}"
     if isinstance(value, dict):
-        return f"{name!r} has no type: it is no controller"
-    return f"there is no parameter {name!r}, it is ignored"
+        return f"{name!r} has no type, so it is not a controller: it is ignored"
+    return f"unknown parameter {name!r}: it is ignored"
 
 
 def nested(parameters: Mapping[Any, Any]) -> dict[str, Any]:
-    """``linear.x.max_velocity: 1`` as ``linear: {x: {max_velocity: 1}}``: for ROS the two are one."""
+    """Convert ``linear.x.max_velocity: 1`` to ``linear: {x: {max_velocity: 1}}``: for ROS the two are one."""
     found: dict[str, Any] = {}
     for key, value in parameters.items():
         value = nested(value) if isinstance(value, Mapping) else value
@@ -180,7 +181,7 @@ def nested(parameters: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def merge_nested(parameters: dict[str, Any], later: Mapping[str, Any]) -> None:
-    """Adds parameters to others; of what is no mapping, the later value holds."""
+    """Add parameters to others: mappings are merged, any other later value replaces the earlier one."""
     for key, value in later.items():
         known = parameters.get(key)
         if isinstance(known, dict) and isinstance(value, Mapping):
@@ -199,8 +200,8 @@ def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
 
 def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], default: float) -> float:
     rate = parameters.get("update_rate", default)
-    if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 < rate < HIGHEST_RATE:
-        raise document.error((*path, "update_rate"), f"{rate!r} is not a rate above zero (Hz)")
+    if not is_number(rate) or not 0 < rate < HIGHEST_RATE:
+        raise document.error((*path, "update_rate"), f"{rate!r} is not a positive rate (Hz)")
     return float(rate)
 
 
@@ -216,20 +217,20 @@ def _with_placeholders(text: str, file: Path, placeholders: Mapping[str, str]) -
         return text
     lines = []
     for number, line in enumerate(text.splitlines(keepends=True), start=1):
-        start = line.find("#")  # a comment may mention $(var …) without meaning it
+        start = line.find("#")  # $(var …) in a comment is not a placeholder
         code, comment = (line, "") if start < 0 else (line[:start], line[start:])
         for match in _PLACEHOLDER.finditer(code):
             name = match[1] or match[2]
             if name not in placeholders:
                 raise InputError(
-                    f"{match[0]} has no value here", file=file, line=number, valid=sorted(placeholders), value=name
+                    f"{match[0]} has no value", file=file, line=number, valid=sorted(placeholders), value=name
                 )
         lines.append(_PLACEHOLDER.sub(lambda match: placeholders[match[1] or match[2]], code) + comment)
     return "".join(lines)
 
 
 def _nodes(document: YamlDocument, namespace: str) -> dict[str, list[tuple[ValuePath, Mapping[str, Any]]]]:
-    """Node name → the ``ros__parameters`` mappings that apply to it in ``namespace``, general ones first."""
+    """Return node name → the ``ros__parameters`` that apply to it in ``namespace``, general ones first."""
     data = document.data
     if data is None:
         return {}
@@ -264,7 +265,7 @@ def _nodes(document: YamlDocument, namespace: str) -> dict[str, list[tuple[Value
 
 
 def _match(pattern: str, namespace: str) -> tuple[int, str] | None:
-    """How well a node pattern fits the namespace (higher is closer), and the node's name; None when it does not."""
+    """Return how well a node pattern fits the namespace (higher is closer) and the node's name; else None."""
     parts = [part for part in pattern.split("/") if part]
     if not parts:
         return None

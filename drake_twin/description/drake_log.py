@@ -1,4 +1,4 @@
-"""Drake's log messages, where the twin has its own way to show them."""
+"""Drake's log messages, filtered and collected."""
 
 import logging
 import re
@@ -7,13 +7,13 @@ from contextlib import contextmanager
 
 _LOGGER = logging.getLogger("drake")
 
-# What Drake and the libraries in it raise at what they cannot read; some checks of Drake's end the process if they can.
+# What Drake and its libraries raise for what they cannot read; SystemExit, because some of Drake's checks exit.
 DRAKE_RAISES = (RuntimeError, ValueError, IndexError, OverflowError, MemoryError, SystemExit)
 
 _NOT_FOR_USERS = (
     "half spaces are not currently supported for deformable contact",  # the twin has no deformable bodies
-    "Actuation (via non-zero effort limits) for ",  # only what is commanded has an actuator
-    "Meshcat listening for connections",  # the program says where its page is
+    "Actuation (via non-zero effort limits) for ",  # only commanded joints have an actuator
+    "Meshcat listening for connections",  # the program prints its page's address
 )
 
 
@@ -26,7 +26,7 @@ _LOGGER.addFilter(_concerns_users)
 
 @contextmanager
 def captured_warnings() -> Iterator[list[str]]:
-    """Collects what Drake would log inside the block, each message on one line, and keeps it from stderr."""
+    """Collect what Drake would log inside the block, each message on one line, and keep it from stderr."""
     messages: list[str] = []
 
     def keep(record: logging.LogRecord) -> bool:
@@ -41,5 +41,5 @@ def captured_warnings() -> Iterator[list[str]]:
 
 
 def without_literal(text: str) -> str:
-    """A message of Drake's parser without its place in the prepared text, which the user never sees."""
+    """Remove the position in the prepared text, which the user never sees, from a message of Drake's parser."""
     return re.sub(r"<literal-string>[.\w]*:\d*:? *(error: |warning: )?", "", text).strip()

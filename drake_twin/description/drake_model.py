@@ -1,4 +1,4 @@
-"""The description of a robot that Drake's own parser reads (SDF, MJCF): read back from the parsed model."""
+"""The description of a robot in a format that only Drake's parser reads (SDF, MJCF), from the parsed model."""
 
 from collections.abc import Iterator, Mapping
 from math import inf, isfinite
@@ -26,26 +26,26 @@ def describe_model(
     systems: tuple[HardwareSystem, ...] = (),
     efforts: Mapping[str, float] | None = None,
 ) -> RobotDescription:
-    """The description of a prepared model.
+    """Describe a prepared model.
 
     Args:
-        prepared: the model as Drake's parser takes it.
+        prepared: The model as Drake's parser accepts it.
         drake_format: ``sdf``, or ``xml`` for MJCF.
-        text: the file's own text, which is published as ``robot_description``.
-        file: the file.
-        name: the robot's name in the file.
-        systems: what of it can be commanded.
-        efforts: joint name → its actuator's largest effort (N·m or N).
+        text: The file's own text, which is published as ``robot_description``.
+        file: The file.
+        name: The robot's name in the file.
+        systems: What of it can be commanded.
+        efforts: Joint name → its actuator's largest effort (N·m or N).
 
     Raises:
-        InputError: Drake refuses the model, with Drake's reason.
+        InputError: If Drake refuses the model; with Drake's reason.
     """
     from pydrake.multibody.parsing import Parser
     from pydrake.multibody.plant import MultibodyPlant
 
     plant = MultibodyPlant(time_step=0.001)
     try:
-        with captured_warnings():  # the twin's own plant says them once more
+        with captured_warnings():  # the twin's own plant repeats them
             (instance,) = Parser(plant).AddModelsFromString(prepared, drake_format)
     except DRAKE_RAISES as error:
         raise InputError(

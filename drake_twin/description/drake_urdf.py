@@ -1,4 +1,4 @@
-"""A robot's URDF made ready for Drake's parser, which is stricter than ROS's tools and knows other extensions.
+"""A robot's URDF, prepared for Drake's parser, which is stricter than ROS's tools and has other extensions.
 
 Each rule is one function on the XML tree, applied in order by `prepare_urdf`. The robot that ROS sees (names, frames,
 ``robot_description``) stays the one in the file.
@@ -22,13 +22,13 @@ from drake_twin.description.meshes import (
 )
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
-from drake_twin.description.unread import is_known
+from drake_twin.description.used_elements import is_known
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
-# would stand inside the first.
+# would be spawned inside the first.
 _WORLD_LINK_IN_DRAKE = "robot_world"
 
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
@@ -38,12 +38,12 @@ DRAKE_RULES = ("mesh_elsewhere", "missing_mesh", "undefined_material", "joint_fr
 
 @dataclass(frozen=True)
 class PreparedUrdf:
-    """URDF text that Drake's parser takes without a question, and what it took to get there.
+    """URDF text that Drake's parser accepts without warnings.
 
     Attributes:
-        text: the URDF; its meshes have absolute addresses and its visuals their own materials.
-        findings: what was mended, and what the twin makes no use of.
-        meshes: the mesh files that the robot refers to.
+        text: The URDF; its meshes have absolute addresses and its visuals their own materials.
+        findings: What was mended, and what is ignored.
+        meshes: The mesh files that the robot refers to.
     """
 
     text: str
@@ -52,12 +52,12 @@ class PreparedUrdf:
 
 
 def drake_link_name(link: str) -> str:
-    """The name of a link's body in the Drake model."""
+    """Return the name of a link's body in the Drake model."""
     return _WORLD_LINK_IN_DRAKE if link == "world" else link
 
 
 def urdf_link_name(body: str) -> str:
-    """The link of a body in the Drake model."""
+    """Return the link of a body in the Drake model."""
     return "world" if body == _WORLD_LINK_IN_DRAKE else body
 
 
@@ -70,18 +70,18 @@ def prepare_urdf(
     without: Collection[str] = (),
     collision: str = "hull",
 ) -> PreparedUrdf:
-    """The URDF that Drake is given.
+    """Convert a URDF to the one that Drake is given.
 
     Args:
-        reader: the document, already repaired; it is not changed.
-        description: the robot that it describes.
-        model_name: the name of its model instance in the plant.
-        packages: resolves the addresses of meshes.
-        without: names of `DRAKE_RULES` to leave out.
-        collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` of it.
+        reader: The document, already repaired; it is not changed.
+        description: The robot that it describes.
+        model_name: The name of its model instance in the plant.
+        packages: Resolves the addresses of meshes.
+        without: Names of `DRAKE_RULES` to leave out.
+        collision: What a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` of it.
 
     Raises:
-        InputError: a mesh without a file name, or one that is missing when that rule is left out.
+        InputError: If a mesh has no file name, or is missing when that rule is left out.
     """
     original, reader = reader, reader.copy()
     findings: list[Finding] = []
@@ -105,7 +105,7 @@ def prepare_urdf(
 
 
 def _drop_what_drake_does_not_know(reader: XmlReader) -> None:
-    """Actuators come from ``<ros2_control>`` (Drake would make others from ``<transmission>``); the rest is noise."""
+    """Remove what Drake does not know, and ``<transmission>``: actuators come from ``<ros2_control>``."""
     for tag in ("ros2_control", "gazebo"):
         for element in reader.root.findall(tag):
             reader.root.remove(element)
@@ -127,9 +127,10 @@ def _rename_world_link(reader: XmlReader) -> None:
 
 
 def _inline_materials(reader: XmlReader, original: XmlReader, without: Collection[str]) -> list[Finding]:
-    """Drake refuses a material that is defined twice, even with the same colour; ROS's tools take the first.
+    """Give each visual its own material.
 
-    ``<gazebo reference="link"><material>Gazebo/Red</material>`` colours a link that has no colour of its own.
+    Drake refuses a material that is defined twice, even with the same colour; ROS's tools use the first. ``<gazebo
+    reference="link"><material>Gazebo/Red</material>`` colours a link that has no colour of its own.
     """
     colors: dict[str, str] = {}
     for material in reader.root.iter("material"):
@@ -170,10 +171,10 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
 def _resolve_meshes(
     reader: XmlReader, packages: PackageIndex, without: Collection[str], collision: str, meshes: list[Path]
 ) -> list[Finding]:
-    """Gives each mesh a form that Drake reads.
+    """Convert each mesh to a form that Drake reads.
 
     A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
-    of someone else's machine is looked for in the packages that its folders are named after.
+    of another machine is searched in the packages that its folders are named after.
     """
     repairs = []
     for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
@@ -194,7 +195,7 @@ def _resolve_meshes(
                     raise reader.error(mesh, str(error)) from None
                 link = shape.getparent()
                 if link is not None:
-                    what = f"link {link.get('name')!r} goes without its {shape.tag} mesh: {str(error).rstrip('.')}"
+                    what = f"the {shape.tag} mesh of link {link.get('name')!r} is left out: {str(error).rstrip('.')}"
                     repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "missing_mesh"))
                     link.remove(shape)
     return repairs
@@ -255,7 +256,7 @@ def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree.
         origin = etree.SubElement(shape, "origin")
     rotation = RotationMatrix(RollPitchYaw(*rpy))
     moved = rotation @ np.array(primitive.center) + np.array(xyz)
-    # URDF's cylinders lie along z: z goes to the mesh's axis first, then all turns with the shape.
+    # URDF's cylinders are along z: turn z to the mesh's axis first, then turn with the shape.
     along = {
         0: RollPitchYaw(0.0, np.pi / 2, 0.0),
         1: RollPitchYaw(-np.pi / 2, 0.0, 0.0),
@@ -267,7 +268,7 @@ def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree.
 
 
 def _give_friction(reader: XmlReader, description: RobotDescription) -> None:
-    """``<gazebo reference="link"><mu1>``: Drake has one coefficient a shape, so the smaller of mu1 and mu2 counts."""
+    """Apply ``<gazebo reference="link"><mu1>``: Drake has one coefficient a shape, the smaller of mu1 and mu2."""
     for link in reader.root.iterfind("link"):
         surface = description.surfaces.get(link.get("name", ""), LinkSurface())
         coefficients = [mu for mu in (surface.mu1, surface.mu2) if mu is not None]
@@ -283,7 +284,7 @@ def _give_friction(reader: XmlReader, description: RobotDescription) -> None:
 
 
 def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
-    """A follower that only ``<ros2_control>`` declares becomes one that Drake couples too."""
+    """Add ``<mimic>`` to a follower that only ``<ros2_control>`` declares, so that Drake couples it too."""
     for joint in reader.root.iterfind("joint"):
         mimic = description.joints_by_name[reader.text(joint, "name")].mimic
         if mimic is not None and joint.find("mimic") is None:
@@ -292,10 +293,10 @@ def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
 
 
 def _drop_what_drake_warns_of(reader: XmlReader) -> None:
-    """Dry friction in joints, which the plant models with an actuator of its own, and bounds below zero."""
+    """Remove dry friction in joints, which the plant models with an actuator of its own, and negative bounds."""
     for dynamics in reader.root.iterfind("joint/dynamics"):
         dynamics.attrib.pop("friction", "")
     for limit in reader.root.iterfind("joint/limit"):
         for name in ("effort", "velocity"):
-            if limit.get(name, "0").strip().startswith("-"):  # stands for "no bound"; Drake takes it for a mistake
+            if limit.get(name, "0").strip().startswith("-"):  # stands for "no bound"; Drake warns of it
                 del limit.attrib[name]

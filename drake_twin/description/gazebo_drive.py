@@ -1,11 +1,28 @@
-"""One of Gazebo's drive plugins: what is read of it, and what it amounts to in the twin."""
+"""Gazebo's drive plugins: what is read of one, the controller that it becomes, and the registry of plugins.
 
-from collections.abc import Iterable, Mapping
+Other packages add a plugin with the same decorator as the twin's own::
+
+    from drake_twin.description.gazebo_drive import DrivePlugin, GazeboDrive, gazebo_plugin
+
+    @gazebo_plugin("libmy_spinner.so")
+    def my_spinner(plugin: DrivePlugin) -> GazeboDrive:
+        joints = plugin.joints("joint")
+        return GazeboDrive(
+            plugin.plugin,
+            plugin.controller("velocity_controllers/JointGroupVelocityController", {"joints": list(joints)}),
+            topics=plugin.ros_topics({"commands": "spin"}),
+            interfaces=tuple((joint, "velocity") for joint in joints),
+        )
+
+in a module that a program imports, or that the entry-point group ``drake_twin.gazebo_plugins`` names.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeAlias
 
 from drake_twin.description.controllers_yaml import ControllerParameters
-from drake_twin.description.gazebo_plugins import PluginReader, ros_topic
+from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, ros_topic
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
 
@@ -26,20 +43,20 @@ class GazeboDrive:
     """A plugin as a controller.
 
     Attributes:
-        plugin: the plugin.
-        controller: the controller that does the same; None when the plugin cannot work.
-        topics: the controller's own topic (as its system names the port) → the topic that the plugin uses instead,
+        plugin: The plugin.
+        controller: The controller that does the same; None when the plugin cannot work.
+        topics: The controller's own topic (as its system names the port) → the topic that the plugin uses instead,
             relative to the robot's namespace, or with a leading ``/`` where a remapping puts it elsewhere. A topic of
             the controller that is not here is not published.
-        gz_topics: the same in gz's transport, as a ``parameter_bridge`` names it; ``{model}`` stands for the model.
-        types: topic of the controller → the ROS type that the plugin or its bridge has there, where it is another one.
+        gz_topics: The same in gz's transport, as a ``parameter_bridge`` names it; ``{model}`` stands for the model.
+        types: Topic of the controller → the ROS type that the plugin or its bridge has there, where it is another one.
         interfaces: (joint, command interface) for each actuator that it needs.
-        efforts: joint → the largest effort that the plugin gives it (N·m or N).
-        start: joint → the position (rad or m) that the plugin commands at the start.
-        true_odometry: whether its odometry is the true pose in the world instead of what the wheels tell.
-        not_started: why the plugin cannot work.
-        warnings: what of it changes nothing in the twin.
-        unread: its elements of which no use is made.
+        efforts: Joint → the largest effort that the plugin gives it (N·m or N).
+        start: Joint → the position (rad or m) that the plugin commands at the start.
+        true_odometry: Whether its odometry is the true pose in the world, and not computed from the wheels.
+        not_started: Why the plugin cannot work.
+        warnings: What of it changes nothing in the twin.
+        unread: Its elements that are ignored.
     """
 
     plugin: GazeboPlugin
@@ -57,11 +74,17 @@ class GazeboDrive:
 
 
 class CannotWorkError(Exception):
-    """A plugin that Gazebo loads, and that then does nothing."""
+    """Raised for a plugin that Gazebo would load, but that would do nothing; the message says why."""
 
 
 class DrivePlugin(PluginReader):
-    """A plugin, the robot it is on, and the name of the controller it becomes."""
+    """Reads a drive plugin.
+
+    Args:
+        plugin: The plugin.
+        description: The robot it is on.
+        name: The name of the controller that it becomes.
+    """
 
     def __init__(self, plugin: GazeboPlugin, description: RobotDescription, name: str):
         super().__init__(plugin)
@@ -69,7 +92,11 @@ class DrivePlugin(PluginReader):
         self.name = name
 
     def joints(self, tag: str, *, required: bool = True) -> tuple[str, ...]:
-        """Joints that the robot has."""
+        """Read the joints that the elements of a tag name.
+
+        Raises:
+            CannotWorkError: If the robot has no such movable joint, or a required element is missing.
+        """
         found = self.texts(tag)
         if required and not found:
             raise CannotWorkError(f"<{tag}> is missing")
@@ -77,22 +104,30 @@ class DrivePlugin(PluginReader):
         return found
 
     def check_joints(self, joints: Iterable[str]) -> None:
-        """Refuses joints that the robot does not have or that do not move."""
+        """Check that the robot has the joints, and that they move.
+
+        Raises:
+            CannotWorkError: If it does not.
+        """
         movable = {joint.name for joint in self.description.movable_joints}
         for joint in joints:
             if joint not in movable:
                 raise CannotWorkError(f"the robot has no movable joint {joint!r}")
 
     def controller(self, kind: str, parameters: Mapping[str, Any]) -> ControllerParameters:
-        """The controller with these parameters."""
+        """Return the entry of a controller of a type with these parameters."""
         return ControllerParameters(self.name, kind, dict(parameters))
 
     def ros_topics(self, names: Mapping[str, str | None]) -> dict[str, str]:
-        """The controller's topics by the plugin's names, with its remappings; those without a name are left out."""
+        """Return the controller's topics by the plugin's names, remapped; those without a name are left out."""
         return {own: ros_topic(self.plugin, name) for own, name in names.items() if name is not None}
 
     def gz_topics(self, names: Mapping[str, tuple[str, str]]) -> tuple[dict[str, str], dict[str, str]]:
-        """For ROS and for gz: the controller's topics by an element of the plugin, or by gz's name below the model."""
+        """Return the controller's topics for ROS and for gz.
+
+        Args:
+            names: Topic of the controller → the element that names it, and gz's name below the model without one.
+        """
         ros, gz = {}, {}
         for own, (tag, default) in names.items():
             gz[own] = self.text(tag, f"/model/{{model}}/{default}")
@@ -102,6 +137,35 @@ class DrivePlugin(PluginReader):
         return ros, gz
 
 
+Convert: TypeAlias = Callable[[DrivePlugin], GazeboDrive]
+
+# Kind of plugin, as `plugin_kind` names it → the function that converts it.
+GAZEBO_PLUGINS: dict[str, Convert] = {}
+
+
+def gazebo_plugin(*names: str) -> Callable[[Convert], Convert]:
+    """Register a function that converts a Gazebo plugin to a controller.
+
+    The function may raise `CannotWorkError`.
+
+    Args:
+        names: The plugin's names: its library (``libgazebo_ros_diff_drive.so``, ``gz-sim-diff-drive-system``), with or
+            without ``lib``, ``.so`` and gz's version where the library is Gazebo's own.
+
+    Raises:
+        ValueError: If another function converts a plugin of the name.
+    """
+
+    def register(function: Convert) -> Convert:
+        for name in names:
+            known = GAZEBO_PLUGINS.setdefault(plugin_kind(GazeboPlugin(name, "")), function)
+            if known is not function:
+                raise ValueError(f"{known.__module__} and {function.__module__} both convert the plugin {name!r}")
+        return function
+
+    return register
+
+
 def as_rate(rate: float) -> float:
-    """A plugin's rate (Hz), where zero stands for every update."""
+    """Return a plugin's rate (Hz), where zero stands for every update."""
     return rate if rate > 0.0 else 1e6

@@ -1,15 +1,15 @@
-"""The ``<plugin>`` tags of a robot file as plain data: what they hold, and the topics they name."""
+"""The ``<plugin>`` tags of a robot file as plain data: their elements, and the topics that they name."""
 
 import re
 import shlex
 from collections.abc import Iterable, Iterator
-from math import isfinite
 
 from lxml import etree
 
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+from drake_twin.values import is_true, parse_number
 
 _GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
 _CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
@@ -17,7 +17,7 @@ _CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 
 
 def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
-    """The plugins at a path of a document: ``gazebo/plugin`` in a URDF, ``model/plugin`` in an SDF."""
+    """Read the plugins at a path of a document: ``gazebo/plugin`` in a URDF, ``model/plugin`` in an SDF."""
     for plugin in reader.root.iterfind(path):
         elements: dict[str, tuple[str, ...]] = {}
         for name, text in _texts(plugin):
@@ -45,7 +45,7 @@ def _texts(element: etree._Element, above: str = "") -> Iterator[tuple[str, str]
 
 
 def plugin_kind(plugin: GazeboPlugin) -> str:
-    """What a plugin is, however its library is written: ``gazebo_ros_diff_drive``, or ``diff-drive-system`` in gz."""
+    """Return a plugin's kind, in any spelling of its library: ``gazebo_ros_diff_drive``, ``diff-drive-system``."""
     library = plugin.filename.rpartition("/")[2]
     for pattern in (_GZ_LIBRARY, _CLASSIC_LIBRARY):
         match = pattern.fullmatch(library)
@@ -56,7 +56,7 @@ def plugin_kind(plugin: GazeboPlugin) -> str:
 
 
 def plugin_node_name(plugin: GazeboPlugin) -> str:
-    """What a plugin's node is called: its name, or ``diff_drive`` for ``gz::sim::systems::DiffDrive``."""
+    """Return the name of a plugin's node: its name, or ``diff_drive`` for ``gz::sim::systems::DiffDrive``."""
     name = plugin.name.rpartition("::")[2]
     if name != plugin.name:
         name = _words(name, "_")
@@ -68,20 +68,20 @@ def _words(name: str, separator: str) -> str:
 
 
 def ros_topic(plugin: GazeboPlugin, topic: str) -> str:
-    """A topic of a classic plugin as the robot's namespace sees it, with the remappings of its ``<ros>`` tag.
+    """Resolve a topic of a classic plugin in the robot's namespace, with the remappings of its ``<ros>`` tag.
 
     Args:
-        plugin: the plugin.
-        topic: the topic's name in the plugin, ``cmd_vel``.
+        plugin: The plugin.
+        topic: The topic's name in the plugin, ``cmd_vel``.
 
     Returns:
-        A name relative to the robot's namespace, or one with a leading ``/`` that a remapping puts elsewhere.
+        A name relative to the robot's namespace, or one with a leading ``/`` where a remapping puts it elsewhere.
     """
     namespace = (plugin.namespace or "").strip("/")
     before_all = f"/{namespace}/" if namespace else "/"
 
     def relative(name: str) -> str:
-        """Without the plugin's own namespace; what is elsewhere keeps its leading slash."""
+        """Remove the plugin's own namespace; a name elsewhere keeps its leading slash."""
         if name.startswith("~"):
             return f"{plugin_node_name(plugin)}/{name.lstrip('~/')}"
         return name[len(before_all) :] if namespace and name.startswith(before_all) else name
@@ -114,7 +114,7 @@ class PluginReader:
     """Reads the values of a plugin's elements; errors name the file, the line and the element.
 
     Args:
-        plugin: the plugin.
+        plugin: The plugin.
     """
 
     def __init__(self, plugin: GazeboPlugin):
@@ -123,11 +123,11 @@ class PluginReader:
 
     @property
     def unread(self) -> tuple[str, ...]:
-        """The elements that nobody has asked for."""
+        """The elements that were not read."""
         return tuple(tag for tag in self.plugin.elements if tag not in self._taken | _OF_ALL_PLUGINS)
 
     def error(self, message: str) -> InputError:
-        """An error that points at the plugin."""
+        """Return an error that points at the plugin."""
         return InputError(
             f"<plugin filename={self.plugin.filename!r}>: {message}",
             file=self.plugin.place.file or None,
@@ -135,39 +135,36 @@ class PluginReader:
         )
 
     def has(self, tag: str) -> bool:
-        """Whether the plugin has such an element."""
+        """Tell whether the plugin has an element of a name."""
         self._taken.add(tag)
         return tag in self.plugin.elements
 
     def texts(self, tag: str) -> tuple[str, ...]:
-        """All elements of a name."""
+        """Read all elements of a name that are not empty."""
         self._taken.add(tag)
         return tuple(text for text in self.plugin.elements.get(tag, ()) if text)
 
     def text(self, tag: str, default: str) -> str:
-        """The first element of a name."""
+        """Read the first element of a name."""
         return next(iter(self.texts(tag)), default)
 
     def numbers(self, tag: str) -> tuple[float, ...]:
-        """All elements of a name as finite numbers."""
+        """Read all elements of a name as finite numbers."""
         values = []
         for text in self.texts(tag):
             try:
-                value = float(text)
-            except ValueError:
-                raise self.error(f"<{tag}> is {text!r}, which is not a number") from None
-            if not isfinite(value):
-                raise self.error(f"<{tag}> is {text!r}, which is not finite")
-            values.append(value)
+                values.append(parse_number(text))
+            except ValueError as error:
+                raise self.error(f"<{tag}> is {text!r}, which is {error}") from None
         return tuple(values)
 
     def number(self, tag: str, default: float) -> float:
-        """The first element of a name as a finite number."""
+        """Read the first element of a name as a finite number."""
         return next(iter(self.numbers(tag)), default)
 
     def flag(self, tag: str, default: bool) -> bool:
-        """The first element of a name as true or false, written in any of SDF's ways."""
+        """Read the first element of a name as a flag: ``true``, ``1``, ``false`` or ``0``."""
         text = self.text(tag, str(default)).lower()
         if text not in ("true", "false", "1", "0"):
             raise self.error(f"<{tag}> is {text!r}, which is neither true nor false")
-        return text in ("true", "1")
+        return is_true(text)

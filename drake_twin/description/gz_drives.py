@@ -1,4 +1,4 @@
-"""The drives among gz-sim's systems, as controllers."""
+"""The drives among the systems of gz-sim, as controllers."""
 
 from collections.abc import Iterable
 from math import atan, inf, sin
@@ -12,16 +12,18 @@ from drake_twin.description.gazebo_drive import (
     DrivePlugin,
     GazeboDrive,
     as_rate,
+    gazebo_plugin,
 )
 from drake_twin.description.robot_description import RobotDescription
 
-# Where gz has its topics: the element that names them, and the name below the model without it.
+# gz's topics: the element that names them, and the name below the model without it.
 _ODOMETRY = ("odom_topic", "odometry")
 _TF = {"tf_odometry": ("tf_topic", "tf")}
 
 
+@gazebo_plugin("gz-sim-diff-drive-system")
 def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
-    """``gz-sim-diff-drive-system`` as a diff_drive_controller."""
+    """Convert ``gz-sim-diff-drive-system`` to a diff_drive_controller."""
     left, right = plugin.joints("left_joint"), plugin.joints("right_joint")
     if len(left) != len(right):
         raise CannotWorkError(f"there are {len(left)} left and {len(right)} right joints")
@@ -46,8 +48,9 @@ def diff_drive_system(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
+@gazebo_plugin("gz-sim-mecanum-drive-system")
 def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
-    """``gz-sim-mecanum-drive-system`` as a mecanum_drive_controller."""
+    """Convert ``gz-sim-mecanum-drive-system`` to a mecanum_drive_controller."""
     wheels = {}
     for there, here in (
         ("front_left", "front_left"),
@@ -57,7 +60,7 @@ def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
     ):
         wheels[f"{here}_wheel_command_joint_name"], *more = plugin.joints(f"{there}_joint")
         if more:
-            raise CannotWorkError(f"there are {1 + len(more)} <{there}_joint>, and the twin drives four mecanum wheels")
+            raise CannotWorkError(f"there are {1 + len(more)} <{there}_joint>, but only four wheels are supported")
     limits = _gz_limits(plugin)
     parameters = (
         _gz_odometry(plugin)
@@ -84,8 +87,9 @@ def mecanum_drive_system(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
+@gazebo_plugin("gz-sim-ackermann-steering-system")
 def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
-    """``gz-sim-ackermann-steering-system`` as an ackermann_steering_controller."""
+    """Convert ``gz-sim-ackermann-steering-system`` to an ackermann_steering_controller."""
     if plugin.flag("steering_only", False) or plugin.flag("use_actuator_msg", False):
         raise CannotWorkError("<steering_only> and <use_actuator_msg> are not supported")
     steering = (*plugin.joints("right_steering_joint")[:1], *plugin.joints("left_steering_joint")[:1])
@@ -95,7 +99,7 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
         fixed = [joint for joint in joints if not _is_below(plugin.description, joint, steering)]
         driven.append((fixed or joints)[0])
         if len(joints) > 1:
-            warnings.append(f"of <{tag}> {', '.join(joints)} the twin drives {driven[-1]}, and the others roll")
+            warnings.append(f"of <{tag}> {', '.join(joints)} the twin drives {driven[-1]}; the others roll")
     parameters = _gz_odometry(plugin) | {
         "traction_joints_names": driven,
         "steering_joints_names": list(steering),
@@ -122,8 +126,9 @@ def ackermann_steering_system(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
+@gazebo_plugin("gz-sim-velocity-control-system")
 def velocity_control_system(plugin: DrivePlugin) -> GazeboDrive:
-    """``gz-sim-velocity-control-system`` as the twin's own controller of a base in the plane."""
+    """Convert ``gz-sim-velocity-control-system`` to the twin's own controller of a base in the plane."""
     parameters = _gz_odometry(plugin) | {"enable_odom_tf": False}
     topics, gz_topics = plugin.gz_topics({"cmd_vel_unstamped": ("topic", "cmd_vel")})
     unused = ("link_name", "initial_linear", "initial_angular")
@@ -148,13 +153,10 @@ def _gz_odometry(plugin: DrivePlugin) -> dict[str, Any]:
 
 
 def _gz_limits(plugin: DrivePlugin, direction: str = "") -> dict[str, float]:
-    """gz's limits of one direction; where it has only one bound, the other is infinite."""
+    """Return gz's limits of one direction; where it has only one bound, the other is infinite."""
     limits: dict[str, float] = {}
-    for what, lower_names in (
-        ("velocity", ("min_velocity",)),
-        ("acceleration", ("max_acceleration_reverse",)),
-        ("jerk", ("min_jerk",)),
-    ):
+    lower_names = {"velocity": "min_velocity", "acceleration": "max_acceleration_reverse", "jerk": "min_jerk"}
+    for what, lower_name in lower_names.items():
         bounds = []
         for side in ("min", "max"):
             tags = [f"{side}_{direction}_{what}"] if direction else []
@@ -162,13 +164,13 @@ def _gz_limits(plugin: DrivePlugin, direction: str = "") -> dict[str, float]:
             bounds.append(given[0] if given else None)
         if bounds != [None, None]:
             lower, upper = bounds
-            limits |= dict.fromkeys(lower_names, min(-inf if lower is None else lower, 0.0))
+            limits[lower_name] = min(-inf if lower is None else lower, 0.0)
             limits[f"max_{what}"] = max(inf if upper is None else upper, 0.0)
     return limits
 
 
 def _is_below(description: RobotDescription, joint: str, others: Iterable[str]) -> bool:
-    """Whether a joint hangs on the link that one of the others moves."""
+    """Tell whether a joint is below the link that one of the others moves."""
     joint_of = {each.child: each for each in description.joints}
     found = joint_of.get(description.joints_by_name[joint].parent)
     while found is not None:

@@ -1,4 +1,4 @@
-"""The convex hull of a mesh, with few corners: Drake's contact of faces takes 0.03 ms to prepare a corner."""
+"""The convex hull of a mesh, with few corners: Drake's hydroelastic contact takes 0.03 ms to prepare a corner."""
 
 from itertools import pairwise
 
@@ -7,24 +7,24 @@ from pydrake.geometry import PolygonSurfaceMesh
 
 _MOST_CORNERS = 64
 _SLIVER = 1e-4
-_LOSS = 1e-3  # what a hull may lose, as a part of its size, to have fewer
+_LOSS = 1e-3  # what a hull may lose, as a part of its size, to have fewer corners
 
 
 def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A hull of points.
+    """Compute a hull of points.
 
-    Its corners are those that reach farthest beyond the others, so that flat faces stay flat; of what is round with
-    more of them, some hundredth of its size is lost.
+    Its corners are those that reach farthest beyond the others, so that flat faces stay flat; a round mesh with more
+    corners loses some hundredths of its size.
 
     Args:
-        points: n×3 (m).
+        points: N×3 (m).
 
     Returns:
         The corners (m×3) and the triangles between them (k×3, indices).
 
     Raises:
-        scipy.spatial.QhullError: the points have no hull.
-        ValueError: likewise.
+        scipy.spatial.QhullError: If the points have no hull.
+        ValueError: Likewise.
     """
     from scipy.spatial import ConvexHull
 
@@ -43,16 +43,16 @@ def hull_of(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def corners_of(hull: PolygonSurfaceMesh) -> np.ndarray:
-    """The corners (n×3, m) of a hull of Drake's."""
+    """Return the corners (n×3, m) of a hull of Drake's."""
     return np.array([hull.vertex(index) for index in range(hull.num_vertices())])
 
 
 def without_slivers(corners: np.ndarray, least: float | None = None) -> np.ndarray:
-    """A hull's corners without those that make triangles of hardly any area: Drake's contact fails at such.
+    """Remove corners of a hull that make triangles of hardly any area, at which Drake's contact fails.
 
     Args:
-        corners: n×3 (m).
-        least: twice the area that a triangle has at least (m²); by default a ten-thousandth of the hull's size squared.
+        corners: N×3 (m).
+        least: Twice the least area of a triangle (m²); by default a ten-thousandth of the hull's size squared.
     """
     if least is None:
         least = _SLIVER * float(np.ptp(corners, axis=0).max()) ** 2
@@ -63,14 +63,16 @@ def without_slivers(corners: np.ndarray, least: float | None = None) -> np.ndarr
         worst = int(np.argmin(areas))
         if areas[worst] >= least or len(corners) <= 4:
             return corners
-        # The corner opposite to the longest edge lies almost on it; the middle of the hull is no corner.
+        # The corner opposite to the longest edge is almost on it; the middle of the hull is not a corner.
         order = np.argsort(np.linalg.norm(edges[worst], axis=1))[::-1]
         apart = (np.linalg.norm(corners - triangles[worst, (int(edge) + 2) % 3], axis=1) for edge in order)
         corners = corners[next(distances for distances in apart if distances.min() == 0) > 0]
 
 
 def _triangles(corners: np.ndarray) -> np.ndarray:
-    """The triangles (m×3×3) into which Drake divides the sides of a hull, and those from the middle to their edges."""
+    """Return the triangles (m×3×3) into which Drake divides the sides of a hull, and those from the middle to their
+    edges.
+    """
     from pydrake.geometry import Convex
 
     hull = Convex(np.ascontiguousarray(corners.T), "hull").GetConvexHull()
@@ -87,7 +89,7 @@ def _triangles(corners: np.ndarray) -> np.ndarray:
 
 
 def _far_apart(corners: np.ndarray) -> list[int]:
-    """Four corners that do not lie in a plane."""
+    """Return four corners that are not in one plane."""
     first = int(np.argmax(np.linalg.norm(corners - corners.mean(axis=0), axis=1)))
     kept = [first]
     for _ in range(3):

@@ -21,18 +21,18 @@ _TRIMMED_TO = 3 * _MOST_BYTES // 4
 
 
 def mesh_cache_folder() -> Path:
-    """The folder of converted meshes, see `cache_folder`."""
+    """Return the folder of converted meshes, see `cache_folder`."""
     return cache_folder("meshes")
 
 
 def cache_folder(name: str) -> Path:
-    """``$XDG_CACHE_HOME/drake_twin/NAME``, or ``~/.cache/drake_twin/NAME``.
+    """Return ``$XDG_CACHE_HOME/drake_twin/NAME``, or ``~/.cache/drake_twin/NAME``.
 
-    Where neither can be written, a folder in the system's temporary folder that belongs to this user.
+    Where neither can be written, it is a folder in the system's temporary folder that belongs to this user.
     """
     base = Path(os.environ.get("XDG_CACHE_HOME", ""))
     with contextlib.suppress(OSError, RuntimeError):  # RuntimeError: a user without a home
-        if not base.is_absolute():  # which the specification says to ignore
+        if not base.is_absolute():  # the specification says to ignore it
             base = Path("~/.cache").expanduser()
         folder = base / "drake_twin" / name
         folder.mkdir(parents=True, exist_ok=True)
@@ -47,23 +47,23 @@ def _temporary_folder(name: str) -> Path:
 
 
 def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
-    """The converted form of a mesh: from the cache, or converted now and kept.
+    """Return the converted form of a mesh: from the cache, or converted now and kept.
 
-    It is addressed by the content of the source, so a changed mesh is converted anew and a moved one is not. Two
-    processes may fill the cache at once: a file appears whole or not at all.
+    It is addressed by the content of the source: a changed mesh is converted again, a moved one is not. Two processes
+    may fill the cache at once: a file appears whole or not at all.
 
     Args:
-        source: the mesh file.
-        suffix: how the converted file's name ends, for example ``.hull.obj``; it tells conversions apart.
-        convert: makes the converted file's bytes.
+        source: The mesh file.
+        suffix: The end of the converted file's name, for example ``.hull.obj``; it tells conversions apart.
+        convert: Makes the converted file's bytes.
 
     Raises:
-        InputError: the source cannot be read, or the cache cannot be written.
+        InputError: If the source cannot be read, or the cache cannot be written.
     """
     target = mesh_cache_folder() / (_digest(source) + suffix)
     if _is_sound(target):
         with contextlib.suppress(OSError):
-            os.utime(target)  # what was used last is kept longest
+            os.utime(target)  # recently used files are kept longest
             os.utime(_seal(target))
         return target
     content = convert(source)
@@ -77,12 +77,12 @@ def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
 
 
 def _seal(target: Path) -> Path:
-    """Where the checksum of a cached file is."""
+    """Return the file with the checksum of a cached file."""
     return cache_folder("mesh_checksums") / f"{target.name}.sha256"
 
 
 def _is_sound(target: Path) -> bool:
-    """Whether a file is in the cache, as it was written."""
+    """Tell whether a file is in the cache, as it was written."""
     with contextlib.suppress(OSError):
         status = target.stat()
         return _is_version_sound(target, status.st_mtime_ns, status.st_size) if status.st_size else False
@@ -115,7 +115,7 @@ def _digest_of_version(source: Path, _modified: int, _size: int) -> str:
     return digest.hexdigest()
 
 
-# How OBJ, MTL and COLLADA files name the materials and pictures that lie beside them.
+# How OBJ, MTL and COLLADA files name the materials and pictures in their folder.
 _NAMES_BESIDE = {
     ".obj": re.compile(rb"^mtllib\s+(.+?)\s*$", re.MULTILINE),
     ".mtl": re.compile(rb"^\s*map_\w+\s+(?:.*\s)?(\S+)\s*$", re.MULTILINE),
@@ -124,7 +124,7 @@ _NAMES_BESIDE = {
 
 
 def _files_beside(source: Path, content: bytes) -> Iterator[Path]:
-    """The materials and pictures that are baked into a conversion, as far as they are there."""
+    """Yield the materials and pictures that a conversion includes, where they exist."""
     names = _NAMES_BESIDE.get(source.suffix.lower())
     for name in names.findall(content) if names is not None else ():
         beside = source.parent / name.decode(errors="replace")
@@ -136,7 +136,7 @@ def _files_beside(source: Path, content: bytes) -> Iterator[Path]:
 
 
 def _trim(folder: Path) -> None:
-    """Removes what was used longest ago once the cache is larger than its bound."""
+    """Remove the files that were used longest ago once the cache is larger than its bound."""
     files = []
     for entry in os.scandir(folder):
         with contextlib.suppress(OSError):  # another process may be trimming too

@@ -22,11 +22,11 @@ _READ_BY_DRAKE = (".obj", ".gltf")
 _READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
 MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
 
-# A primitive stands for a mesh whose hull's vertices lie on it within this part of the mesh's size.
+# A primitive replaces a mesh whose hull's vertices are on it within this part of the mesh's size.
 _PRIMITIVE_TOLERANCE = 1e-3
-_THINNEST = 1e-3  # of the mesh's size: what a flat mesh is given as thickness, because Drake needs volume
+_THINNEST = 1e-3  # of the mesh's size: the thickness of a flat mesh, because Drake needs volume
 
-_FARTHEST = 1e12  # of a mesh's units; what is beyond is no robot's, and overflows in the simulation
+_FARTHEST = 1e12  # mesh units; larger coordinates are invalid, and overflow in the simulation
 
 # Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
 _Z_UP_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
@@ -38,9 +38,9 @@ class Primitive:
 
     Attributes:
         kind: ``box``, ``cylinder`` or ``sphere``, as URDF names them.
-        size: the sides of a box; radius and length of a cylinder; the radius of a sphere (m).
-        center: its centre in the mesh's frame (m).
-        axis: the mesh's axis (0, 1 or 2) that a cylinder's length lies along.
+        size: The sides of a box; radius and length of a cylinder; the radius of a sphere (m).
+        center: Its centre in the mesh's frame (m).
+        axis: The mesh's axis (0, 1 or 2) along which a cylinder's length is.
     """
 
     kind: str
@@ -50,21 +50,21 @@ class Primitive:
 
 
 def mesh_address(file: Path) -> str:
-    """The address of a mesh for Drake's parser, which takes spaces and accents as they are, not as ``%20``."""
+    """Return the address of a mesh for Drake's parser, which takes spaces and accents as they are, not as ``%20``."""
     return f"file://{file.absolute()}"
 
 
 def visual_mesh(file: Path) -> Path:
-    """The mesh as Drake's Meshcat and renderer accept it.
+    """Convert a mesh to a form that Drake's Meshcat and renderer accept.
 
-    OBJ with normals and glTF are taken as they are. Other formats become glTF, with their colours and textures inside,
-    or OBJ when they have none, so that the URDF's material colours them.
+    OBJ with normals and glTF stay as they are. Other formats become glTF, with their colours and textures inside, or
+    OBJ when they have none, so that the URDF's material colours them.
 
     Args:
-        file: the mesh file.
+        file: The mesh file.
 
     Raises:
-        InputError: the format is not known, or the file holds no triangles.
+        InputError: If the format is unknown, or the file holds no triangles.
     """
     _check_suffix(file)
     suffix = file.suffix.lower()
@@ -75,30 +75,30 @@ def visual_mesh(file: Path) -> Path:
 
 
 def mesh_for_mjcf(file: Path) -> Path:
-    """The mesh as an OBJ file, which is the one format that Drake's MJCF parser takes; it is drawn and collides.
+    """Convert a mesh to an OBJ file, the only format that Drake's MJCF parser accepts; it is drawn and collides.
 
     Raises:
-        InputError: as `visual_mesh`.
+        InputError: As `visual_mesh`.
     """
     _check_suffix(file)
     return file if file.suffix.lower() == ".obj" and _has_normals(file) else cached(file, ".visual.obj", _visual_obj)
 
 
 def collision_mesh(file: Path) -> Path:
-    """The convex hull of a mesh, as an OBJ file.
+    """Convert a mesh to its convex hull, as an OBJ file.
 
     Raises:
-        InputError: the format is not known, or the file holds no triangles.
+        InputError: If the format is unknown, or the file holds no triangles.
     """
     _check_suffix(file)
     return cached(file, ".hull.obj", _hull_obj)
 
 
 def collision_pieces(file: Path) -> tuple[Path, ...]:
-    """A mesh decomposed into convex pieces by CoACD, as OBJ files.
+    """Decompose a mesh into convex pieces with CoACD, as OBJ files.
 
     Raises:
-        InputError: as `collision_mesh`, or the package coacd (the extra ``decomposition``) is not installed.
+        InputError: As `collision_mesh`, or if the package coacd (the extra ``decomposition``) is not installed.
     """
     _check_suffix(file)
     index = cached(file, ".pieces.json", _pieces_json)
@@ -110,20 +110,23 @@ def collision_pieces(file: Path) -> tuple[Path, ...]:
 
 
 def read_triangles(file: Path) -> Any:
-    """All triangles of a mesh file as one trimesh, in metres where the file says its unit.
+    """Read all triangles of a mesh file as one trimesh, in metres where the file gives its unit.
 
     Raises:
-        InputError: the format is not known, or the file holds no triangles.
+        InputError: If the format is unknown, or the file holds no triangles.
     """
     _check_suffix(file)
     return _single_mesh(file)
 
 
 def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
-    """The box, cylinder or sphere that a mesh is when it is scaled; None when it is no primitive.
+    """Recognize the box, cylinder or sphere that a mesh is when it is scaled.
+
+    Returns:
+        The primitive; None if it is another shape.
 
     Raises:
-        InputError: as `collision_mesh`.
+        InputError: As `collision_mesh`.
     """
     lines = collision_mesh(file).read_text().splitlines()
     corners = [[float(number) for number in line.split()[1:]] for line in lines if line.startswith("v ")]
@@ -152,9 +155,8 @@ def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
 def _check_suffix(file: Path) -> None:
     suffix = file.suffix.lower()
     if suffix not in MESH_SUFFIXES:
-        raise InputError(
-            f"the mesh format {suffix or 'without a suffix'!r} is not understood", file=file, valid=MESH_SUFFIXES
-        )
+        what = f"unknown mesh format {suffix!r}" if suffix else "the mesh's file name has no suffix"
+        raise InputError(what, file=file, valid=MESH_SUFFIXES)
     try:
         check_regular(file)
     except OSError as error:
@@ -170,7 +172,7 @@ def _has_normals(file: Path) -> bool:
 
 
 def _has_no_colors(file: Path) -> bool:
-    """Whether a format, or this very file, carries no colours; asked without loading it where its bytes tell."""
+    """Tell whether a format, or this file, has no colours; without loading it where its bytes show that."""
     suffix = file.suffix.lower()
     if suffix in (".stl", ".off", ".obj"):
         return suffix != ".obj" or b"mtllib" not in _bytes(file)
@@ -190,39 +192,39 @@ def _bytes(file: Path) -> bytes:
 
 @contextmanager
 def _reading(file: Path) -> Iterator[None]:
-    """Readers and exporters of meshes raise whatever a broken file makes them stumble over."""
+    """Turn any exception of the readers and exporters of meshes into an `InputError`: broken files raise all kinds."""
     try:
         yield
     except InputError:
         raise
-    except ModuleNotFoundError:  # trimesh asks for one to guess the encoding of bytes that are no text
-        raise InputError(f"the mesh is cut short, or no {file.suffix} file", file=file) from None
+    except ModuleNotFoundError:  # trimesh needs another package to guess the encoding of bytes that are not text
+        raise InputError(f"the mesh is truncated, or not a {file.suffix} file", file=file) from None
     except Exception as error:
         raise InputError(f"the mesh cannot be read ({' '.join(str(error).split())})", file=file) from None
 
 
 def _scene(file: Path) -> Any:
-    """A mesh file as a trimesh scene in metres."""
-    import trimesh  # a third of a second, and only the first start of a robot needs it
+    """Read a mesh file as a trimesh scene in metres."""
+    import trimesh  # takes a third of a second, and only the first start of a robot needs it
 
     with _reading(file):
         scene = trimesh.load_scene(file)
         if scene.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
             scene = scene.convert_units("meters")
-        if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: its hull must stand likewise
+        if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: turn its hull, too
             scene.apply_transform(_Z_UP_TO_Y_UP.T)  # type: ignore[no-untyped-call]
         return scene
 
 
 def _single_mesh(file: Path, scene: Any = None) -> Any:
-    """All triangles of a mesh file in one trimesh, in metres."""
+    """Return all triangles of a mesh file in one trimesh, in metres."""
     scene = _scene(file) if scene is None else scene
     with _reading(file):
         mesh = scene.to_mesh()
     if len(getattr(mesh, "faces", ())) == 0:
         raise InputError("the mesh holds no triangles", file=file)
     if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
-        raise InputError("the mesh has vertices that are no points in space", file=file)
+        raise InputError("the mesh has vertices that are not finite points in space", file=file)
     return mesh
 
 
@@ -232,7 +234,7 @@ def _visual_obj(file: Path) -> bytes:
 
 
 def _visual_gltf(file: Path) -> bytes:
-    """glTF with everything inside: trimesh's GLB with its binary part as a data address."""
+    """Convert a mesh to glTF with everything inside: trimesh's GLB with its binary part as a data address."""
     scene = _scene(file)
     _single_mesh(file, scene)  # refuses what has no triangles
     with _reading(file):
@@ -246,7 +248,7 @@ def _visual_gltf(file: Path) -> bytes:
 
 
 def _hull_obj(file: Path) -> bytes:
-    """The convex hull by Qhull, through SciPy: Drake's own needs over ten seconds for a mesh of 50,000 triangles."""
+    """Compute the convex hull with Qhull, through SciPy: Drake's own takes over ten seconds for 50,000 triangles."""
     from scipy.spatial import QhullError
 
     vertices = with_thickness(np.unique(np.asarray(_single_mesh(file).vertices, dtype=float), axis=0))
@@ -259,7 +261,7 @@ def _hull_obj(file: Path) -> bytes:
 
 
 def with_thickness(vertices: np.ndarray) -> np.ndarray:
-    """Flat meshes made a little thick, along the directions they are flat in."""
+    """Make a flat mesh a little thick, along the directions in which it is flat."""
     centered = vertices - vertices.mean(axis=0)
     size = float(np.abs(centered).max())
     _, directions = np.linalg.eigh(centered.T @ centered)

@@ -1,4 +1,4 @@
-"""MJCF robots (MuJoCo's XML), made ready for Drake's parser."""
+"""MJCF robots (MuJoCo's XML), prepared for Drake's parser."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +13,7 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, at_places
 
-# What a robot without a free joint stands on: the link that the twin fixes where the robot is spawned.
+# The link under a robot without a free joint, which the twin fixes where the robot is spawned.
 _BASE = "robot_world"
 
 
@@ -21,11 +21,11 @@ class PreparedMjcf(NamedTuple):
     """An MJCF robot as Drake is given it.
 
     Attributes:
-        text: the text.
-        is_fixed: whether the robot is fixed to the world.
-        own_name: its name in the file.
-        systems: what of it can be commanded.
-        findings: what of the file the twin makes no use of.
+        text: The text.
+        is_fixed: Whether the robot is fixed to the world.
+        own_name: Its name in the file.
+        systems: What of it can be commanded.
+        findings: What of the file is ignored.
     """
 
     text: str
@@ -36,13 +36,13 @@ class PreparedMjcf(NamedTuple):
 
 
 def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
-    """MJCF text of one robot as Drake is given it.
+    """Convert the MJCF text of one robot to the one that Drake is given.
 
     MuJoCo's actuators become velocity and state interfaces of their joints, so that the twin's controllers command
     them. Shapes that belong to the world (a floor) are left out: the twin has a world of its own.
 
     Raises:
-        InputError: not an MJCF file with one robot.
+        InputError: If the file is not an MJCF file with one robot.
     """
     reader = XmlReader(text, file)
     root = reader.root
@@ -54,7 +54,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
     root.set("model", model_name or own_name)
     bodies = world.findall("body")
     if not bodies:
-        raise reader.error(world, "there is no <body> in it")
+        raise reader.error(world, "it has no <body>")
     findings = list(_ignored(reader, world))
     for child in list(world):
         if child.tag != "body":
@@ -76,7 +76,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
 
 
 def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
-    """What belongs to the world, and what the twin has no part for."""
+    """Report what belongs to the world, and what the twin does not support."""
     dropped = [(child, f"<{child.tag}> of the world") for child in world if child.tag not in ("body", "light")]
     for tag in ("sensor", "keyframe", "size"):
         dropped += [(item, f"<{item.tag}> of <{tag}>") for group in reader.root.findall(tag) for item in group]
@@ -84,7 +84,7 @@ def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
 
 
 def _check_includes(root: etree._Element, file: Path, above: tuple[Path, ...]) -> None:
-    """Refuses files that include themselves, for which Drake's parser has no end."""
+    """Refuse files that include themselves, which Drake's parser would follow without end."""
     for include in root.iter("include"):
         included = (file.parent / (include.get("file") or "")).resolve()
         if included in above:
@@ -107,18 +107,17 @@ def _actuated(reader: XmlReader) -> tuple[HardwareSystem, ...]:
 
 
 def effort_limits(text: str, file: Path) -> dict[str, float]:
-    """Joint name → the largest effort of its actuator (N·m or N): its ``forcerange``, or a motor's ``ctrlrange``."""
+    """Return joint name → the largest effort of its actuator (N·m or N): its ``forcerange``, or a motor's
+    ``ctrlrange``.
+    """
     reader = XmlReader(text, file)
     limits = {}
     for actuator in (item for group in reader.root.findall("actuator") for item in group):
         bounds = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
         gear = reader.parse_number(actuator, next(iter(actuator.get("gear", "").split()), "1"), "gear")
         if bounds is not None:
-            numbers = [abs(reader.parse_number(actuator, part, "range")) for part in bounds.split()]
-            if len(numbers) != 2:
-                raise reader.error(actuator, f"its range is {bounds!r}, where two numbers are needed")
-            largest = max(numbers)
-            limits[actuator.get("joint", "")] = abs(gear) * largest
+            lower, upper = reader.parse_numbers(actuator, bounds, "range", 2)
+            limits[actuator.get("joint", "")] = abs(gear) * max(abs(lower), abs(upper))
     return limits
 
 

@@ -1,4 +1,4 @@
-"""Where ROS packages are, and which file a ``package://``, ``model://`` or ``file://`` address names."""
+"""The folders of ROS packages, and the files that ``package://``, ``model://`` and ``file://`` addresses name."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -8,7 +8,7 @@ from pathlib import Path
 from drake_twin.description.share_layout import installed_layout, package_name
 from drake_twin.errors import InputError
 
-# Folders that hold no source packages, or copies of them.
+# Folders without source packages, or with copies of them.
 _SKIPPED_FOLDERS = {"build", "log", "node_modules", "site-packages", "__pycache__"}
 _SEARCH_DEPTH = 6
 
@@ -17,20 +17,33 @@ _FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RES
 
 
 class MissingPackageError(InputError):
-    """A package that is in none of the folders that were looked in."""
+    """Raised for a package that was not found.
+
+    Args:
+        package: The package's name.
+        searched: The folders that were searched.
+    """
+
+    def __init__(self, package: str, searched: Iterable[str]):
+        self.searched = ", ".join(searched)
+        self.advice = "Name the folder that holds it with --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+        super().__init__(f"package {package!r} was not found in: {self.searched}. {self.advice}")
 
 
 class PackageIndex:
     """Finds packages by name, the closest source first.
 
-    In this order: the folders given, the workspace of the file at hand (its package's neighbours), the packages
-    installed under ``AMENT_PREFIX_PATH`` and ``COLCON_PREFIX_PATH``, the folders of ``ROS_PACKAGE_PATH``,
-    ``GZ_SIM_RESOURCE_PATH``, ``IGN_GAZEBO_RESOURCE_PATH`` and ``GAZEBO_MODEL_PATH``, and the twin's own models. Each
-    is looked at only when those before it do not have the package.
+    These are searched in order, until one has the package: the folders given, the workspace of the file at hand (its
+    package's neighbours), the packages installed under ``AMENT_PREFIX_PATH`` and ``COLCON_PREFIX_PATH``, the folders of
+    ``ROS_PACKAGE_PATH``, ``GZ_SIM_RESOURCE_PATH``, ``IGN_GAZEBO_RESOURCE_PATH`` and ``GAZEBO_MODEL_PATH``, and the
+    twin's own models.
 
     Args:
-        folders: folders of packages (or packages themselves) to look in first.
-        environment: the environment variables; the process's own by default.
+        folders: Folders of packages (or packages themselves) to search first.
+        environment: The environment variables; the process's own by default.
+
+    Raises:
+        InputError: If one of the folders does not exist.
     """
 
     def __init__(self, folders: Iterable[str | Path] = (), environment: Mapping[str, str] | None = None):
@@ -54,7 +67,7 @@ class PackageIndex:
 
     @property
     def folders(self) -> tuple[Path, ...]:
-        """The folders that are looked in first."""
+        """The folders that are searched first."""
         return tuple(self._folders)
 
     @property
@@ -63,34 +76,31 @@ class PackageIndex:
         return tuple(self._resource_folders)
 
     def find(self, package: str, near: str | Path | None = None) -> Path:
-        """The share folder of a package; that of a source package looks as if it were installed.
+        """Find the share folder of a package; that of a source package looks as if it were installed.
 
         Args:
-            package: the package's name.
-            near: a file of the workspace to look in first.
+            package: The package's name.
+            near: A file of the workspace to search first.
 
         Raises:
-            MissingPackageError: no such package; the text lists where it was looked for.
+            MissingPackageError: If the package is not found; the text lists the folders that were searched.
         """
         for folder in self._candidates(package, near):
             if folder.is_dir():
                 return installed_layout(folder)
-        looked_in = [str(folder) for folder in self._source_folders(near)]
-        looked_in += [f"{prefix}/share" for prefix in self._prefixes]
-        raise MissingPackageError(
-            f"package {package!r} is in none of: {', '.join(looked_in)}. Name the folder that holds it with"
-            " --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
-        )
+        searched = [str(folder) for folder in self._source_folders(near)]
+        searched += [f"{prefix}/share" for prefix in self._prefixes]
+        raise MissingPackageError(package, searched)
 
     def resolve(self, address: str, base: str | Path | None = None) -> Path:
-        """The file that an address names: ``package://``, ``model://``, ``file://``, or a path relative to ``base``.
+        """Find the file that an address names.
 
         Args:
-            address: the address.
-            base: the file that holds the address.
+            address: ``package://``, ``model://``, ``file://``, or a path relative to ``base``.
+            base: The file that holds the address.
 
         Raises:
-            InputError: the package or the file does not exist.
+            InputError: If the package or the file does not exist.
         """
         scheme, separator, rest = address.partition("://")
         if not separator:
@@ -103,15 +113,13 @@ class PackageIndex:
             if base is not None and not Path(rest).is_absolute() and not rest.startswith("~"):
                 path = Path(base).absolute().parent / rest
         else:
-            raise InputError(
-                f"{address!r} has a scheme that is not understood", valid=["package://", "model://", "file://"]
-            )
+            raise InputError(f"unknown scheme of {address!r}", valid=["package://", "model://", "file://"])
         try:
             exists = path.exists()
         except OSError as error:  # a name that is too long, say
             raise InputError(f"this is not a file's name ({error.strerror})", file=path) from None
         if not exists:
-            raise InputError("there is no such file", file=path)
+            raise InputError("the file does not exist", file=path)
         return Path(os.path.abspath(path))
 
     def _candidates(self, package: str, near: str | Path | None) -> Iterator[Path]:
@@ -139,22 +147,22 @@ class PackageIndex:
 
 
 def absolute_path(name: str | Path) -> str:
-    """A path that a user typed, with ``~`` and relative to the working folder, in full."""
+    """Return a path that a user typed as an absolute one; it may begin with ``~``."""
     try:
         return os.path.abspath(Path(name).expanduser())
-    except RuntimeError:  # ~nobody
+    except RuntimeError:  # the home of an unknown user
         return os.path.abspath(name)
 
 
 def share_folder(name: str) -> Path:
-    """The twin's own ``models`` or ``diagrams``: inside an installed wheel, or at the top of the source tree."""
+    """Return the twin's own ``models`` or ``diagrams``: of an installed wheel, or at the top of the source tree."""
     package = Path(__file__).resolve().parent.parent
     installed = package / "share" / name
     return installed if installed.is_dir() else package.parent / name
 
 
 def containing_package(file: str | Path) -> Path | None:
-    """The innermost folder above a file that holds a ``package.xml``."""
+    """Return the innermost folder above a file that holds a ``package.xml``."""
     for folder in Path(file).absolute().parents:
         if (folder / "package.xml").is_file():
             return folder
@@ -162,13 +170,13 @@ def containing_package(file: str | Path) -> Path | None:
 
 
 def workspace_folders(workspace: str | Path) -> tuple[Path, ...]:
-    """The folders of packages of a colcon workspace, to be given to `PackageIndex`: its sources, then what is built.
+    """List the folders of packages of a colcon workspace for `PackageIndex`: its sources, then its install folders.
 
     Args:
-        workspace: the workspace, its ``src`` or ``install`` folder, or a folder of packages.
+        workspace: The workspace, its ``src`` or ``install`` folder, or a folder of packages.
 
     Raises:
-        InputError: there is no such folder, or no package in it.
+        InputError: If the folder does not exist, or holds no package.
     """
     root = Path(absolute_path(workspace))
     if not root.is_dir():
@@ -180,26 +188,26 @@ def workspace_folders(workspace: str | Path) -> tuple[Path, ...]:
     folders = ([source] if has_sources else []) + installed
     if not folders:
         raise InputError(
-            "the workspace holds no ROS package: none with a package.xml, and no install folder", file=root
+            "the workspace holds no ROS package: it has neither a package.xml nor an install folder", file=root
         )
     return tuple(folders)
 
 
 def _share_folders(install: Path) -> list[Path]:
-    """The share folders of an install tree: one where it is merged, one a package where it is isolated."""
+    """List the share folders of an install tree: one where it is merged, one a package where it is isolated."""
     merged = install / "share"
     found = [merged] if merged.is_dir() and any(merged.glob("*/package.xml")) else []
     return found + sorted(path.parents[1] for path in install.glob("*/share/*/package.xml"))
 
 
 def _in_prefix(prefix: Path, package: str) -> Iterator[Path]:
-    """Places for an installed package: in a merged install tree, then in an isolated one."""
+    """Yield places for an installed package: in a merged install tree, then in an isolated one."""
     yield prefix / "share" / package
     yield prefix / package / "share" / package
 
 
 def _in_folder(folder: Path, package: str) -> Iterator[Path]:
-    """Places for a package at or below a folder: by the name in its package.xml, then by the folder's name."""
+    """Yield places for a package at or below a folder: by the name in its package.xml, then by the folder's name."""
     named = folder / package
     ignored = (named / "COLCON_IGNORE").exists()
     for place in (folder,) if ignored else (named, folder):
@@ -211,7 +219,7 @@ def _in_folder(folder: Path, package: str) -> Iterator[Path]:
 
 
 def workspace_of(package: Path) -> Path:
-    """The folder whose packages a package sees: its colcon workspace's ``src``, or the folder it stands in."""
+    """Return the folder whose packages a package sees: its colcon workspace's ``src``, or its parent folder."""
     for folder in list(package.parents)[:_SEARCH_DEPTH]:
         if folder.name == "src":
             return folder
@@ -220,7 +228,10 @@ def workspace_of(package: Path) -> Path:
 
 @lru_cache(maxsize=256)
 def _packages_below(folder: Path, depth: int = _SEARCH_DEPTH) -> tuple[Path, ...]:
-    """Folders with a package.xml, as colcon finds them: not inside another package, not where COLCON_IGNORE stands."""
+    """List the folders with a package.xml, as colcon finds them.
+
+    Packages inside another package, and folders with COLCON_IGNORE, are left out.
+    """
     found: list[Path] = []
     try:
         names = sorted(entry.name for entry in os.scandir(folder) if entry.is_dir())

@@ -2,13 +2,16 @@
 
 A parameters class is a frozen dataclass whose fields are named like the parameters. Types are ``bool``, ``int``,
 ``float``, ``str``, tuples of these, another parameters class for a nested one (``gains.p`` or a mapping), and
-``Mapping[str, C]`` for one nested class per joint. A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive),
-``above`` (exclusive), ``choices``, and ``unsupported``: why a value other than the default changes nothing in the twin.
-``of_joints`` marks a mapping whose keys stand beside the class's other parameters, as ``constraints.<joint>.goal``
-beside ``constraints.goal_time``. Values that must go together are checked in ``__post_init__``, which raises
-`ParameterError`. A class variable ``dialects`` holds other parameters classes in whose names the same may be written:
-one is used where a file has one of the names in its class variable ``signs``, and its ``translated()`` returns the
-class's own instance.
+``Mapping[str, C]`` for one nested class per joint.
+
+A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive), ``above`` (exclusive), ``choices``, and
+``unsupported``: why a value other than the default has no effect in the twin. ``of_joints`` marks a mapping whose keys
+are beside the class's other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
+
+Values that depend on each other are checked in ``__post_init__``, which raises `ParameterError`.
+
+A class variable ``dialects`` holds other parameters classes, with other names for the same: one is used where a file
+has one of the names in its class variable ``signs``, and its ``translated()`` returns the class's own instance.
 """
 
 import dataclasses
@@ -20,8 +23,9 @@ from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerParameters, nested
 from drake_twin.findings import Finding, Kind
+from drake_twin.values import yaml_number
 
-# Parameters that every node of ROS 2 has, and those that ros2_control itself reads for any controller.
+# Parameters of every node of ROS 2, and those that ros2_control itself reads for any controller.
 _OF_EVERY_NODE = frozenset(
     (
         "use_sim_time",
@@ -38,11 +42,11 @@ Path = tuple[str | int, ...]
 
 
 class ParameterError(ValueError):
-    """What a parameters class raises in ``__post_init__`` for values that do not go together.
+    """Raised by a parameters class in ``__post_init__`` for values that contradict each other.
 
     Args:
-        message: what is wrong.
-        path: the parameter it is about.
+        message: What is wrong.
+        path: The parameter it is about.
     """
 
     def __init__(self, message: str, *path: str | int):
@@ -52,18 +56,18 @@ class ParameterError(ValueError):
 
 
 def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, tuple[Finding, ...]]:
-    """A controller's parameters, and what was said in them that changes nothing.
+    """Read a controller's parameters.
 
     Args:
-        kind: the parameters class.
-        controller: the entry in the parameters file.
+        kind: The parameters class.
+        controller: The entry in the parameters file.
 
     Returns:
-        An instance of ``kind``, and a warning for each parameter that is unknown or not supported.
+        An instance of ``kind``, and a finding for each parameter that is unknown or not supported.
 
     Raises:
-        InputError: a value of the wrong type or out of its bounds, or a required parameter that is missing; with file
-            and line.
+        InputError: If a value has the wrong type or is out of bounds, or a required parameter is missing; with file and
+            line.
     """
     warnings: list[Finding] = []
     values = nested(controller.parameters)
@@ -74,7 +78,7 @@ def read_parameters(kind: type, controller: ControllerParameters) -> tuple[Any, 
 
 
 def parameter_names(kind: type, prefix: str = "") -> Iterator[tuple[str, "dataclasses.Field[Any]", Any]]:
-    """Each parameter of a class: its name with dots, its field and its type; ``<joint>`` stands for any name."""
+    """Yield each parameter of a class: its name with dots, its field and its type; ``<joint>`` stands for any name."""
     for item in dataclasses.fields(kind):
         annotation = _types(kind)[item.name]
         inner = typing.get_args(annotation)[1] if typing.get_origin(annotation) is Mapping else annotation
@@ -100,7 +104,7 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
     for name in values:
         if name not in fields and not (not path and name in _OF_EVERY_NODE):
             where = ".".join(map(str, (*path, name)))
-            what = f"controller {controller.name}: there is no parameter {where!r}, it is ignored"
+            what = f"controller {controller.name}: unknown parameter {where!r}: it is ignored"
             warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name)))
     given = {}
     for name, item in fields.items():
@@ -130,7 +134,7 @@ def _is_required(item: "dataclasses.Field[Any]") -> bool:
 
 
 def _of_joints_apart(values: dict[str, Any], field: str, fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Parameters with those below joints' names put together under the name of their field."""
+    """Move parameters below joints' names to the name of their field."""
     named = fields.keys() - {field}
     joints = {name: below for name, below in values.items() if name not in named and isinstance(below, dict)}
     return {name: value for name, value in values.items() if name not in joints} | {field: joints}
@@ -152,14 +156,10 @@ def _read(annotation: Any, value: Any, controller: ControllerParameters, path: P
         isinstance(value, int) and not isinstance(value, bool) and abs(value) < 2**63  # what ROS's parameters hold
     )
     if annotation is float:
-        if isinstance(value, str):  # YAML 1.1 reads 1e-3 as text
-            try:
-                return float(value)
-            except ValueError:
-                pass
-        if not is_number:
+        number = yaml_number(value) if is_number or isinstance(value, str) else None
+        if number is None:
             raise controller.error(f"{value!r} is not a number", *path)
-        return float(value)
+        return number
     if annotation is int and not (is_number and float(value).is_integer()):
         raise controller.error(f"{value!r} is not a whole number", *path)
     if annotation is bool and not isinstance(value, bool):
@@ -177,7 +177,7 @@ def _check_bounds(item: "dataclasses.Field[Any]", value: Any, controller: Contro
         if isinstance(each, float) and isnan(each) and not may_be_nan:
             raise controller.error(f"{each!r} is not a number", *path)
         if choices is not None and each not in choices:
-            raise controller.error(f"{each!r} is not a choice", *path, value=str(each), valid=choices)
+            raise controller.error(f"unknown value {each!r}", *path, value=str(each), valid=choices)
         if above is not None and not each > above:
             raise controller.error(f"{each!r} is not above {above:g}", *path)
         if lower is not None and not (each >= lower or isnan(each)):

@@ -1,6 +1,6 @@
-"""The joints on which the twin puts a robot that Gazebo moves over the plane without any: between world and root link.
+"""The joints between world and root link of a robot that Gazebo moves over the plane without any.
 
-They are commanded like the robot's own joints, by the controller that stands for the plugin, and are no joints of the
+They are commanded like the robot's own joints, by the controller that replaces the plugin, but are not joints of the
 robot: ``joint_states``, ``/tf`` and the robot's text do not have them.
 """
 
@@ -17,5 +17,5 @@ _COMMANDED = {
 
 
 def commanded_planar_joints(root_link: str) -> tuple[Joint, ...]:
-    """The joints that are commanded: along x and y, and about z; along z the base is free to lie on the ground."""
+    """Return the commanded joints: along x and y, and about z; along z the base is free to rest on the ground."""
     return tuple(Joint(name, kind, "world", root_link, axis=axis) for name, (kind, axis) in _COMMANDED.items())

@@ -1,4 +1,4 @@
-"""A robot as plain, frozen data: what its file says, before any simulator is involved.
+"""A robot as plain, frozen data: the content of its file, independent of any simulator.
 
 Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed x, y, z axes, as in URDF.
 """
@@ -15,7 +15,7 @@ Vector3 = tuple[float, float, float]
 
 MOVABLE_JOINT_TYPES = ("revolute", "continuous", "prismatic")
 
-# SDF's: they move, but have not one position that says where the child link is.
+# SDF's: they move, but one position does not say where the child link is.
 POSED_JOINT_TYPES = ("ball", "universal", "screw")
 
 
@@ -83,7 +83,7 @@ class CommandInterface:
 
 @dataclass(frozen=True)
 class StateInterface:
-    """What a joint reports: ``position``, ``velocity`` or ``effort``, and where it starts."""
+    """What a joint reports: ``position``, ``velocity`` or ``effort``, and its value at the start."""
 
     name: str
     initial_value: float | None = None
@@ -99,7 +99,7 @@ class ControlledJoint:
     parameters: Mapping[str, str] = field(default_factory=dict)
 
     def together_with(self, other: "ControlledJoint") -> "ControlledJoint":
-        """What two tags say of one joint; the other's interfaces hold where both have one."""
+        """Merge two tags of one joint; the other's interfaces replace those of the same name."""
         commands = {item.name: item for item in (*self.command_interfaces, *other.command_interfaces)}
         states = {item.name: item for item in (*self.state_interfaces, *other.state_interfaces)}
         return ControlledJoint(
@@ -133,21 +133,21 @@ class Sensor:
     """An IMU or a force/torque sensor that Gazebo would simulate.
 
     Attributes:
-        name: its name; a ``<sensor>`` of ``<ros2_control>`` with the same name is this one, as for gz_ros2_control.
+        name: Its name; a ``<sensor>`` of ``<ros2_control>`` with the same name is this one, as for gz_ros2_control.
         kind: ``imu`` or ``force_torque``.
-        link: the link that an IMU sits on.
-        joint: the joint that a force/torque sensor measures.
-        pose: the sensor in the link's frame, or in the joint's frame.
-        frame: the frame that the file gives its values; empty where it gives none.
+        link: The link that an IMU is attached to.
+        joint: The joint that a force/torque sensor measures.
+        pose: The sensor in the link's frame, or in the joint's frame.
+        frame: The frame that the file gives its values; empty where it gives none.
         topic: Gazebo's own topic; empty where the file gives none.
-        update_rate: how often it measures (Hz); 0 for at every step.
-        orientation_reference: of an IMU, the frame that its orientation is relative to, as roll, pitch, yaw in the
-            world (rad); None for how it stands at the start, as in Gazebo.
-        measured_on: of a force/torque sensor, the link that the measured wrench acts on: ``parent`` (that of the child
+        update_rate: The rate of its measurements (Hz); 0 for at every step.
+        orientation_reference: Of an IMU, the frame that its orientation is relative to, as roll, pitch, yaw in the
+            world (rad); None for its orientation at the start, as in Gazebo.
+        measured_on: Of a force/torque sensor, the link that the measured wrench acts on: ``parent`` (that of the child
             on the parent, Gazebo's default) or ``child``.
-        axes: of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
+        axes: Of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
             ``sensor``.
-        place: where it was written.
+        place: Where it was written.
     """
 
     name: str
@@ -169,12 +169,12 @@ class GazeboPlugin:
     """A ``<plugin>`` of a ``<gazebo>`` tag, or of an SDF's model.
 
     Attributes:
-        filename: its library.
-        name: its name; gz's plugins give their class.
-        parameters: the controllers' YAML files it names.
-        namespace: the text of ``<ros><namespace>``.
-        elements: tag → the texts of its elements of that tag, in file order; ``ros/remapping`` for one inside another.
-        place: where it was written.
+        filename: Its library.
+        name: Its name; gz's plugins give their class.
+        parameters: The controllers' YAML files it names.
+        namespace: The text of ``<ros><namespace>``.
+        elements: Tag → the texts of its elements of that tag, in file order; ``ros/remapping`` for one inside another.
+        place: Where it was written.
     """
 
     filename: str
@@ -187,7 +187,7 @@ class GazeboPlugin:
 
 @dataclass(frozen=True)
 class LinkSurface:
-    """Contact properties that a ``<gazebo reference="link">`` tag gives; friction coefficients, no unit."""
+    """Contact properties of a ``<gazebo reference="link">`` tag; friction coefficients have no unit."""
 
     mu1: float | None = None
     mu2: float | None = None
@@ -199,17 +199,17 @@ class RobotDescription:
     """One robot as its file describes it.
 
     Attributes:
-        name: the robot's name in the file.
-        links: the links' names, in file order.
-        joints: the joints, in file order.
-        systems: its ``<ros2_control>`` tags.
-        plugins: the plugins of its ``<gazebo>`` tags.
-        surfaces: link name → what ``<gazebo reference>`` says of its surface.
-        sensors: the IMUs and force/torque sensors of its ``<gazebo>`` tags.
-        text: the expanded URDF (or the SDF), which is also published as ``robot_description``.
-        file: the file it was read from.
-        base_joints: joints that the twin puts between the world and the root link, so that the base can be commanded;
-            they can be asked for by name like the robot's own, and are none of its ``joints``.
+        name: The robot's name in the file.
+        links: The links' names, in file order.
+        joints: The joints, in file order.
+        systems: Its ``<ros2_control>`` tags.
+        plugins: The plugins of its ``<gazebo>`` tags.
+        surfaces: Link name → its surface by ``<gazebo reference>``.
+        sensors: The IMUs and force/torque sensors of its ``<gazebo>`` tags.
+        text: The expanded URDF (or the SDF), which is also published as ``robot_description``.
+        file: The file it was read from.
+        base_joints: Joints that the twin adds between the world and the root link, so that the base can be commanded;
+            they can be looked up by name like the robot's own, and are not among its ``joints``.
     """
 
     name: str
@@ -225,13 +225,13 @@ class RobotDescription:
 
     @cached_property
     def root_link(self) -> str:
-        """The link that is no joint's child."""
+        """The link that is not the child of any joint."""
         children = {joint.child for joint in self.joints}
         return next(link for link in self.links if link not in children)
 
     @cached_property
     def joints_by_name(self) -> dict[str, Joint]:
-        """Joint name → joint, those of the base among them."""
+        """Joint name → joint, including the base's."""
         return {joint.name: joint for joint in (*self.joints, *self.base_joints)}
 
     @property
@@ -241,21 +241,21 @@ class RobotDescription:
 
     @cached_property
     def controlled_joints(self) -> dict[str, ControlledJoint]:
-        """Joint name → what ``<ros2_control>`` says of it, in file order; joints that the robot lacks are left out.
+        """Joint name → its tag in ``<ros2_control>``, in file order; joints that the robot lacks are left out.
 
-        So are those that do not move: whatever a file declares for them, nothing can be commanded or measured.
+        Joints that do not move are left out, too: nothing can be commanded or measured there.
         """
         movable = {joint.name for joint in (*self.movable_joints, *self.base_joints)}
         found: dict[str, ControlledJoint] = {}
         for joint in (joint for system in self.systems for joint in system.joints if joint.name in movable):
             known = found.get(joint.name)
-            # Actuator and sensor of a joint may be hardware of their own, each with a tag.
+            # Actuator and sensor of a joint may be separate hardware, each with a tag.
             found[joint.name] = joint if known is None else known.together_with(joint)
         return found
 
     @property
     def actuated_joints(self) -> tuple[Joint, ...]:
-        """The movable joints with a command interface, in the order of ``<ros2_control>``; followers have none."""
+        """The movable joints with a command interface, in the order of ``<ros2_control>``, without followers."""
         return tuple(
             self.joints_by_name[name]
             for name, controlled in self.controlled_joints.items()
@@ -266,11 +266,11 @@ class RobotDescription:
 
     @cached_property
     def hardware_sensors(self) -> dict[str, HardwareSensor]:
-        """Sensor name → what ``<ros2_control>`` says of it."""
+        """Sensor name → its tag in ``<ros2_control>``."""
         return {sensor.name: sensor for system in self.systems for sensor in system.sensors}
 
     def sensor(self, name: str, kind: str) -> Sensor | None:
-        """The simulated sensor behind a sensor of ``<ros2_control>``; None when there is none of that name."""
+        """Return the simulated sensor behind a sensor of ``<ros2_control>``; None if it has another name."""
         own = name.strip("/")
         return next((item for item in self.sensors if (item.name.strip("/"), item.kind) == (own, kind)), None)
 
@@ -280,10 +280,10 @@ class RobotDescription:
         return tuple(file for plugin in self.plugins for file in plugin.parameters)
 
     def with_followers(self, positions: Mapping[str, float]) -> dict[str, float]:
-        """Joint positions (rad or m) with each mimic follower where its leader puts it.
+        """Return joint positions (rad or m) with each mimic follower where its leader puts it.
 
         Args:
-            positions: joint name → position of the joints that follow nothing; values of followers are replaced.
+            positions: Joint name → position of the joints that do not follow another; values of followers are replaced.
         """
         result = dict(positions)
 
@@ -298,10 +298,10 @@ class RobotDescription:
         return result
 
     def limits_of_command(self, joint: str, interface: str) -> tuple[float, float]:
-        """The tightest bounds on a command: those of the URDF joint and of its ``<ros2_control>`` interface.
+        """Return the tightest bounds on a command: those of the URDF joint and of its ``<ros2_control>`` interface.
 
         Args:
-            joint: the joint's name.
+            joint: The joint's name.
             interface: ``position`` (rad or m), ``velocity`` (rad/s or m/s) or ``effort`` (N·m or N).
         """
         limits = self.joints_by_name[joint].limits

@@ -1,4 +1,4 @@
-"""A robot file of any kind (xacro, URDF, SDF, MJCF) → its description and the text that Drake is given."""
+"""A robot file of any kind (xacro, URDF, SDF, MJCF) as its description and the text that Drake is given."""
 
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -8,7 +8,7 @@ from pathlib import Path
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.repairs import RULES, check_rule_names, repair_urdf
+from drake_twin.description.repairs import check_repair_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
@@ -23,15 +23,15 @@ from drake_twin.findings import Finding, Kind, Place
 
 @dataclass(frozen=True)
 class RobotModel:
-    """A robot's description, and the same robot as Drake's parser takes it.
+    """A robot's description, and the same robot as Drake's parser accepts it.
 
     Attributes:
-        description: the robot as its file describes it.
-        drake_text: the model for Drake's parser; its model instance has the robot's name in the twin.
+        description: The robot as its file describes it.
+        drake_text: The model for Drake's parser; its model instance has the robot's name in the twin.
         drake_format: ``urdf``, ``sdf``, or ``xml`` for MJCF.
-        is_fixed: whether the root link is welded to the world where the robot is spawned.
-        findings: what was mended in the file, what of it the twin makes no use of, and what xacro warned of.
-        meshes: the mesh files that the robot refers to.
+        is_fixed: Whether the root link is welded to the world where the robot is spawned.
+        findings: What was mended in the file, what of it is ignored, and xacro's warnings.
+        meshes: The mesh files that the robot refers to.
     """
 
     description: RobotDescription
@@ -56,20 +56,20 @@ def load_robot_model(
     without_repairs: Collection[str] = (),
     collision: str = "hull",
 ) -> RobotModel:
-    """Loads a robot.
+    """Load a robot.
 
     Args:
-        address: its file: a path, or ``package://``, ``model://``, ``file://``.
-        packages: resolves it and what it refers to.
-        name: its name in the twin; by default the name that the file gives.
-        xacro_args: values for the ``<xacro:arg>``s of a xacro file.
-        without_repairs: names of repairs to leave out.
-        collision: what a collision mesh becomes: ``hull`` or ``decomposition``.
+        address: Its file: a path, or ``package://``, ``model://``, ``file://``.
+        packages: Resolves it and what it refers to.
+        name: Its name in the twin; by default the name that the file gives.
+        xacro_args: Values for the ``<xacro:arg>``s of a xacro file.
+        without_repairs: Names of repairs to leave out.
+        collision: What a collision mesh becomes: ``hull`` or ``decomposition``.
 
     Raises:
-        InputError: a file that is missing or wrong; see the functions of this package that read it.
+        InputError: If a file is missing or wrong; see the functions of this package that read it.
     """
-    check_rule_names(without_repairs, (*RULES, *DRAKE_RULES))
+    check_repair_names(without_repairs, DRAKE_RULES)
     file = packages.resolve(address)
     text = read_robot_file(file)
     arguments = dict(xacro_args or {})
@@ -79,7 +79,7 @@ def load_robot_model(
         model = _load_mjcf(text, file, name) if kind == "mujoco" else _load_sdf(text, file, name, packages)
         unused = [f"collision: {collision}"] if collision != "hull" else []
         unused += [f"without_repairs: {', '.join(without_repairs)}"] if without_repairs else []
-        meaningless = (f"{what} has no meaning for a file that is no URDF" for what in unused)
+        meaningless = (f"{what} has no effect on a file that is not URDF" for what in unused)
         return replace(model, findings=(*model.findings, *(Finding(Kind.WARNING, what) for what in meaningless)))
     places: Sequence[Place] | None = None
     warnings: Sequence[str] = ()
@@ -107,10 +107,10 @@ def load_robot_model(
 
 
 def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[str, str]) -> str:
-    """The name that a robot file gives its robot; nothing else of the robot is looked at.
+    """Read the name that a robot file gives its robot, and nothing else of the robot.
 
     Raises:
-        InputError: the file cannot be read, or is not well-formed.
+        InputError: If the file cannot be read, or is not well-formed.
     """
     text = read_robot_file(file)
     if _outermost_tag(text) == "robot" and is_xacro_text(text):
@@ -145,17 +145,17 @@ def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:
 
 
 def read_robot_file(file: Path) -> str:
-    """A robot file's text.
+    """Read a robot file's text.
 
     Raises:
-        InputError: the file cannot be read as text, or its kind is not understood.
+        InputError: If the file cannot be read as text, or its kind is unknown.
     """
     if not file.is_file():
-        raise InputError("a robot file is needed, and this is none", file=file)
+        raise InputError("this is not a file: a robot file is needed", file=file)
     text = read_xml(file, "robot file")
     if _outermost_tag(text) is None:
         kinds = "a xacro or URDF (<robot>), an SDF (<sdf>) or an MJCF (<mujoco>)"
-        raise InputError(f"a robot file is {kinds}, and this is none of them", file=file)
+        raise InputError(f"this is not a robot file, which is {kinds}", file=file)
     return text
 
 
@@ -165,11 +165,11 @@ def _outermost_tag(text: str) -> str | None:
 
 
 def is_xacro_text(text: str) -> bool:
-    """Whether a robot file, whatever its suffix, needs xacro: it declares its namespace or uses its substitutions."""
+    """Tell whether a robot file, of any suffix, needs xacro: it declares its namespace or uses its substitutions."""
     return "ros.org/wiki/xacro" in text or "wiki.ros.org/xacro" in text or any(mark in text for mark in ("$(", "${"))
 
 
 def _refuse_arguments(arguments: Mapping[str, str], file: Path) -> None:
     if arguments:
         given = ", ".join(f"{name}:={value}" for name, value in arguments.items())
-        raise InputError(f"{given} cannot be used: only a xacro file takes arguments, and this is none", file=file)
+        raise InputError(f"{given} cannot be used: only xacro files take arguments", file=file)

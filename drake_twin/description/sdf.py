@@ -1,4 +1,4 @@
-"""SDF robots, made ready for Drake's parser."""
+"""SDF robots, prepared for Drake's parser."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -10,16 +10,17 @@ from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
+from drake_twin.values import is_true
 
 
 class PreparedSdf(NamedTuple):
     """SDF text of one model as Drake is given it.
 
     Attributes:
-        text: the text, without the model's own weld to the world.
-        is_fixed: whether there was one, or ``<static>``.
-        own_name: the model's name in the file.
-        findings: what was changed or left out.
+        text: The text, without the model's own weld to the world.
+        is_fixed: Whether the model was welded to the world, or ``<static>``.
+        own_name: The model's name in the file.
+        findings: What was changed or left out.
     """
 
     text: str
@@ -29,10 +30,10 @@ class PreparedSdf(NamedTuple):
 
 
 def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
-    """Gives a model the twin's name and meshes that Drake reads.
+    """Convert a model to the one that Drake is given, with the twin's name and meshes that Drake reads.
 
     Raises:
-        InputError: not an SDF file with one model.
+        InputError: If the file is not an SDF file with one model.
     """
     reader = XmlReader(text, file)
     models = reader.root.findall("model")
@@ -49,20 +50,20 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         model.remove(plugin)
     is_fixed = False
     for static in model.findall("static"):
-        is_fixed = is_fixed or (static.text or "").strip().lower() in ("1", "true")
+        is_fixed = is_fixed or is_true(static.text)
         model.remove(static)
     for joint in model.findall("joint"):
         if (joint.findtext("parent") or "").strip() == "world":
             if joint.get("type") != "fixed":
-                raise reader.error(joint, "a joint to the world is supported when it is fixed")
+                raise reader.error(joint, "a joint to the world must be fixed")
             is_fixed = True
             model.remove(joint)
-    for sensor in [*model.iter("sensor")]:  # which are read apart
+    for sensor in [*model.iter("sensor")]:  # they are read separately
         parent = sensor.getparent()
         assert parent is not None
         parent.remove(sensor)
     findings = unused_in_sdf(reader, model, with_links=True)
     mended = mend_model(model, reader, packages.resolve)
-    findings += [finding for finding in mended if finding.kind is not Kind.IGNORED]  # which `unread` says with lines
+    findings += [finding for finding in mended if finding.kind is not Kind.IGNORED]  # `unread` reports those with lines
     text = etree.tostring(reader.root, encoding="unicode")
     return PreparedSdf(text, is_fixed, own_name, tuple(findings))

@@ -12,17 +12,17 @@ from drake_twin.description.xml_reader import XmlReader
 
 KINDS = ("imu", "force_torque")
 
-# What an IMU's orientation can be relative to, in a world whose x, y and z are east, north and up.
+# The frames that an IMU's orientation can be relative to, in a world whose x, y and z are east, north and up.
 _LOCALIZATIONS: dict[str, Vector3] = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, pi / 2), "NED": (pi, 0.0, pi / 2)}
 
 
 def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
-    """The IMUs and force/torque sensors of a URDF's ``<gazebo reference>`` tags.
+    """Read the IMUs and force/torque sensors of a URDF's ``<gazebo reference>`` tags.
 
-    One at a link or joint that the robot lacks is left out, as Gazebo does.
+    A sensor at a link or joint that the robot lacks is left out, as in Gazebo.
 
     Raises:
-        InputError: a value that is none.
+        InputError: If a value is invalid.
     """
     for element in reader.root.iterfind("gazebo[@reference]/sensor"):
         place = element.getparent()
@@ -37,10 +37,10 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
 
 
 def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
-    """The IMUs and force/torque sensors of an SDF model's links and joints.
+    """Read the IMUs and force/torque sensors of an SDF model's links and joints.
 
     Raises:
-        InputError: a value that is none.
+        InputError: If a value is invalid.
     """
     reader = XmlReader(text, file)
     for tag, kind in (("link", "imu"), ("joint", "force_torque")):
@@ -54,12 +54,12 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
 
 
 def sensor_text(name: str, kind: str, place: str, topic: str) -> str:
-    """A sensor as a person would point at it."""
+    """Describe a sensor by name, type, place and topic."""
     return f"sensor {name!r} of type {kind or '?'} on {place!r}" + (f", topic {topic}" if topic else "")
 
 
 def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[HardwareSensor]:
-    """The sensors of a ``<ros2_control>`` tag."""
+    """Read the sensors of a ``<ros2_control>`` tag."""
     for element in system.iterfind("sensor"):
         yield HardwareSensor(
             name=reader.text(element, "name"),
@@ -69,7 +69,7 @@ def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[Hard
 
 
 def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
-    """A ``<sensor>`` tag, without its link or joint; None for one of another kind."""
+    """Read a ``<sensor>`` tag, without its link or joint; return None for one of another kind."""
     kind = element.get("type", "").strip()
     if kind not in KINDS:
         return None
@@ -85,7 +85,7 @@ def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
         place=reader.place(element),
     )
     if sensor.update_rate < 0.0:
-        raise reader.error(element, f"update_rate is {rate!r}, and cannot be negative")
+        raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
     if kind == "imu":
         return replace(sensor, orientation_reference=_orientation_reference(reader, element))
     direction = _choice(reader, element, "measure_direction", ("child_to_parent", "parent_to_child"))
@@ -98,10 +98,10 @@ def _text(element: etree._Element, path: str) -> str:
 
 
 def _choice(reader: XmlReader, element: etree._Element, tag: str, choices: tuple[str, ...]) -> str:
-    """A child of ``<force_torque>`` that is one of a few words; the first where it is not given."""
+    """Read a child of ``<force_torque>`` that is one of a few words; the first where it is not given."""
     text = _text(element, f"force_torque/{tag}") or choices[0]
     if text not in choices:
-        raise reader.error(element, f"{tag} is {text!r}, which is none of {', '.join(choices)}")
+        raise reader.error(element, f"unknown {tag} {text!r}", value=text, valid=choices)
     return text
 
 
@@ -109,15 +109,12 @@ def _pose(reader: XmlReader, element: etree._Element) -> Pose:
     text = _text(element, "pose") or _text(element, "origin")
     if not text:
         return Pose()
-    numbers = [reader.parse_number(element, part, "pose") for part in text.split()]
-    if len(numbers) != 6:
-        raise reader.error(element, f"pose is {text!r}, where six numbers are needed")
-    x, y, z, roll, pitch, yaw = numbers
+    x, y, z, roll, pitch, yaw = reader.parse_numbers(element, text, "pose", 6)
     return Pose((x, y, z), (roll, pitch, yaw))
 
 
 def _orientation_reference(reader: XmlReader, element: etree._Element) -> Vector3 | None:
-    """As gz-sim has it: a named frame, one of the file's own, or the IMU's orientation at the start."""
+    """Read the reference as gz-sim does: a named frame, one of the file's own, or the orientation at the start."""
     for tag in ("initial_orientation_as_reference", "initialOrientationAsReference"):
         if _text(element, f"plugin/{tag}").lower() in ("0", "false"):  # Gazebo classic's plugin for ROS
             return _LOCALIZATIONS["ENU"]
@@ -128,10 +125,8 @@ def _orientation_reference(reader: XmlReader, element: etree._Element) -> Vector
     if localization in _LOCALIZATIONS:
         return _LOCALIZATIONS[localization]
     if localization not in ("CUSTOM", "GRAV_UP", "GRAV_DOWN"):
-        raise reader.error(frame, f"localization {localization!r} is none of CUSTOM, {', '.join(_LOCALIZATIONS)}")
-    text = _text(frame, "custom_rpy")
-    numbers = [reader.parse_number(frame, part, "custom_rpy") for part in text.split()]
-    if len(numbers) not in (0, 3):
-        raise reader.error(frame, f"custom_rpy is {text!r}, where three numbers are needed")
-    roll, pitch, yaw = numbers or (0.0, 0.0, 0.0)
+        valid = ("CUSTOM", *_LOCALIZATIONS)
+        raise reader.error(frame, f"unknown localization {localization!r}", value=localization, valid=valid)
+    text = _text(frame, "custom_rpy") or "0 0 0"
+    roll, pitch, yaw = reader.parse_numbers(frame, text, "custom_rpy", 3)
     return roll, pitch, yaw

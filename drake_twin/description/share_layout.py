@@ -1,7 +1,8 @@
-"""A source package as it looks once installed: what ``$(find pkg)/urdf`` is when the folder is ``description/urdf``.
+"""A source package as it looks once installed: ``$(find pkg)/urdf`` may be the folder ``description/urdf`` of the
+source.
 
-CMakeLists.txt, setup.py and setup.cfg are read, not run. The installed look is a folder of links in the system's
-temporary folder, which is made only for packages whose two layouts differ.
+CMakeLists.txt, setup.py and setup.cfg are read, not run. The installed look is a folder of links in the cache, which is
+made only for packages whose two layouts differ.
 """
 
 import contextlib
@@ -18,19 +19,19 @@ from drake_twin.description.cmake_install import cmake_installs
 from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.description.setup_py import setup_installs
 
-# Folders that packages install to the top of their share folder, wherever they keep them.
+# Folders that packages usually install to the top of their share folder.
 _USUAL_FOLDERS = {"config", "gazebo", "launch", "maps", "meshes", "models", "params", "ros2_control", "rviz"}
 _USUAL_FOLDERS |= {"sdf", "srdf", "urdf", "worlds", "xacro"}
 
 
 @lru_cache(maxsize=1024)
 def installed_layout(package: Path) -> Path:
-    """The folder of a package as its share folder would look; the package itself where that is the same.
+    """Return the folder of a package as its share folder would look; the package itself where that is the same.
 
-    What stands in the source already is never hidden by what is installed.
+    Files of the source are never hidden by installed ones.
 
     Args:
-        package: the folder with the package.xml, of a source or an installed package.
+        package: The folder with the package.xml, of a source or an installed package.
     """
     package = Path(os.path.abspath(package))
     if package.parent.name == "share":
@@ -57,7 +58,7 @@ def installed_layout(package: Path) -> Path:
 
 @lru_cache(maxsize=4096)
 def package_name(folder: Path) -> str:
-    """The ``<name>`` in a folder's ``package.xml``, or the folder's own name."""
+    """Return the ``<name>`` in a folder's ``package.xml``, or the folder's own name."""
     try:
         return (etree.parse(folder / "package.xml").findtext("name") or folder.name).strip()
     except (etree.XMLSyntaxError, OSError):
@@ -65,7 +66,7 @@ def package_name(folder: Path) -> str:
 
 
 def _digest(view: Path) -> str:
-    """A short name for what the links of a folder are."""
+    """Return a short digest of the links in a folder."""
     digest = hashlib.sha256()
     for folder, folders, files in os.walk(view):
         folders.sort()
@@ -77,28 +78,28 @@ def _digest(view: Path) -> str:
 
 
 def _installs(package: Path) -> Iterator[tuple[str, Path]]:
-    """Place in the share folder, and the source that is installed there."""
+    """Yield place in the share folder, and the source that is installed there."""
     name = package_name(package)
     if (package / "CMakeLists.txt").is_file():
         yield from cmake_installs(package, name)
     if (package / "setup.py").is_file() or (package / "setup.cfg").is_file():
         yield from setup_installs(package, name)
     elif not (package / "CMakeLists.txt").is_file():
-        # Neither build file is here (a collection of data files, say): the usual folders go to the top.
+        # Without build files (a collection of data files, say) the usual folders go to the top.
         for outer in sorted(path for path in package.iterdir() if path.is_dir() and path.name not in _USUAL_FOLDERS):
             for inner in sorted(path for path in outer.iterdir() if path.is_dir() and path.name in _USUAL_FOLDERS):
                 yield inner.name, inner
 
 
 def _adds(place: Path, source: Path) -> bool:
-    """Whether a source brings anything to a place that is not there in the source package already."""
+    """Tell whether a source adds anything to a place that the source package lacks."""
     if place.is_dir() and source.is_dir() and not place.samefile(source):
         return any(_adds(place / entry.name, entry) for entry in source.iterdir())
     return not place.exists()
 
 
 def _lay(view: Path, place: Path, source: Path) -> None:
-    """Links a source to a place, beside what is there."""
+    """Link a source to a place, beside what exists there."""
     for folder in reversed([parent for parent in place.parents if parent.is_relative_to(view) and parent != view]):
         _unfold(folder)
         if not folder.is_dir():
@@ -114,7 +115,7 @@ def _lay(view: Path, place: Path, source: Path) -> None:
 
 
 def _unfold(folder: Path) -> None:
-    """Turns a link to a folder into a folder of links, so that more can stand in it."""
+    """Replace a link to a folder by a folder of links, so that more can be added to it."""
     if folder.is_symlink() and folder.is_dir():
         target = folder.resolve()
         folder.unlink()

@@ -1,7 +1,7 @@
-"""A mesh that does not move as convex solids: Drake's point contact takes any other mesh for its convex hull.
+"""A mesh that does not move as convex solids: Drake's point contact would replace any other mesh by its convex hull.
 
-A room, a terrain or a shelf is not its hull. So each connected part of a mesh that is convex becomes its hull, and of
-the others every flat face becomes a slab, its upper side where the face is.
+A room, a terrain or a shelf is not its hull. So each connected part of a mesh that is convex becomes its hull, and each
+flat face of the other parts becomes a slab, with its upper side at the face.
 """
 
 import io
@@ -17,40 +17,40 @@ from drake_twin.description.mesh_cache import cached
 from drake_twin.description.meshes import read_triangles, with_thickness
 from drake_twin.errors import InputError
 
-# A part stands for its hull when none of its faces lies deeper inside the hull than this part of its diagonal.
+# A part is replaced by its hull when no face is deeper inside the hull than this part of its diagonal.
 _CONVEX = 0.01
 
 # Faces are in one plane when their corners leave it by no more than this part of the diagonal.
 _FLAT = 2e-4
 
-THICKNESS = 0.05  # m: what a slab has behind its face
+THICKNESS = 0.05  # m: of a slab behind its face
 
-# Beyond so many triangles a mesh is looked at in cells of this part of its size, however fine it is asked for.
+# A mesh of more triangles is divided into cells of at least this part of its size.
 _MANY_TRIANGLES = 50_000
 _FINEST = 1 / 256
 
 
 @dataclass(frozen=True)
 class SolidMesh:
-    """What a static mesh collides as, in the mesh's own units.
+    """The collision shape of a static mesh, in the mesh's own units.
 
     Attributes:
-        hulls: the corners of each convex part, n × 3.
-        faces: the corners of each convex face of the other parts, n × 3, counterclockwise seen from outside.
+        hulls: The corners of each convex part, n × 3.
+        faces: The corners of each convex face of the other parts, n × 3, counterclockwise seen from outside.
     """
 
     hulls: tuple[np.ndarray, ...]
     faces: tuple[np.ndarray, ...]
 
     def __len__(self) -> int:
-        """The number of solids."""
+        """Count the solids."""
         return len(self.hulls) + len(self.faces)
 
     def solids(self, scale: tuple[float, float, float]) -> list[np.ndarray]:
-        """The corners of every convex solid, 3 × n (m).
+        """Return the corners of every convex solid, 3 × n (m).
 
         Args:
-            scale: the mesh's scale along its axes.
+            scale: The mesh's scale along its axes.
         """
         found = [(hull * scale).T for hull in self.hulls]
         mirrored = np.prod(np.sign(scale))
@@ -64,14 +64,14 @@ class SolidMesh:
 
 
 def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
-    """A mesh file divided into convex solids; kept in the cache of meshes.
+    """Divide a mesh file into convex solids, which are kept in the cache of meshes.
 
     Args:
-        file: the mesh file.
-        detail: what is smaller need not be told apart (in the mesh's units); zero keeps every corner.
+        file: The mesh file.
+        detail: The size below which features may be merged (in the mesh's units); zero keeps every corner.
 
     Raises:
-        InputError: the file cannot be read, or holds no triangles.
+        InputError: If the file cannot be read, or holds no triangles.
     """
     digits = float(f"{detail:.3g}")
     data = json.loads(cached(file, f".solid-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
@@ -103,7 +103,7 @@ def _solids_json(file: Path, detail: float) -> bytes:
             hulls += [] if polygons else [with_thickness(points).tolist()]  # thinner than the detail
     hulls += [with_thickness(np.vstack(group)).tolist() for group in small.values()]  # one cell is one solid
     if not hulls and not slabs:
-        raise InputError("the mesh has no face that something can touch", file=file)
+        raise InputError("the mesh has no face that can be touched", file=file)
     return json.dumps({"hulls": hulls, "faces": slabs}).encode()
 
 
@@ -116,7 +116,7 @@ def _triangles(file: Path) -> bytes:
 
 
 def _hollow(vertices: np.ndarray, parts: list[np.ndarray]) -> set[int]:
-    """The parts that are a cavity in another one (they look inwards, such as a room in a house), and those others."""
+    """Find the parts that are a cavity in another one (they face inwards, as a room in a house), and those others."""
     lower = np.array([vertices[part].min(axis=(0, 1)) for part in parts]).reshape(-1, 3)
     upper = np.array([vertices[part].max(axis=(0, 1)) for part in parts]).reshape(-1, 3)
     found: set[int] = set()
@@ -129,7 +129,7 @@ def _hollow(vertices: np.ndarray, parts: list[np.ndarray]) -> set[int]:
 
 
 def _merged(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Corners at one place become one corner, and triangles without area go."""
+    """Merge corners at one place, and remove triangles without area."""
     size = float(np.ptp(vertices, axis=0).max()) or 1.0
     _, first, index = np.unique(np.round(vertices / (1e-6 * size)), axis=0, return_index=True, return_inverse=True)
     return _clean(vertices[first], index.reshape(-1)[faces])
@@ -145,7 +145,7 @@ def _clean(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _coarser(vertices: np.ndarray, faces: np.ndarray, detail: float) -> tuple[np.ndarray, np.ndarray]:
-    """Corners moved to the middle of those within a cube."""
+    """Move corners to the mean of those within a cube."""
     used, faces = np.unique(faces, return_inverse=True)
     vertices = vertices[used]
     _, index = np.unique(np.floor(vertices / detail), axis=0, return_inverse=True)
@@ -156,7 +156,7 @@ def _coarser(vertices: np.ndarray, faces: np.ndarray, detail: float) -> tuple[np
 
 
 def _parts(count: int, faces: np.ndarray) -> list[np.ndarray]:
-    """Indices of the faces of each connected part."""
+    """Return the indices of the faces of each connected part."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -171,7 +171,7 @@ def _parts(count: int, faces: np.ndarray) -> list[np.ndarray]:
 
 
 def _convex_part(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | None:
-    """The corners of a part's hull, where the part is as good as convex."""
+    """Return the corners of a part's hull, where the part is nearly convex; None otherwise."""
     from scipy.spatial import ConvexHull, QhullError
 
     points = vertices[np.unique(faces)]
@@ -182,7 +182,7 @@ def _convex_part(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | None:
     tolerance = _CONVEX * float(np.linalg.norm(np.ptp(points, axis=0)))
     inside = np.concatenate([points, vertices[faces].mean(axis=1)])
     depth = -(inside @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
-    # An open sheet, such as a terrain, may be as good as flat, and is not what its hull encloses.
+    # An open sheet, such as a terrain, may be nearly flat, and is not the solid that its hull encloses.
     if depth.max() > tolerance or _area(vertices, faces) < 0.75 * float(hull.area):
         return None
     return np.asarray(points[hull.vertices])
@@ -194,7 +194,7 @@ def _area(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 
 def _polygons(vertices: np.ndarray, faces: np.ndarray) -> list[np.ndarray]:
-    """Convex polygons that cover the faces: neighbouring triangles in one plane together, where that is convex."""
+    """Cover the faces with convex polygons: neighbouring triangles in one plane are merged, where that is convex."""
     polygons: list[np.ndarray] = []
     rest = np.ones(len(faces), dtype=bool)
     for group in _flat_groups(vertices, faces):

@@ -1,4 +1,4 @@
-"""Files that a robot or a world is made of: read as bytes or as XML in any encoding, whatever stands at their path."""
+"""Files of a robot or a world, read as bytes or as XML in any encoding; devices and huge files are refused."""
 
 import codecs
 import re
@@ -19,28 +19,28 @@ _MARKS = (
 
 
 def check_regular(file: Path) -> None:
-    """Refuses what is no file, as a device or a pipe, and what nobody would wait for.
+    """Check that a path is a regular file of reasonable size, and not a device or a pipe.
 
     Raises:
-        InputError: it is none, or too large.
-        OSError: it is not there.
+        InputError: If it is not a file, or too large.
+        OSError: If it does not exist.
     """
     status = file.stat()
     if not stat.S_ISREG(status.st_mode):
-        raise InputError("this is no file, but a folder, a device or a pipe", file=file)
+        raise InputError("this is not a file, but a folder, a device or a pipe", file=file)
     if status.st_size > _MOST_BYTES:
-        raise InputError(f"the file has {status.st_size / 1e9:.1f} GB; a gigabyte is the most", file=file)
+        raise InputError(f"the file has {status.st_size / 1e9:.1f} GB; at most one gigabyte is read", file=file)
 
 
 def read_xml(file: Path, what: str) -> str:
-    """An XML file as text, in the encoding that its mark or its declaration names; the declaration says UTF-8 then.
+    """Read an XML file as text, in the encoding of its byte-order mark or its declaration, which is removed.
 
     Args:
-        file: the file.
-        what: what it is, for the error.
+        file: The file.
+        what: Its kind, for the error.
 
     Raises:
-        InputError: it cannot be read, or is not written in its encoding.
+        InputError: If it cannot be read, or is not text in its encoding.
     """
     try:
         check_regular(file)

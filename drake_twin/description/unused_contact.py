@@ -1,6 +1,6 @@
-"""What files ask of contact beyond a coefficient of friction, which has no effect here: said once, not dropped.
+"""Contact parameters in files that have no effect in the twin, each reported once.
 
-Of a surface the twin uses the smallest of its coefficients of friction. How hard contact is follows from the masses.
+Of a surface the twin uses the smallest coefficient of friction. The stiffness of contact follows from the masses.
 """
 
 import re
@@ -12,15 +12,15 @@ from lxml import etree
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, Place, at_places
 
-_STIFFNESS = "contact is as hard and as damped as suits the masses"
+_STIFFNESS = "stiffness and damping of contact follow from the masses"
 _ISOTROPY = "friction is the same in all directions"
 _SLIP = "nothing slips below its limit of friction"
-_ROLLING = "nothing but friction brakes what rolls"
-_TORSION = "only what touches with faces brakes a turn on the spot"
+_ROLLING = "rolling has no resistance but friction"
+_TORSION = "only contact between faces resists a turn on the spot"
 _BOUNCE = "nothing bounces"
-_MASKS = "what belongs to different models collides"
+_MASKS = "shapes of different models always collide"
 
-# Parameter → what Gazebo takes where a file does not say, and what happens here.
+# Parameter → Gazebo's default, and what the twin does instead.
 _UNUSED: Mapping[str, tuple[tuple[float, ...], str]] = {
     "kp": ((1e12,), _STIFFNESS),
     "kd": ((1.0,), _STIFFNESS),
@@ -45,18 +45,18 @@ _NEVER_THE_SMALLER = 10.0  # of the two coefficients of a pair, in practice
 
 
 def parameter(element: etree._Element) -> str:
-    """An element's name as SDF has it: URDF's ``<gazebo>`` also knows ``minDepth``."""
+    """Return an element's name as SDF has it: URDF's ``<gazebo>`` also knows ``minDepth``."""
     name = element.tag if isinstance(element.tag, str) else ""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
 
 
 def is_unused(element: etree._Element) -> bool:
-    """Whether an element is one of these parameters."""
+    """Tell whether an element is one of these parameters."""
     return parameter(element) in _UNUSED
 
 
 def unused_in_urdf(reader: XmlReader) -> list[Finding]:
-    """What ``<gazebo reference="link">`` asks of contact and does not get, with the links' names."""
+    """Report the contact parameters of ``<gazebo reference="link">`` that have no effect, with the links' names."""
     surfaces: dict[str, list[etree._Element]] = {
         link.get("name", ""): [] for link in reader.root.iterfind("link") if link.find("collision") is not None
     }
@@ -66,12 +66,12 @@ def unused_in_urdf(reader: XmlReader) -> list[Finding]:
 
 
 def unused_in_sdf(reader: XmlReader, model: etree._Element, *, with_links: bool) -> list[Finding]:
-    """What the collisions of a model ask of contact and do not get.
+    """Report the contact parameters of a model's collisions that have no effect.
 
     Args:
-        reader: the document that it is in.
-        model: the model.
-        with_links: whether to name its links.
+        reader: The document that it is in.
+        model: The model.
+        with_links: Whether to name its links.
     """
     surfaces = [
         (link.get("name", "") if with_links else "", [*surface.iter()])
@@ -82,7 +82,7 @@ def unused_in_sdf(reader: XmlReader, model: etree._Element, *, with_links: bool)
 
 
 def _findings(reader: XmlReader, surfaces: Iterable[tuple[str, Sequence[etree._Element]]]) -> Iterator[Finding]:
-    """A finding for each thing that happens otherwise, with all parameters and links that it is about."""
+    """Make a finding for each kind of effect, with all parameters and links that it is about."""
     found: dict[str, list[tuple[str, str, Place]]] = defaultdict(list)
     for link, elements in surfaces:
         for element, instead in _found(elements):
@@ -97,7 +97,7 @@ def _findings(reader: XmlReader, surfaces: Iterable[tuple[str, Sequence[etree._E
 
 
 def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element, str]]:
-    """The parameters of a surface that would have an effect, and what happens here instead."""
+    """Yield the parameters of a surface that would have an effect in Gazebo, and what the twin does instead."""
     coefficients: dict[float, etree._Element] = {}
     for element in elements:
         name, values = parameter(element), _values(element)
@@ -113,7 +113,7 @@ def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element,
 
 
 def _values(element: etree._Element) -> tuple[float, ...]:
-    """The numbers in an element, or in its attribute ``value``; nothing where it holds anything else."""
+    """Return the numbers in an element, or in its attribute ``value``; nothing where it holds anything else."""
     words = (element.get("value") or element.text or "").lower().split()
     try:
         return tuple(map(_number, words))

@@ -1,4 +1,4 @@
-"""URDF text → ``RobotDescription``, with its ``<ros2_control>`` and ``<gazebo>`` tags."""
+"""URDF text as a ``RobotDescription``, with its ``<ros2_control>`` and ``<gazebo>`` tags."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -23,29 +23,31 @@ from drake_twin.description.robot_description import (
 )
 from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.values import is_true
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
 
 def parse_urdf(text: str, file: Path | None = None) -> RobotDescription:
-    """Parses URDF text.
+    """Parse URDF text.
 
     Args:
         text: URDF, xacro already expanded.
-        file: where it came from, for error messages.
+        file: The file it came from, for error messages.
 
     Raises:
-        InputError: not a URDF, a wrong value, a link or joint that is missing, double or not part of one tree.
+        InputError: If the text is not URDF, a value is wrong, or a link or joint is missing, duplicate or outside the
+            tree.
     """
     return describe_urdf(XmlReader(text, file), text)
 
 
 def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
-    """The description of a parsed URDF; see `parse_urdf`.
+    """Describe a parsed URDF; see `parse_urdf`.
 
     Args:
-        reader: the document, with whatever was repaired in it.
-        text: the document's own text, which is published as ``robot_description``.
+        reader: The document, with its repairs.
+        text: The document's own text, which is published as ``robot_description``.
     """
     root = reader.root
     if root.tag != "robot":
@@ -73,7 +75,7 @@ def _joint(reader: XmlReader, element: etree._Element) -> Joint:
     name = reader.text(element, "name")
     kind = reader.text(element, "type")
     if kind not in _JOINT_TYPES:
-        raise reader.error(element, f"joint type {kind!r} is none of {', '.join(_JOINT_TYPES)}")
+        raise reader.error(element, f"unknown joint type {kind!r}", value=kind, valid=_JOINT_TYPES)
     return Joint(
         name=name,
         type=kind,
@@ -110,7 +112,7 @@ def _axis(reader: XmlReader, element: etree._Element, kind: str) -> tuple[float,
         return default
     x, y, z = reader.vector3(axis, "xyz", default)
     length = hypot(x, y, z)
-    if length < 1e-8:  # as Drake counts
+    if length < 1e-8:  # Drake's bound
         raise reader.error(axis, "the axis has no direction (its length is zero)")
     return x / length, y / length, z / length
 
@@ -194,7 +196,7 @@ def _parameters(element: etree._Element) -> dict[str, str]:
 
 
 def _with_mimic_of_ros2_control(reader: XmlReader, joints: Iterable[Joint]) -> Iterable[Joint]:
-    """Followers that only ``<ros2_control>`` declares (``<param name="mimic">``, as before ROS 2 Jazzy)."""
+    """Add followers that only ``<ros2_control>`` declares (``<param name="mimic">``, as before ROS 2 Jazzy)."""
     followers: dict[str, Mimic] = {}
     for element in reader.root.iterfind("ros2_control/joint"):
         parameters = _parameters(element)
@@ -215,11 +217,11 @@ def _check_followers(reader: XmlReader, joints: list[Joint]) -> None:
         leader = joint
         while leader.mimic is not None:
             if leader.mimic.joint not in by_name:
-                raise reader.error(element, f"it mimics {leader.mimic.joint!r}, and there is no such joint")
+                raise reader.error(element, f"it mimics the unknown joint {leader.mimic.joint!r}")
             leader = by_name[leader.mimic.joint]
             if not joint.is_movable or not leader.is_movable or leader.name in seen:
-                what = "follows itself" if leader.name in seen else "is fixed, or follows one that is"
-                raise reader.error(element, f"it mimics {leader.name!r}, and {what}")
+                what = "it follows itself" if leader.name in seen else "one of the two does not move"
+                raise reader.error(element, f"it mimics {leader.name!r}, but {what}")
             seen.add(leader.name)
 
 
@@ -236,14 +238,14 @@ def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
                 found = replace(found, **{tag: reader.parse_number(element, text, tag)})  # type: ignore[arg-type]
         self_collide = _text_or_value(element, "selfCollide") or _text_or_value(element, "self_collide")
         if self_collide is not None:
-            found = replace(found, self_collide=self_collide.lower() in ("1", "true"))
+            found = replace(found, self_collide=is_true(self_collide))
         if found != LinkSurface():
             surfaces[link] = found
     return surfaces
 
 
 def _text_or_value(element: etree._Element, tag: str) -> str | None:
-    """``<mu1>0.9</mu1>`` or ``<mu1 value="0.9"/>``: both are in use."""
+    """Read ``<mu1>0.9</mu1>`` or ``<mu1 value="0.9"/>``: both are in use."""
     child = element.find(tag)
     if child is None:
         return None
@@ -258,20 +260,20 @@ def _check_tree(reader: XmlReader, links: list[str], joints: list[Joint]) -> Non
         for name, count in Counter(names).items():
             if count > 1:
                 twice = [element for element in root.iterfind(tag) if element.get("name", "").strip() == name]
-                raise reader.error(twice[1], f"there are two {tag}s of this name")
+                raise reader.error(twice[1], f"two {tag}s have this name")
     parent_of: dict[str, str] = {}
     known = set(links)
     for element, joint in zip(root.iterfind("joint"), joints, strict=True):
         for link in (joint.parent, joint.child):
             if link not in known:
-                raise reader.error(element, f"there is no link {link!r}")
+                raise reader.error(element, f"unknown link {link!r}", value=link, valid=links)
         if joint.child in parent_of:
             raise reader.error(element, f"link {joint.child!r} has two parents")
         parent_of[joint.child] = joint.parent
     roots = [link for link in links if link not in parent_of]
     if len(roots) != 1:
-        what = f"several links without a parent: {', '.join(roots)}" if roots else "no link without a parent: a loop"
-        raise reader.error(root, f"the links must form one tree, but there are {what}" if roots else f"there is {what}")
+        what = f"several have no parent: {', '.join(roots)}" if roots else "all have a parent: the joints form a loop"
+        raise reader.error(root, f"the links must form one tree, but {what}")
     for link in links:
         seen = {link}
         while link in parent_of:

@@ -1,4 +1,4 @@
-"""The numbers of a URDF that Drake is given unseen: each is checked where its file and line are still known."""
+"""Checks the numbers of a URDF that only Drake reads, where their file and line are still known."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,10 +6,10 @@ from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
 
-# What no robot has in m, kg, kg·m² or N·m·s; more overflows somewhere in the simulation.
+# m, kg, kg·m² or N·m·s; more is a mistake, and overflows somewhere in the simulation.
 _LARGEST = 1e12
 
-# Element → attribute → how many numbers it holds. Limits are read, and may be as large as they like, elsewhere.
+# Element → attribute → how many numbers it holds. Limits are read elsewhere, and have no bound.
 _NUMBERS: Mapping[str, Mapping[str, int]] = {
     "origin": {"xyz": 3, "rpy": 3},
     "axis": {"xyz": 3},
@@ -28,24 +28,21 @@ _NEVER_NEGATIVE = ("mass", "dynamics")
 
 
 def check_values(reader: XmlReader) -> None:
-    """Checks every number of a URDF's links, joints and materials that has a meaning.
+    """Check every number of a URDF's links, joints and materials that is used.
 
     Raises:
-        InputError: one that is no number, not finite, absurdly large, or negative where nothing in nature is.
+        InputError: If one is not a number, not finite, absurdly large, or negative where it cannot be.
     """
     for element in _elements(reader.root):
         for attribute, count in _NUMBERS.get(str(element.tag), {}).items():
             text = element.get(attribute)
             if text is None:
                 continue
-            values = [reader.parse_number(element, part, attribute) for part in text.split()]
-            if len(values) != count:
-                needed = "one number is" if count == 1 else f"{count} numbers are"
-                raise reader.error(element, f"{attribute} is {text!r}, where {needed} needed")
+            values = reader.parse_numbers(element, text, attribute, count)
             if any(abs(value) > _LARGEST for value in values):
-                raise reader.error(element, f"{attribute} is {text!r}, which is larger than anything on a robot")
+                raise reader.error(element, f"{attribute} is {text!r}, which is larger than {_LARGEST:g}")
             if element.tag in _NEVER_NEGATIVE and values[0] < 0:
-                raise reader.error(element, f"{attribute} is {text!r}, and cannot be negative")
+                raise reader.error(element, f"{attribute} is {text!r}, but it cannot be negative")
 
 
 def _elements(root: etree._Element) -> Iterator[etree._Element]:

@@ -1,4 +1,4 @@
-"""Where a robot's wheels are and how large, for plugins that take both from the model."""
+"""The positions and radii of a robot's wheels, for plugins that take both from the model."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from drake_twin.description.xml_reader import XmlReader
 
 
 def wheel_centers(description: RobotDescription, joints: Sequence[str]) -> tuple[np.ndarray, ...]:
-    """The origins of joints' child links in the root link (m), with all joints at zero."""
+    """Compute the origins of joints' child links in the root link (m), with all joints at zero."""
     joint_of = {joint.child: joint for joint in description.joints}
     centers = []
     for name in joints:
@@ -24,12 +24,12 @@ def wheel_centers(description: RobotDescription, joints: Sequence[str]) -> tuple
 
 
 def wheel_radius(description: RobotDescription, joint: str) -> float | None:
-    """The radius (m) of the first cylinder or sphere that a joint's child link collides with; None without one."""
+    """Return the radius (m) of the first cylinder or sphere of a joint's child link; None without one."""
     link = description.joints_by_name[joint].child
     for element in XmlReader(description.text).root.iter("link"):
         if element.get("name") == link:
             for shape in element.iterfind("collision/geometry/*"):
-                radius = shape.get("radius") or shape.findtext("radius")  # URDF's, then SDF's way to say it
+                radius = shape.get("radius") or shape.findtext("radius")  # URDF's form, then SDF's
                 if shape.tag in ("cylinder", "sphere") and radius:
                     return float(radius)
     return None

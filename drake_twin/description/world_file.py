@@ -1,7 +1,7 @@
-"""An SDF world (``.world``, ``.sdf``) as plain, frozen data: gravity, times, and the models that stand in it.
+"""An SDF world (``.world``, ``.sdf``) as plain, frozen data: gravity, the physics step, and the models in it.
 
-What Drake cannot use (plugins, lights, sensors, scene, GUI, …) is left out with one warning for each kind; so is a
-model that cannot be had. Poses are in the world frame.
+What Drake cannot use (plugins, lights, sensors, scene, GUI, …) is left out with one finding for each kind; so is a
+model that cannot be found. Poses are in the world frame.
 """
 
 from collections import defaultdict
@@ -14,15 +14,18 @@ from lxml import etree
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import Pose, Vector3
-from drake_twin.description.sdf_includes import SdfIncludes, free_name, read_sdf, sdf_version
-from drake_twin.description.sdf_model import falls, is_static, mend_model
-from drake_twin.description.sdf_pose import pose_transform
+from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
+from drake_twin.description.sdf_includes import SdfIncludes
+from drake_twin.description.sdf_model import falls, mend_model
+from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.unused_contact import unused_in_sdf
+from drake_twin.description.world_frames import WorldFrames
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.values import is_true
 
 # SDF's default.
 _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
@@ -31,13 +34,13 @@ _EMPTY = """<sdf version="1.9"><world name="{name}">
 <physics type="ode"><max_step_size>0.001</max_step_size><real_time_factor>1</real_time_factor></physics>
 <include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include></world></sdf>"""
 
-# Worlds that are there by their name, wherever their file is not.
+# Worlds that are built in, for where their file is missing.
 BUILT_IN_WORLDS = ("empty.sdf", "empty.world", "default.sdf")
 
 # Plugins whose work the twin does itself.
 _DONE_HERE = ("physics", "usercommands", "scenebroadcaster", "gazeborosinit", "gazeborosfactory", "gazeborosclock")
 
-# Elements of a world that mean something here; and those that say nothing that could be missed.
+# Elements of a world that are used; and those that are not worth a finding.
 _USED = {"gravity", "physics", "model", "include", "frame", "state"}
 _SILENT = {"magnetic_field", "atmosphere", "spherical_coordinates", "light", "wind", "audio"}
 
@@ -47,13 +50,13 @@ class WorldModel:
     """A model of a world.
 
     Attributes:
-        name: its name, unlike that of any other model of the world.
-        pose: where it stands at the start, in the world frame.
-        is_static: whether it never moves.
-        falls: whether gravity acts on it.
+        name: Its name, unique in the world.
+        pose: Its pose at the start, in the world frame.
+        is_static: Whether it never moves.
+        falls: Whether gravity acts on it.
         text: SDF of this model alone for Drake's parser, its pose included. A static model's planes and collision
             meshes are as in the file, since Drake's parser would take them for something else.
-        place: where the world asks for it.
+        place: Where the world asks for it.
     """
 
     name: str
@@ -66,37 +69,35 @@ class WorldModel:
 
 @dataclass(frozen=True)
 class WorldFile:
-    """What a world file says.
+    """A world file's content.
 
     Attributes:
-        name: the world's name.
-        gravity: the acceleration of free fall (m/s²).
-        max_step_size: the physics step that the file asks for (s), if it does.
-        real_time_factor: how fast it shall run at most, if it says.
-        models: the models, in file order.
-        findings: what was left out or changed.
-        file: where it was read from; None for a built-in world.
+        name: The world's name.
+        gravity: The acceleration of free fall (m/s²).
+        max_step_size: The physics step that the file asks for (s), if it does.
+        models: The models, in file order.
+        findings: What was left out or changed.
+        file: The file it was read from; None for a built-in world.
     """
 
     name: str
     gravity: Vector3
     max_step_size: float | None
-    real_time_factor: float | None
     models: tuple[WorldModel, ...]
     findings: tuple[Finding, ...] = ()
     file: Path | None = None
 
 
 def read_world(address: str, packages: PackageIndex) -> WorldFile:
-    """Reads a world.
+    """Read a world.
 
     Args:
-        address: its file: a path, ``package://``, ``model://``, ``file://``, or a name below a folder of
+        address: Its file: a path, ``package://``, ``model://``, ``file://``, or a name below a folder of
             ``GZ_SIM_RESOURCE_PATH``; or one of `BUILT_IN_WORLDS`.
-        packages: resolves it and what it includes.
+        packages: Resolves it and what it includes.
 
     Raises:
-        InputError: the file is missing, is no SDF world, its includes form a loop, or a value in it is no number.
+        InputError: If the file is missing or is not an SDF world, its includes form a loop, or a value is invalid.
     """
     text, file = _world_text(address, packages)
     places = None
@@ -105,7 +106,7 @@ def read_world(address: str, packages: PackageIndex) -> WorldFile:
     reader = read_sdf(text, file, places)
     world = reader.root.find("world")
     if reader.root.tag != "sdf" or world is None:
-        what = "holds no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
+        what = "has no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
         raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
     return _World(reader, world, packages).read()
 
@@ -124,14 +125,14 @@ def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]
             raise
         else:
             raise InputError(
-                f"there is no world file {address!r}, and of the worlds that come with Gazebo only some are built in",
+                f"the world file {address!r} does not exist, and of Gazebo's own worlds only some are built in",
                 valid=BUILT_IN_WORLDS,
                 value=name,
             ) from None
     return read_xml(file, "world file"), file
 
 
-_MOST_NAMED = 4  # models in one warning
+_MOST_NAMED = 4  # models in one finding
 
 
 class _World:
@@ -143,21 +144,19 @@ class _World:
         self._version = sdf_version(reader.root)
         self._includes = SdfIncludes(packages)
         self._findings: list[Finding] = []
-        self._mended: dict[Finding, dict[str, Place]] = defaultdict(dict)  # what was done → to which models
+        self._mended: dict[Finding, dict[str, Place]] = defaultdict(dict)  # what was done → models
 
     def read(self) -> WorldFile:
-        """The world as plain data."""
+        """Return the world as plain data."""
         world = self._world
         models = list(self._models())
         physics = next(
-            (item for item in world.findall("physics") if item.get("default", "").lower() in ("1", "true")),
-            world.find("physics"),
+            (item for item in world.findall("physics") if is_true(item.get("default"))), world.find("physics")
         )
         return WorldFile(
             name=world.get("name", ""),
             gravity=self._gravity(physics),
-            max_step_size=self._positive(physics, "max_step_size"),
-            real_time_factor=self._positive(physics, "real_time_factor"),
+            max_step_size=self._max_step_size(physics),
             models=tuple(models),
             findings=(
                 *self._not_used(),
@@ -175,34 +174,32 @@ class _World:
             element = physics.find("gravity")  # before SDF 1.5
         if element is None:
             return _GRAVITY
-        values = [self._reader.parse_number(element, part, "gravity") for part in (element.text or "").split()]
-        if len(values) != 3:
-            raise self._reader.error(element, f"gravity is {element.text!r}, where three numbers are needed")
-        return values[0], values[1], values[2]
+        x, y, z = self._reader.parse_numbers(element, element.text or "", "gravity", 3)
+        return x, y, z
 
-    def _positive(self, physics: etree._Element | None, tag: str) -> float | None:
-        element = None if physics is None else physics.find(tag)
+    def _max_step_size(self, physics: etree._Element | None) -> float | None:
+        element = None if physics is None else physics.find("max_step_size")
         if element is None:
             return None
-        value = self._reader.parse_number(element, (element.text or "").strip(), tag)
-        return value if value > 0 else None  # 0 and less stand for "as fast as it goes"
+        value = self._reader.parse_number(element, (element.text or "").strip(), "max_step_size")
+        return value if value > 0 else None  # zero and less stand for "not given"
 
     def _models(self) -> Iterator[WorldModel]:
         found = list(self._elements())
-        frames = _Frames(self._reader, self._world, [(model, pose, reader) for model, _, pose, _, reader in found])
+        frames = WorldFrames(self._reader, self._world, [(model, pose, reader) for model, _, pose, _, reader in found])
         states = self._states()
         taken: set[str] = set()
         for model, version, pose, place, reader in found:
             name = model.get("name", "")
-            X = states[name] if name in states else frames.of(model, pose)
+            X = states[name] if name in states else frames.pose(model, pose)
             own = free_name(name, taken)
             if own != name:
-                what = f"{name}: there are several models of this name; one is called {own}"
+                what = f"{name}: several models have this name; one is called {own}"
                 self._findings.append(Finding.at(Kind.WARNING, what, place))
             taken.add(own)
             if model.find(".//link") is not None:
                 yield self._model(model, own, version, X, place, reader)
-            elif not self._includes.missing:  # which said why
+            elif not self._includes.addresses.missing:  # that finding gives the reason
                 self._mended[Finding(Kind.IGNORED, "the model has no link: it is left out")][own] = place
 
     def _model(
@@ -215,7 +212,7 @@ class _World:
         for nested in model.iter("model"):
             for each in nested.findall("static"):
                 nested.remove(each)
-            # Drake's parser stumbles over a static model that has links only in the models inside it.
+            # Drake's parser fails at a static model that has links only in the models inside it.
             if static and nested.find("link") is not None:
                 etree.SubElement(nested, "static").text = "true"
         x, y, z = map(float, X.translation())
@@ -225,7 +222,7 @@ class _World:
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
         unused = unused_in_sdf(reader, model, with_links=False)
-        for finding in (*unused, *mend_model(model, reader, self._includes.find)):
+        for finding in (*unused, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[Finding(finding.kind, finding.what)][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
@@ -233,7 +230,7 @@ class _World:
         return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text, place)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
-        """Each model of the world, includes replaced.
+        """Yield each model of the world, includes replaced.
 
         With it come its SDF version, its pose, where the world asks for it and the document that it is in.
         """
@@ -251,22 +248,19 @@ class _World:
                 yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
 
     def _states(self) -> dict[str, Any]:
-        """Poses of models where Gazebo classic saved the world's state; it goes before what the models say."""
+        """Return the poses of the world's state as Gazebo classic saved it; they replace those of the models."""
         return {
-            model.get("name", ""): self._transform(pose)
+            model.get("name", ""): transform_of(pose, self._reader)
             for model in self._world.iterfind("state/model")
             if (pose := model.find("pose")) is not None
         }
 
-    def _transform(self, pose: etree._Element) -> Any:
-        return transform_of(pose, self._reader)
-
     def _missing(self) -> Iterator[Finding]:
-        missing = self._includes.missing
+        missing = self._includes.addresses.missing
         if missing:
             names = ", ".join(sorted(missing))
-            where = next(iter(missing.values())).partition(" is in ")[2].rstrip(".")
-            what = f"what these models and packages hold is left out: {names}. They are in {where}"
+            first = next(iter(missing.values()))
+            what = f"these models and packages were not found: {names}. Searched: {first.searched}. {first.advice}"
             yield from at_places(Kind.IGNORED, ((what, place) for place in self._includes.asked))
 
     def _grouped(self) -> Iterator[Finding]:
@@ -297,60 +291,3 @@ class _World:
                 what = f"the plugin {child.get('name') or child.get('filename')}"
             if is_window == (child.tag == "gui"):
                 yield f"{what} of the world", self._reader.place(child)
-
-
-class _Frames:
-    """Poses of a world's models, which may be relative to each other and to ``<frame>``s."""
-
-    def __init__(
-        self,
-        reader: XmlReader,
-        world: etree._Element,
-        models: list[tuple[etree._Element, etree._Element | None, XmlReader]],
-    ):
-        self._reader = reader
-        self._poses = {model.get("name", ""): pose for model, pose, _ in models}
-        self._readers = {model.get("name", ""): own for model, _, own in models}
-        self._attached: dict[str, str] = {}
-        for frame in world.findall("frame"):
-            self._poses[frame.get("name", "")] = frame.find("pose")
-            self._attached[frame.get("name", "")] = frame.get("attached_to", "")
-
-    def of(self, model: etree._Element, pose: etree._Element | None, seen: tuple[str, ...] = ()) -> Any:
-        """A model's pose in the world.
-
-        Raises:
-            InputError: the frame it is relative to does not exist, or hangs on itself.
-        """
-        from pydrake.math import RigidTransform
-
-        name = model.get("name", "")
-        X = RigidTransform() if pose is None else transform_of(pose, self._reader_of(pose, name))
-        to = "" if pose is None else pose.get("relative_to", "")
-        to = to or self._attached.get(name, "")
-        to = to.partition("::")[0]  # a frame inside a model: the model stands for it
-        if to in ("", "world", "__root__"):
-            return X
-        if to in (*seen, name):
-            raise self._reader.error(model, f"its pose is relative to {to!r}, which is relative to it")
-        if to not in self._poses:
-            raise self._reader.error(model, f"its pose is relative to {to!r}, which is no model or frame of the world")
-        above = etree.Element("frame", name=to)
-        return self.of(above, self._poses[to], (*seen, name)) @ X
-
-    def _reader_of(self, pose: etree._Element, name: str) -> XmlReader:
-        """The document of a model's pose: the world's, or that of the file that it includes."""
-        in_world = pose.getroottree().getroot() is self._reader.root
-        return self._reader if in_world else self._readers.get(name, self._reader)
-
-
-def transform_of(pose: etree._Element, reader: XmlReader) -> Any:
-    """A ``<pose>`` as Drake's transform.
-
-    Raises:
-        InputError: it is no pose.
-    """
-    try:
-        return pose_transform(pose)
-    except ValueError as error:
-        raise reader.error(pose, f"{pose.text!r} is no pose ({error})") from None

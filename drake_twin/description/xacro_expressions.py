@@ -1,4 +1,4 @@
-"""Bounds on the Python expressions in xacro files: ``${9**9**9}`` would hold up a twin for ever."""
+"""Bounds on the Python expressions in xacro files: ``${9**9**9}`` would block a twin for ever."""
 
 import ast
 import contextlib
@@ -14,14 +14,14 @@ _MOST_ITEMS = 1 << 24
 
 
 class TooLongError(Exception):
-    """The expressions of a file took too long."""
+    """Raised when the expressions of a file take too long."""
 
     def __str__(self) -> str:
         return f"its expressions and macros take longer than {_LONGEST:g} s"
 
 
 class _Bounded(ast.NodeTransformer):
-    """Calls functions that know a bound where an operator knows none."""
+    """Replaces operators without a bound by functions with one."""
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         self.generic_visit(node)
@@ -58,13 +58,13 @@ _FUNCTIONS = {"xacro_power": _power, "xacro_shifted": _shifted, "xacro_times": _
 
 @contextlib.contextmanager
 def bounded_expressions(xacro: Any) -> Iterator[None]:
-    """Lets xacro evaluate expressions with bounds, and for a while only.
+    """Let xacro evaluate expressions with bounds on their size and their time.
 
     Args:
-        xacro: its module.
+        xacro: Its module.
 
     Raises:
-        TooLongError: in the thread that expands, once it takes too long.
+        TooLongError: If the expansion takes too long; raised in the thread that expands.
     """
     plain: Callable[..., Any] = xacro.safe_eval
 
@@ -75,7 +75,7 @@ def bounded_expressions(xacro: Any) -> Iterator[None]:
         code = compile(tree, "<expression>", "eval")
         if invalid := [name for name in code.co_names if name.startswith("__")]:
             raise xacro.XacroException("Use of invalid name(s): ", ", ".join(invalid))
-        globals.update(__builtins__=dict(_FUNCTIONS))  # xacro gives none
+        globals.update(__builtins__=dict(_FUNCTIONS))  # xacro gives no others
         return eval(code, globals, locals)
 
     thread, is_over = threading.get_ident(), threading.Lock()

@@ -32,12 +32,12 @@ _known_places: dict[bytes, tuple[Place, ...]] = {}
 
 
 class Expanded(NamedTuple):
-    """What xacro made of a file.
+    """The result of expanding a file.
 
     Attributes:
-        text: the expanded XML.
-        places: where each of its elements was written, in the order of the document.
-        warnings: what xacro printed.
+        text: The expanded XML.
+        places: Where each of its elements was written, in the order of the document.
+        warnings: Xacro's warnings.
     """
 
     text: str
@@ -46,15 +46,15 @@ class Expanded(NamedTuple):
 
 
 def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageIndex) -> Expanded:
-    """Expands a xacro file to URDF text, as the ``xacro`` command does.
+    """Expand a xacro file to URDF text, as the ``xacro`` command does.
 
     Args:
-        file: the xacro file.
-        arguments: values for its ``<xacro:arg>``s.
-        packages: resolves ``$(find pkg)``.
+        file: The xacro file.
+        arguments: Values for its ``<xacro:arg>``s.
+        packages: Resolves ``$(find pkg)``.
 
     Raises:
-        InputError: xacro refuses the file; the text holds xacro's reason and its chain of files.
+        InputError: If xacro refuses the file; the text holds xacro's reason and its chain of files.
     """
     xacro = installed_xacro()
     with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
@@ -66,13 +66,13 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
         except OSError as error:
             missing = error.filename or file
             raise InputError(f"xacro cannot read {missing} ({error.strerror})", file=_file_at_fault(file)) from None
-        except Exception as error:  # expressions in the file are Python and raise whatever they like
+        except Exception as error:  # expressions in the file are Python and raise anything
             raise InputError(f"xacro: {_reason(error)}{_chain()}", file=_file_at_fault(file)) from None
     # xacro's warnings are followed by lines with the chain of files.
     warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
     text = document.toxml()
     places = tuple(_place(element, file) for element in document.getElementsByTagName("*"))
-    document.unlink()  # its nodes refer to each other: the collector would find them only after many more robots
+    document.unlink()  # its nodes refer to each other: without this they stay until a full garbage collection
     _known_places[_digest(text)] = places
     while len(_known_places) > _MOST_KNOWN:
         _known_places.pop(next(iter(_known_places)))
@@ -81,9 +81,9 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
 
 
 def places_of_expanded(text: str) -> tuple[Place, ...] | None:
-    """Where each element was written of a text that xacro has made in this process: a launch file hands it on as text.
+    """Return where each element was written of a text that xacro has made in this process.
 
-    None for any other text.
+    A launch file hands such a text on without its file. For any other text, return None.
     """
     return _known_places.get(_digest(text))
 
@@ -93,7 +93,7 @@ def _digest(text: str) -> bytes:
 
 
 def installed_xacro() -> Any:
-    """The xacro that was installed with the twin, whatever else of that name is on the path (of a sourced ROS, say)."""
+    """Return the xacro that was installed with the twin, also if another one is on the path (of a sourced ROS, say)."""
     paths = sysconfig.get_paths()
     folders = list(dict.fromkeys((paths["purelib"], paths["platlib"])))
     known = sys.modules.get("xacro")
@@ -111,7 +111,7 @@ def installed_xacro() -> Any:
 
 
 def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:
-    """The names of the ``<xacro:arg>``s that a file and the files it includes declare.
+    """Return the names of the ``<xacro:arg>``s that a file and the files it includes declare.
 
     Includes whose names need an expression other than ``$(find pkg)`` are left out.
     """
@@ -126,7 +126,7 @@ def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:
         try:
             tree = etree.parse(current)
         except (etree.XMLSyntaxError, OSError):
-            continue  # expanding the file tells the user what is wrong with it
+            continue  # expanding the file reports what is wrong with it
         for element in tree.iter(*(f"{{{namespace}}}*" for namespace in _XACRO_NAMESPACES)):
             kind = etree.QName(element).localname
             if kind == "arg":
@@ -148,7 +148,7 @@ def _included(name: str, includer: Path, packages: PackageIndex) -> Iterator[Pat
 
 
 def _place(element: Any, file: Path) -> Place:
-    """Where an element was written: what ``xacro:element`` names anew stands in the one around it."""
+    """Return where an element was written: one that ``xacro:element`` names has the place of the one around it."""
     while element is not None and not isinstance(getattr(element, "tagName", None), _Tag):
         element = element.parentNode
     return Place(str(file)) if element is None else element.tagName.place
@@ -162,7 +162,7 @@ class _Tag(str):
 
 @contextlib.contextmanager
 def _tags_with_places(xacro: Any) -> Iterator[None]:
-    """Makes xacro's parser note the line of each element, which its documents do not know."""
+    """Make xacro's parser record the line of each element, which its documents lack."""
     original = xacro.parse
 
     def parse(text: Any, filename: str | None = None) -> Any:

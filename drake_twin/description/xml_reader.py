@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from copy import copy, deepcopy
-from math import isfinite
 from pathlib import Path
 from typing import Any, cast
 
@@ -10,6 +9,7 @@ from lxml import etree
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
+from drake_twin.values import needed, parse_number
 
 # No network, no external entities, and libxml2's own bound on how far entities may expand.
 _PARSER = etree.XMLParser(
@@ -20,20 +20,20 @@ _PARSER = etree.XMLParser(
 )
 
 
-_MOST_LINES = 65535  # what libxml2 has room for
+_MOST_LINES = 65535  # libxml2's bound
 
 
 class XmlReader:
     """Reads values out of one XML document.
 
     Args:
-        text: the document.
-        file: the file it came from, for error messages.
-        places: where each element was written, in the order of the document, for text that was made of other files;
+        text: The document.
+        file: The file it came from, for error messages.
+        places: Where each element was written, in the order of the document, for text that was made of other files;
             None when the text is the file's own.
 
     Raises:
-        InputError: not well-formed.
+        InputError: If the text is not well-formed.
     """
 
     def __init__(self, text: str, file: Path | None = None, *, places: Sequence[Place] | None = None):
@@ -52,26 +52,26 @@ class XmlReader:
                 element.sourceline = number if number <= _MOST_LINES else 0  # copies of the element keep it
 
     def copy(self) -> "XmlReader":
-        """The same document once more, to be changed on its own."""
+        """Return a copy of the document, to be changed independently."""
         copied = copy(self)
         copied.root = deepcopy(self.root)
         return copied
 
     def place(self, element: etree._Element) -> Place:
-        """Where an element was written."""
-        line: int | None = cast(Any, element).sourceline  # the stubs' type is not a number's
+        """Return where an element was written."""
+        line: int | None = cast(Any, element).sourceline  # the stubs give another type
         if self._places is not None:
             known = line is not None and 0 < line <= len(self._places)
             return self._places[line - 1] if line is not None and known else Place(str(self.file or ""))
         return Place(str(self.file or ""), line if line and line < _MOST_LINES else None)
 
-    def error(self, element: etree._Element, message: str) -> InputError:
-        """An error that points at an element."""
+    def error(self, element: etree._Element, message: str, **more: Any) -> InputError:
+        """Return an error that points at an element; more arguments are those of `InputError`."""
         place = self.place(element)
-        return InputError(f"{described(element)}: {message}", file=place.file or None, line=place.line)
+        return InputError(f"{described(element)}: {message}", file=place.file or None, line=place.line, **more)
 
     def text(self, element: etree._Element, attribute: str, default: str | None = None) -> str:
-        """A required (or defaulted) attribute."""
+        """Read a required (or defaulted) attribute."""
         value = element.get(attribute, default)
         value = None if value is None else value.strip()
         if value is None or (value == "" and default is None):
@@ -79,35 +79,37 @@ class XmlReader:
         return value
 
     def number(self, element: etree._Element, attribute: str, default: float) -> float:
-        """An attribute as a finite number."""
+        """Read an attribute as a finite number."""
         text = element.get(attribute)
         return default if text is None else self.parse_number(element, text, attribute)
 
     def parse_number(self, element: etree._Element, text: str, what: str) -> float:
-        """Text as a finite number, written as in C: Python would also take ``1_000`` and the digits of any script."""
+        """Read text as a finite number; ``what`` names it in the error."""
         try:
-            value = float(text if text.isascii() and "_" not in text else "none")
-        except ValueError:
-            raise self.error(element, f"{what} is {text!r}, which is not a number") from None
-        if not isfinite(value):
-            raise self.error(element, f"{what} is {text!r}, which is not finite")
-        return value
+            return parse_number(text)
+        except ValueError as error:
+            raise self.error(element, f"{what} is {text!r}, which is {error}") from None
+
+    def parse_numbers(self, element: etree._Element, text: str, what: str, count: int) -> tuple[float, ...]:
+        """Read text as so many finite numbers; ``what`` names it in the error."""
+        values = tuple(self.parse_number(element, part, what) for part in text.split())
+        if len(values) != count:
+            raise self.error(element, f"{what} is {text!r}, where {needed(count)}")
+        return values
 
     def vector3(
         self, element: etree._Element, attribute: str, default: tuple[float, float, float]
     ) -> tuple[float, float, float]:
-        """An attribute as three finite numbers."""
+        """Read an attribute as three finite numbers."""
         text = element.get(attribute)
         if text is None:
             return default
-        values = [self.parse_number(element, part, attribute) for part in text.split()]
-        if len(values) != 3:
-            raise self.error(element, f"{attribute} is {text!r}, where three numbers are needed")
-        return values[0], values[1], values[2]
+        x, y, z = self.parse_numbers(element, text, attribute, 3)
+        return x, y, z
 
 
 def described(element: etree._Element) -> str:
-    """An element as a person would point at it: ``<limit> of <joint name="elbow">``."""
+    """Describe an element for a message: ``<limit> of <joint name="elbow">``."""
     text = f"<{etree.QName(element).localname}"
     name = element.get("name") or element.get("reference")
     text += f' name="{name}">' if name else ">"

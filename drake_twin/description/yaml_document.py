@@ -1,4 +1,4 @@
-"""YAML files as plain data that still knows on which line each value stands."""
+"""YAML files as plain data, with the line of each value."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -10,7 +10,7 @@ import yaml
 from drake_twin.description.bounded_yaml import DEEPEST, compose_yaml
 from drake_twin.errors import InputError
 
-# Aliases let a few lines stand for gigabytes; no scenario and no parameters file comes near this many values.
+# Aliases let a few lines expand to gigabytes; scenarios and parameters files have far fewer values than this.
 _MOST_VALUES = 200_000
 
 _MERGE_TAG = "tag:yaml.org,2002:merge"
@@ -23,16 +23,16 @@ class YamlDocument:
     """A YAML file's data, with the line of every value.
 
     Args:
-        text: the file's text.
-        file: its name, for error messages.
-        like_rcl: a key may stand twice, as in ROS's parameters files: mappings are put together, and of other values
-            the later one holds.
+        text: The file's text.
+        file: Its name, for error messages.
+        like_rcl: Whether a key may occur twice, as in ROS's parameters files: mappings are merged, and any other later
+            value replaces the earlier one.
 
     Attributes:
-        data: mappings as ``dict``, sequences as ``list``, scalars by YAML 1.1 as in PyYAML's safe loader.
+        data: Mappings as ``dict``, sequences as ``list``, scalars by YAML 1.1 as in PyYAML's safe loader.
 
     Raises:
-        InputError: not YAML, a key twice in one mapping, or so many aliases that it would not fit in memory.
+        InputError: If the text is not YAML, a key occurs twice in one mapping, or aliases make it too large for memory.
     """
 
     def __init__(self, text: str, file: str | Path, *, like_rcl: bool = False):
@@ -52,7 +52,7 @@ class YamlDocument:
         self.data = None if root is None else self._plain(root, ())
 
     def line(self, path: ValuePath) -> int | None:
-        """The line (from 1) of the value at a path of keys and indices, or of the closest value above it.
+        """Return the line (from 1) of the value at a path of keys and indices, or of the closest value above it.
 
         A key may be several keys in one word, as ``gains.elbow.p`` in ROS's parameters files.
         """
@@ -61,7 +61,7 @@ class YamlDocument:
         return self._lines_by_word.get(_in_one_word(path))
 
     def has(self, path: ValuePath) -> bool:
-        """Whether there is a value at a path or below it."""
+        """Tell whether a value is at a path or below it."""
         word = _in_one_word(path)
         return any(known == word or known.startswith(f"{word}.") for known in self._lines_by_word)
 
@@ -70,7 +70,7 @@ class YamlDocument:
         return {_in_one_word(path): line for path, line in self._lines.items()}
 
     def error(self, path: ValuePath, message: str, **more: Any) -> InputError:
-        """An error that points at the value at ``path``."""
+        """Return an error that points at the value at ``path``."""
         where = ".".join(str(key) for key in path)
         return InputError(f"{where}: {message}" if where else message, file=self.file, line=self.line(path), **more)
 
@@ -87,14 +87,14 @@ class YamlDocument:
         return self._scalar(node)
 
     def _items(self, node: yaml.MappingNode, depth: int = 0) -> dict[Any, yaml.Node]:
-        """A mapping's keys and values, with those of ``<<: *base`` below its own.
+        """Return a mapping's keys and values, with those of ``<<: *base`` below its own.
 
         PyYAML's ``flatten_mapping`` repeats a base as often as it is named, so that merges of merges outgrow memory.
         """
         known = self._items_of_mapping.get(node)
         if known is not None:
             return known
-        self._items_of_mapping[node] = {}  # what a mapping that merges itself finds
+        self._items_of_mapping[node] = {}  # for a mapping that merges itself
         own: dict[Any, yaml.Node] = {}
         merged: dict[Any, yaml.Node] = {}
         for key_node, value_node in node.value:
@@ -106,7 +106,7 @@ class YamlDocument:
             if key in own and self._like_rcl:
                 value_node = _together(own[key], value_node)
             elif key in own:
-                raise InputError(f"{key!r} stands twice", file=self.file, line=key_node.start_mark.line + 1)
+                raise InputError(f"{key!r} occurs twice", file=self.file, line=key_node.start_mark.line + 1)
             own[key] = value_node
         self._items_of_mapping[node] = merged | own
         return self._items_of_mapping[node]
@@ -133,7 +133,7 @@ def _in_one_word(path: ValuePath) -> str:
 
 
 def _together(earlier: yaml.Node, later: yaml.Node) -> yaml.Node:
-    """Two mappings under one key as one; of other values the later."""
+    """Merge two mappings under one key; of other values return the later."""
     if isinstance(earlier, yaml.MappingNode) and isinstance(later, yaml.MappingNode):
         return yaml.MappingNode(later.tag, [*earlier.value, *later.value], earlier.start_mark, later.end_mark)
     return later

@@ -29,7 +29,7 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.sdf_model import plane_normal, plane_size, turned_to
+from drake_twin.description.sdf_shapes import plane_normal, plane_size, turned_to
 from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
 from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError

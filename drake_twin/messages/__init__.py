@@ -1,8 +1,8 @@
 """Message types as in ROS 2 Jazzy: ``messages.JointState``, ``messages.TFMessage``, …
 
-They are the dataclasses of rosbags' type store (NumPy arrays for numeric sequences), so a message goes to a bag or to
-a wire as it is. The store is loaded at the first use of a type, because a twin that nobody listens to needs none.
-Types that the store lacks are those of `drake_twin.messages.definitions`.
+They are the dataclasses of rosbags' type store (NumPy arrays for numeric sequences), so a message goes to a bag or to a
+wire as it is. The store is loaded at the first use of a type, because a twin without subscribers needs none. Types that
+the store lacks are those of `drake_twin.messages.definitions`.
 """
 
 import reprlib
@@ -16,6 +16,7 @@ from typing import Any
 from drake_twin.frozen import Frozen
 from drake_twin.messages.definitions import DEFINITIONS
 from drake_twin.saved import saved
+from drake_twin.values import yaml_number
 
 _STORE_TYPES = {
     name.rpartition("/")[2]: name
@@ -63,7 +64,7 @@ def _jazzy() -> Any:
 
 @cache
 def type_store() -> Any:
-    """The rosbags ``Typestore`` of ROS 2 Jazzy with the types defined here added."""
+    """Return the rosbags ``Typestore`` of ROS 2 Jazzy with the types defined here added."""
     from rosbags.typesys import get_types_from_msg
 
     store = _jazzy()
@@ -73,7 +74,7 @@ def type_store() -> Any:
 
 
 def _store_of(kind: str) -> Any:
-    """A store that has a type: reading our definitions takes as long as a quarter of a robot, and few need them."""
+    """Return a store that has a type; reading our definitions takes as long as a quarter of a robot, and is rare."""
     return type_store() if kind in DEFINITIONS else _jazzy()
 
 
@@ -86,32 +87,32 @@ def __getattr__(name: str) -> Any:
 
 
 def time_message(seconds: float) -> Any:
-    """Simulation time (s) as a ``builtin_interfaces/msg/Time``, rounded to the nearest nanosecond."""
+    """Return a simulation time (s) as a ``builtin_interfaces/msg/Time``, rounded to the nearest nanosecond."""
     nanoseconds = round(seconds * 1e9)
     return _message("Time")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
 
 
 def duration_message(seconds: float) -> Any:
-    """A time span (s) as a ``builtin_interfaces/msg/Duration``, rounded to the nearest nanosecond."""
+    """Return a time span (s) as a ``builtin_interfaces/msg/Duration``, rounded to the nearest nanosecond."""
     nanoseconds = round(seconds * 1e9)
     return _message("Duration")(sec=nanoseconds // 1_000_000_000, nanosec=nanoseconds % 1_000_000_000)
 
 
 def header(seconds: float, frame_id: str = "") -> Any:
-    """A ``std_msgs/msg/Header`` stamped with a simulation time (s)."""
+    """Return a ``std_msgs/msg/Header`` stamped with a simulation time (s)."""
     return _message("Header")(stamp=time_message(seconds), frame_id=frame_id)
 
 
 def message(kind: str, data: Any) -> Any:
-    """A message of a type, made of plain data as ``ros2 topic pub`` takes it.
+    """Make a message of a type from plain data as ``ros2 topic pub`` takes it.
 
     Args:
-        kind: the message type, for example ``geometry_msgs/msg/TwistStamped``.
-        data: a message of that type; or a mapping of its fields, where what is left out is zero or empty; or the bare
+        kind: The message type, for example ``geometry_msgs/msg/TwistStamped``.
+        data: A message of that type; or a mapping of its fields, where missing ones are zero or empty; or the bare
             numbers of a ``Float64MultiArray``. It is copied.
 
     Raises:
-        ValueError: the data does not fit the type; the text says where.
+        ValueError: If the data does not fit the type; the text says where.
     """
     if kind == "std_msgs/msg/Float64MultiArray" and is_bare(data):
         return float64_multi_array(Numbers.read(data).data)
@@ -119,23 +120,23 @@ def message(kind: str, data: Any) -> Any:
 
 
 def is_bare(data: Any) -> bool:
-    """Whether data is neither a message nor a mapping of a message's fields."""
+    """Tell whether data is neither a message nor a mapping of a message's fields."""
     return not isinstance(data, Mapping) and not hasattr(data, "__msgtype__")
 
 
 @saved("Numbers")
 @dataclass(frozen=True)
 class Numbers(Frozen):
-    """All that a controller reads of a ``Float64MultiArray``; it needs no type store, which takes 50 ms to load."""
+    """All that a controller reads of a ``Float64MultiArray``, without the type store, which takes 50 ms to load."""
 
     data: tuple[float, ...]
 
     @classmethod
     def read(cls, data: Any) -> "Numbers":
-        """From bare numbers.
+        """Read bare numbers.
 
         Raises:
-            ValueError: they are none; the text says where.
+            ValueError: If the data is not a list of numbers; the text says where.
         """
         if data is None:
             raise ValueError("None is not a list")
@@ -161,10 +162,10 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
     message_type = getattr(data, "__msgtype__", None)
     if message_type is not None:
         if message_type != kind:
-            raise ValueError(f"{place}this is a {message_type}, and a {kind} is needed")
+            raise ValueError(f"{place}this is a {message_type}, but a {kind} is needed")
         data = {name: getattr(data, name, None) for name in names}
     if not isinstance(data, Mapping):
-        raise ValueError(f"{place}{shortened(data)} is no mapping of the fields of a {kind}")
+        raise ValueError(f"{place}{shortened(data)} is not a mapping of the fields of a {kind}")
     for name in data:
         if name not in names:
             raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names)}")
@@ -174,7 +175,7 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
 
 
 def _field(description: Any, value: Any, path: str) -> Any:
-    """A field's value; ``description`` is rosbags' (node type, details)."""
+    """Make a field's value; ``description`` is rosbags' (node type, details)."""
     import numpy as np
     from rosbags.interfaces import Nodetype
 
@@ -196,12 +197,12 @@ def _field(description: Any, value: Any, path: str) -> Any:
     else:
         items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
     if node == Nodetype.ARRAY and len(items) != size:
-        raise ValueError(f"{path[:-1]}: {len(items)} elements, where {size} are needed")
+        raise ValueError(f"{path[:-1]}: {len(items)} elements, but {size} are needed")
     return np.array(items, dtype=kind) if kind not in ("", "string", "wstring") else items
 
 
 def _is_vector(value: Any) -> bool:
-    """Whether a value is a NumPy array of floating-point numbers in a row."""
+    """Tell whether a value is a one-dimensional NumPy array of floating-point numbers."""
     import numpy as np
 
     return isinstance(value, np.ndarray) and value.dtype.kind == "f" and value.ndim == 1
@@ -226,27 +227,28 @@ def _base(kind: str, value: Any, path: str) -> Any:
                 raise TypeError
             return bool(value)
         if "float" in kind:
-            if isinstance(value, bool) or not isinstance(value, Real | str):  # YAML 1.1 reads 1e-3 as text
+            number = yaml_number(value)
+            if number is None:
                 raise TypeError
-            return float(value)
+            return number
         if isinstance(value, bool) or not isinstance(value, Real) or not float(value).is_integer():
             raise TypeError
         whole: Any = value
-        number, limits = int(whole), np.iinfo(kind)
-        if not limits.min <= number <= limits.max:
+        integer, limits = int(whole), np.iinfo(kind)
+        if not limits.min <= integer <= limits.max:
             raise ValueError
-        return number
+        return integer
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{path[:-1]}: {shortened(value)} is not a {kind}") from None
 
 
 def shortened(value: Any) -> str:
-    """A value as an error message shows it: a list of a million numbers by its first ones."""
+    """Return a value as an error message shows it: a list of a million numbers by its first ones."""
     return reprlib.repr(value)
 
 
 def float64_multi_array(values: Any) -> Any:
-    """Numbers as a ``std_msgs/msg/Float64MultiArray`` without layout, as controllers are commanded."""
+    """Return numbers as a ``std_msgs/msg/Float64MultiArray`` without layout, as controllers are commanded."""
     import numpy as np
 
     layout = _message("MultiArrayLayout")(dim=[], data_offset=0)

@@ -1,4 +1,4 @@
-"""What a twin is made of, as plain data: robots, world, frames, commands; read from YAML and written to it."""
+"""Scenarios: a twin as plain data (robots, world, frames, commands), read from YAML and written to it."""
 
 from drake_twin.scenario.scenario import (
     CENIC,
@@ -19,7 +19,6 @@ from drake_twin.scenario.scenario import (
     ScenarioError,
     StaticTransform,
     World,
-    field_types,
     name_in_twin,
 )
 
@@ -42,6 +41,5 @@ __all__ = [
     "ScenarioError",
     "StaticTransform",
     "World",
-    "field_types",
     "name_in_twin",
 ]

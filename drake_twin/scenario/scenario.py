@@ -4,15 +4,9 @@ Every front end (the builder, the command line, a file) ends in one `Scenario`, 
 diagram, so that every twin can be printed, saved, compared and run again. Units are SI; rotations are roll, pitch, yaw.
 """
 
-import dataclasses
-import reprlib
-import sys
-import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from math import isfinite
 from typing import Any
 
 from drake_twin.description.robot_description import Vector3
@@ -20,18 +14,19 @@ from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
+from drake_twin.scenario.typed_values import misfits
 
-# Drake's discrete solvers that honour joint servos and mimic joints (TAMSI ignores both).
+# Drake's discrete solvers that support joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")
 
-# How physics goes on: Drake's discrete solvers, or its convex integrator with error control.
+# How physics advances: with Drake's discrete solvers, or its convex integrator with error control.
 DISCRETE, CENIC = "discrete", "cenic"
 ENGINES = (DISCRETE, CENIC)
 
 # Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
 SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
 
-# Names that a robot cannot have: its sub-diagram and its model instance would clash with another part's.
+# Names that a robot cannot have: those of other sub-diagrams and model instances.
 RESERVED_NAMES = frozenset(
     (
         "world",
@@ -58,14 +53,14 @@ COLLISION_KINDS = ("hull", "decomposition")
 @saved("World")
 @dataclass(frozen=True)
 class World:
-    """Where the robots stand. What is given here goes before what the world file says.
+    """The world around the robots. What is given here replaces what the world file says.
 
     Attributes:
-        gravity: the acceleration of free fall in the world frame (m/s²); by default the file's, or 9.81 downwards.
-        ground: whether there is solid ground. By default what the file has of it, or the half space z < 0 without a
-            file; true adds that half space where the file has no plane, false leaves the file's planes out.
-        ground_friction: the ground's coefficient of friction; by default the file's, or 1.
-        file: an SDF world: a path, ``package://`` or ``model://``, or the name of a built-in one such as ``empty.sdf``.
+        gravity: The acceleration of free fall in the world frame (m/s²); by default the file's, or 9.81 downwards.
+        ground: Whether there is solid ground. By default the file's planes, or the half space z < 0 without a file;
+            true adds that half space where the file has no plane, false leaves the file's planes out.
+        ground_friction: The ground's coefficient of friction; by default the file's, or 1.
+        file: An SDF world: a path, ``package://`` or ``model://``, or the name of a built-in one such as ``empty.sdf``.
         contact: ``hydroelastic``: flat shapes of the world touch with their faces; or ``point``: in a point.
     """
 
@@ -87,24 +82,24 @@ class Robot:
     """One robot.
 
     Attributes:
-        name: its name in the twin.
-        model: its file: a path, ``package://`` or ``model://`` (xacro, URDF, SDF or MJCF).
-        xacro_args: values for the file's ``<xacro:arg>``s; ``robot_name`` is the robot's name unless it is given here.
-        xyz: where its root link starts, in the world frame (m).
-        rpy: how its root link is turned there (rad).
-        namespace: the namespace of its topics; ``/`` and its name by default.
-        frame_prefix: put before its link names in tf messages. By default ``NAME/``, and nothing where its link names
-            begin with its name already.
-        controllers: parameters files of its controllers; by default the ones that its ``<gazebo>`` plugin names.
-        active_controllers: the controllers to activate; by default all in the parameters files, in their order.
-        inactive_controllers: the controllers to load and leave inactive; those in neither list are not loaded.
-        initial_positions: joint name → position at the start (rad or m).
-        self_collision: whether its links collide with each other; without it those do that ``<selfCollide>`` names.
-        collision: what a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
+        name: Its name in the twin.
+        model: Its file: a path, ``package://`` or ``model://`` (xacro, URDF, SDF or MJCF).
+        xacro_args: Values for the file's ``<xacro:arg>``s; ``robot_name`` is the robot's name unless it is given here.
+        xyz: The position of its root link at the start, in the world frame (m).
+        rpy: The roll, pitch and yaw of its root link at the start (rad).
+        namespace: The namespace of its topics; ``/`` and its name by default.
+        frame_prefix: The prefix of its link names in tf messages. By default ``NAME/``, and nothing where its link
+            names begin with its name already.
+        controllers: Parameters files of its controllers; by default the ones that its ``<gazebo>`` plugin names.
+        active_controllers: The controllers to activate; by default all in the parameters files, in their order.
+        inactive_controllers: The controllers to load and leave inactive; those in neither list are not loaded.
+        initial_positions: Joint name → position at the start (rad or m).
+        self_collision: Whether its links collide with each other; without it those do that ``<selfCollide>`` names.
+        collision: What a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
         contact: ``hydroelastic``: its flat shapes touch with their faces; or ``point``: in a point.
-        remappings: topic → the topic in its place, both in full.
-        without_repairs: names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
-        added_controllers: controller name → its ``type`` and its parameters, beside those of the parameters files.
+        remappings: Topic → the topic in its place, both in full.
+        without_repairs: Names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
+        added_controllers: Controller name → its ``type`` and its parameters, beside those of the parameters files.
     """
 
     name: str
@@ -132,7 +127,7 @@ class Robot:
         return f"/{namespace.strip('/')}" if namespace.strip("/") else ""
 
     def remapped(self, topic: str) -> str:
-        """The topic that stands in a topic's place."""
+        """Return the topic that replaces a topic."""
         return self.remappings.get(topic, topic)
 
 
@@ -153,11 +148,11 @@ class Command:
     """A message published at a simulation time.
 
     Attributes:
-        topic: the full topic name, for example ``/robot_1/forward_velocity_controller/commands``.
-        data: the numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
-        time: when (s).
-        period: when given, it is published again every so many seconds.
-        optional: whether it is dropped, with a finding, where no controller accepts it.
+        topic: The full topic name, for example ``/robot_1/forward_velocity_controller/commands``.
+        data: The numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
+        time: The simulation time (s).
+        period: The time between repetitions (s); None to publish it once.
+        optional: Whether it is dropped, with a finding, where no controller accepts it.
     """
 
     topic: str
@@ -173,21 +168,21 @@ class Scenario:
     """Everything a twin is built from.
 
     Attributes:
-        robots: the robots, in a fixed order.
-        time_step: the physics step (s). With the engine ``cenic`` the grid on which commands and subscribers meet the
-            simulation; the engine chooses its own steps between.
+        robots: The robots, in a fixed order.
+        time_step: The physics step (s). With the engine ``cenic`` commands and subscribers meet the simulation on this
+            grid, and the engine chooses its own steps between.
         engine: ``discrete`` (fixed steps, repeatable to the last bit), or ``cenic`` (Drake's convex integrator, which
             controls its error).
-        accuracy: what ``cenic`` is asked for.
+        accuracy: The accuracy that ``cenic`` is asked for.
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
-        world: the world.
-        package_paths: folders of ROS packages to look in first.
-        static_transforms: further frames.
-        commands: what is published when.
-        findings: what a launch file asks for and the twin does not do, each with the reason.
+        world: The world.
+        package_paths: Folders of ROS packages to search first.
+        static_transforms: Further frames.
+        commands: Messages to publish, with their times.
+        findings: What a launch file asks for and the twin does not do, each with the reason.
 
     Raises:
-        InputError: a value that no twin can be built from, such as two robots of one name.
+        ScenarioError: If no twin can be built from a value, such as two robots of one name.
     """
 
     robots: tuple[Robot, ...]
@@ -207,9 +202,15 @@ class Scenario:
 
 
 class ScenarioError(InputError):
-    """A value of a scenario that no twin can be built from; ``path`` says which.
+    """Raised for a value of a scenario that no twin can be built from.
 
-    Built from a YAML file, it is raised again with the value's file and line: see `ScenarioFile.located`.
+    If the scenario comes from a YAML file, the error is raised again with the value's file and line: see
+    `ScenarioFile.located`.
+
+    Attributes:
+        path: The keys and indices that lead to the value.
+        reason: What is wrong.
+        more: Further arguments of `InputError`.
     """
 
     def __init__(self, path: ValuePath, reason: str, **more: Any):
@@ -226,31 +227,28 @@ def name_in_twin(name: str) -> str:
 
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
-    yield from _values_of_no_use(scenario, ())
+    yield from misfits(scenario, ())
     if not scenario.robots:
         yield ("robots",), "a twin needs at least one robot"
     if not scenario.time_step > 0:
-        yield ("time_step",), f"{scenario.time_step:g} s is not a step: it must be above zero"
+        yield ("time_step",), f"{scenario.time_step:g} s is not positive"
     elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:
         bounds = f"{SHORTEST_STEP:g} s to {LONGEST_STEP:g} s"
-        yield ("time_step",), f"{scenario.time_step:g} s is no step that simulates robots: valid are {bounds}"
-    if scenario.engine not in ENGINES:
-        yield ("engine",), f"{scenario.engine!r} is none of {', '.join(ENGINES)}"
+        yield ("time_step",), f"{scenario.time_step:g} s is out of bounds: valid are {bounds}"
+    for name, valid in (("engine", ENGINES), ("contact_approximation", CONTACT_APPROXIMATIONS)):
+        if getattr(scenario, name) not in valid:
+            yield (name,), _unknown(getattr(scenario, name), valid)
     if not 1e-9 <= scenario.accuracy <= 1.0:
-        yield ("accuracy",), f"{scenario.accuracy:g} is no accuracy: valid are 1e-9 to 1"
-    if scenario.contact_approximation not in CONTACT_APPROXIMATIONS:
-        valid = ", ".join(CONTACT_APPROXIMATIONS)
-        yield ("contact_approximation",), f"{scenario.contact_approximation!r} is none of {valid}"
+        yield ("accuracy",), f"{scenario.accuracy:g} is out of bounds: valid are 1e-9 to 1"
     if scenario.world.ground_friction is not None and not scenario.world.ground_friction >= 0:
         yield ("world", "ground_friction"), f"{scenario.world.ground_friction:g} is below zero"
     if scenario.world.contact not in CONTACTS:
-        yield ("world", "contact"), f"{scenario.world.contact!r} is none of {', '.join(CONTACTS)}"
+        yield ("world", "contact"), _unknown(scenario.world.contact, CONTACTS)
     names: set[str] = set()
     for index, robot in enumerate(scenario.robots):
-        if robot.contact not in CONTACTS:
-            yield ("robots", index, "contact"), f"{robot.contact!r} is none of {', '.join(CONTACTS)}"
-        if robot.collision not in COLLISION_KINDS:
-            yield ("robots", index, "collision"), f"{robot.collision!r} is none of {', '.join(COLLISION_KINDS)}"
+        for name, valid in (("contact", CONTACTS), ("collision", COLLISION_KINDS)):
+            if getattr(robot, name) not in valid:
+                yield ("robots", index, name), _unknown(getattr(robot, name), valid)
         if not robot.name or not all(character.isalnum() or character in "_-" for character in robot.name):
             yield ("robots", index, "name"), f"{robot.name!r} is not a name: use letters, digits, '_' and '-'"
         if robot.name in RESERVED_NAMES:
@@ -268,57 +266,15 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     yield from _circles(scenario.static_transforms)
     for index, command in enumerate(scenario.commands):
         if not 0 <= command.time <= LONGEST_TIME:
-            what = "lies before the start" if command.time < 0 else f"is later than {LONGEST_TIME:g} s"
+            what = "is before the start" if command.time < 0 else f"is later than {LONGEST_TIME:g} s"
             yield ("commands", index, "time"), f"{command.time:g} s {what}"
         if command.period is not None and not scenario.time_step <= command.period <= LONGEST_TIME:
-            what = f"it must be {scenario.time_step:g} s (the step) or more"
+            what = f"it must be {scenario.time_step:g} s (the time step) or more"
             yield ("commands", index, "period"), f"{command.period:g} s is not a period: {what}"
 
 
-def _values_of_no_use(value: Any, path: ValuePath) -> typing.Iterator[tuple[ValuePath, str]]:
-    """Numbers that are not finite and names that are not text, wherever they stand."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        for item in dataclasses.fields(value):
-            below = getattr(value, item.name)
-            wanted = _misfit(field_types(type(value))[item.name], below)
-            if wanted is not None:
-                yield (*path, item.name), f"{reprlib.repr(below)} is not {wanted}"
-                return
-            yield from _values_of_no_use(below, (*path, item.name))
-    elif isinstance(value, Mapping):
-        for key, below in value.items():
-            yield from _values_of_no_use(below, (*path, key))
-    elif isinstance(value, tuple) and path and path[-1] != "data":  # a command's data is its controller's to judge
-        for index, below in enumerate(value):
-            yield from _values_of_no_use(below, (*path, index))
-    elif isinstance(value, float) and not isfinite(value):
-        yield path, f"{value!r} is not a finite number"
-
-
-def _misfit(kind: Any, value: Any) -> str | None:
-    """What a value should be, where it is of another kind than the annotated one; None where it fits."""
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if origin is types.UnionType or origin is typing.Union:
-        misfits = [_misfit(item, value) for item in arguments]
-        return None if None in misfits else misfits[0]
-    if kind is typing.Any:
-        return None
-    if kind is float:
-        fits = isinstance(value, float) or (type(value) is int and abs(value) <= sys.float_info.max)
-        return None if fits else "a number"
-    if origin is tuple and arguments[-1] is not Ellipsis:
-        fits = isinstance(value, tuple | list) and len(value) == len(arguments)
-        if fits and not any(_misfit(float, item) for item in value):
-            return None
-        return f"{len(arguments)} numbers"
-    if origin is tuple:
-        fits = isinstance(value, tuple | list) and not any(_misfit(arguments[0], item) for item in value)
-        return None if fits else "a list of such values"
-    if origin is Mapping:
-        fits = isinstance(value, Mapping) and not any(_misfit(arguments[1], item) for item in value.values())
-        return None if fits else "a mapping of names to such values"
-    names = {str: "text", bool: "true or false", type(None): "None"}
-    return names.get(kind, "of this kind") if isinstance(kind, type) and not isinstance(value, kind) else None
+def _unknown(value: str, valid: tuple[str, ...]) -> str:
+    return f"unknown value {value!r}: valid are {', '.join(valid)}"
 
 
 def _circles(transforms: tuple[StaticTransform, ...]) -> typing.Iterator[tuple[ValuePath, str]]:
@@ -331,9 +287,3 @@ def _circles(transforms: tuple[StaticTransform, ...]) -> typing.Iterator[tuple[V
         if frame in seen:
             yield ("static_transforms", index, "parent"), f"the static transforms form a circle through {frame!r}"
             return
-
-
-@cache
-def field_types(kind: type) -> dict[str, Any]:
-    """Field of a dataclass → its annotated type."""
-    return typing.get_type_hints(kind)

@@ -5,7 +5,7 @@ import types
 import typing
 from collections.abc import Mapping
 from enum import Enum
-from math import isfinite, nan
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -14,26 +14,28 @@ import yaml
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
-from drake_twin.scenario import Scenario, ScenarioError, field_types
+from drake_twin.scenario import Scenario, ScenarioError
+from drake_twin.scenario.typed_values import field_types
+from drake_twin.values import yaml_number
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
-    """The scenario as YAML that `ScenarioFile` reads back to an equal scenario; defaults are left out."""
+    """Write a scenario as YAML that `ScenarioFile` reads back to an equal scenario; defaults are left out."""
     return yaml.dump(_as_plain(scenario), Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
 
 
 class ScenarioFile:
-    """A scenario's YAML file, which knows the line of each value.
+    """A scenario's YAML file, with the line of each value.
 
     Args:
-        text: the YAML text.
-        file: its file; relative file names in the text are relative to it.
+        text: The YAML text.
+        file: Its file; relative file names in the text are relative to it.
 
     Attributes:
-        scenario: what the file says.
+        scenario: The scenario.
 
     Raises:
-        InputError: with file and line of the value that cannot be used, and what would be valid.
+        InputError: If a value cannot be used; with its file and line, and what would be valid.
     """
 
     def __init__(self, text: str, file: str | Path):
@@ -46,10 +48,10 @@ class ScenarioFile:
 
     @classmethod
     def read(cls, file: str | Path) -> "ScenarioFile":
-        """Reads a file.
+        """Read a file.
 
         Raises:
-            InputError: as the constructor, or the file cannot be read.
+            InputError: If the file cannot be read, or a value in it cannot be used.
         """
         try:
             return cls(Path(file).read_text(encoding="utf-8"), file)
@@ -57,12 +59,12 @@ class ScenarioFile:
             raise InputError(f"the scenario cannot be read ({error})", file=file) from None
 
     def located(self, error: ScenarioError) -> InputError:
-        """An error of building this scenario, with the file and line of the value at fault."""
+        """Return an error of building this scenario with the file and line of the value at fault."""
         return self._document.error(error.path, error.reason, **error.more)
 
 
 class _Dumper(yaml.SafeDumper):
-    """Short lists of numbers on one line, and an indent that people read more easily."""
+    """Writes short lists on one line, and indents lists in mappings."""
 
     def increase_indent(self, flow: bool = False, indentless: bool = False) -> None:
         super().increase_indent(flow, False)
@@ -99,7 +101,7 @@ def _default(item: "dataclasses.Field[Any]") -> Any:
 
 
 def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    """Plain data as the annotated type; errors name the value by its line and path."""
+    """Convert plain data to the annotated type; errors name the value by its line and path."""
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if dataclasses.is_dataclass(kind):
         return _read_dataclass(typing.cast(type, kind), value, document, path)
@@ -115,7 +117,7 @@ def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any
         if arguments[-1] is Ellipsis:
             return tuple(_read(arguments[0], item, document, (*path, index)) for index, item in enumerate(value))
         if len(value) != len(arguments):
-            raise document.error(path, f"{value!r} has {len(value)} elements where {len(arguments)} are needed")
+            raise document.error(path, f"{value!r} has {len(value)} elements, but {len(arguments)} are needed")
         return tuple(_read(float, item, document, (*path, index)) for index, item in enumerate(value))
     if origin is Mapping:
         if not isinstance(value, dict):
@@ -127,25 +129,22 @@ def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any
 def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if kind is float:
-        try:  # YAML 1.1 reads 1e-3 as text, and an integer may be too large for a float
-            number = float(value) if is_number or isinstance(value, str) else nan
-        except (ValueError, OverflowError):
-            number = nan
-        if not isfinite(number):
+        number = yaml_number(value)
+        if number is None or not isfinite(number):
             shown = repr(value) if len(repr(value)) <= 80 else repr(value)[:80] + "…"
             raise document.error(path, f"{shown} is not a finite number")
         return number
     if issubclass(kind, Enum):
         valid = [item.value for item in kind]
         if value not in valid:
-            raise document.error(path, f"{value!r} is none of them", value=str(value), valid=valid)
+            raise document.error(path, f"unknown value {value!r}", value=str(value), valid=valid)
         return kind(value)
     if kind is int and (not is_number or value != int(value)):
         raise document.error(path, f"{value!r} is not a whole number")
     if kind is bool and not isinstance(value, bool):
         raise document.error(path, f"{value!r} is neither true nor false")
     if kind is str:
-        if isinstance(value, bool) or is_number:  # xacro arguments are text, whatever YAML takes them for
+        if isinstance(value, bool) or is_number:  # xacro arguments are text, also where YAML reads a number
             return str(value).lower() if isinstance(value, bool) else str(value)
         if not isinstance(value, str):
             raise document.error(path, f"{value!r} is not text")
@@ -154,13 +153,13 @@ def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath
 
 def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
     if value is None and not path:
-        raise document.error(path, "the file is empty, where a scenario is needed")
+        raise document.error(path, "the file is empty: a scenario is needed")
     if not isinstance(value, dict):
         raise document.error(path, f"{value!r} is not a mapping")
     kinds = field_types(kind)
     for key in value:
         if key not in kinds:
-            raise document.error((*path, key), "there is no such entry", value=str(key), valid=list(kinds))
+            raise document.error((*path, key), "unknown entry", value=str(key), valid=list(kinds))
     for item in dataclasses.fields(kind):
         required = item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
         if required and item.name not in value:

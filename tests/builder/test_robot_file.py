@@ -68,5 +68,5 @@ def test_robots_without_such_an_argument_are_prefixed_by_the_twin():
 def test_a_file_that_is_no_robot_is_refused(tmp_path):
     file = tmp_path / "notes.txt"
     file.write_text("nothing here")
-    with pytest.raises(InputError, match=r"notes\.txt: a robot file is a xacro or URDF .* and this is none of them"):
+    with pytest.raises(InputError, match=r"notes\.txt: this is not a robot file, which is a xacro or URDF"):
         robot_file_scenario(file, xacro_args={})

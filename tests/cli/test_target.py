@@ -66,7 +66,7 @@ def test_a_package_and_its_launch_file_as_with_ros2_launch(workspace):
     ("words", "message"),
     [
         (["my_bringup", "arn.launch.xml"], "has no launch file 'arn.launch.xml'. Did you mean 'arm.launch.xml'"),
-        (["my_bringpu", "arm.launch.xml"], "package 'my_bringpu' is in none of:"),
+        (["my_bringpu", "arm.launch.xml"], "package 'my_bringpu' was not found in:"),
         (["my_bringup", "arm.launch.xml", "more"], "one scenario or robot file can be run at a time"),
     ],
 )

@@ -24,7 +24,7 @@ def test_zero_leaves_a_tolerance_and_minus_one_takes_it_away():
 @pytest.mark.parametrize(
     ("path", "goal", "time", "text"),
     [
-        ({"c": StateTolerance()}, {}, 0.0, "path_tolerance has a joint 'c' that the controller does not have"),
+        ({"c": StateTolerance()}, {}, 0.0, "path_tolerance names an unknown joint 'c'"),
         ({}, {"a": StateTolerance(velocity=-0.5)}, 0.0, "goal_tolerance of joint a is -0.5; 0 means the default"),
         ({}, {}, -2.0, "goal_time_tolerance is -2"),
     ],

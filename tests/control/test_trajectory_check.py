@@ -34,9 +34,9 @@ def test_a_partial_trajectory_marks_the_joints_that_it_leaves_out():
     [
         ({"joints": ()}, "names no joints"),
         ({"points": [], "times": ()}, "has no points"),
-        ({"joints": ("a", "bb")}, "has a joint 'bb' that the controller does not have. Did you mean 'b'"),
+        ({"joints": ("a", "bb")}, "the trajectory names an unknown joint 'bb'. Did you mean 'b'"),
         ({"joints": ("a", "a")}, "names the joint 'a' twice"),
-        ({"joints": ("b",)}, "leaves out a, which allow_partial_joints_goal would have to permit"),
+        ({"joints": ("b",)}, "leaves out a, which only allow_partial_joints_goal permits"),
         ({"points": [TrajectoryPoint((0.0,))] * 2}, "point 0 of the trajectory has 1 positions for 2 joints: a, b"),
         ({"points": [TrajectoryPoint((0.0, 0.0), (0.0,))] * 2}, "has 1 velocities for 2 joints"),
         ({"points": [TrajectoryPoint((0.0, 0.0), (), (0.0,))] * 2}, "has 1 accelerations for 2 joints"),
@@ -44,8 +44,14 @@ def test_a_partial_trajectory_marks_the_joints_that_it_leaves_out():
         ({"times": (1.0, 1.0)}, "do not increase: point 0 is at 1 s, point 1 at 1 s"),
         ({"start": 3.0, "now": 5.1}, "ends in the past: it starts at 3 s and ends at 5 s, and it is 5.1 s"),
         ({"points": [TrajectoryPoint((0.0, 0.0), (0.0, 1e-6))] * 2}, "ends with a velocity of 1e-06 at joint b"),
-        ({"points": [TrajectoryPoint(velocities=(0.0, 0.0))] * 2}, "allow_integration_in_goal_trajectories would have"),
-        ({"points": [TrajectoryPoint((0.0, 0.0), effort=(1.0, 1.0))] * 2}, "efforts, and the controller commands none"),
+        (
+            {"points": [TrajectoryPoint(velocities=(0.0, 0.0))] * 2},
+            "only allow_integration_in_goal_trajectories",
+        ),
+        (
+            {"points": [TrajectoryPoint((0.0, 0.0), effort=(1.0, 1.0))] * 2},
+            "efforts, but the controller does not command efforts",
+        ),
     ],
 )
 def test_a_trajectory_that_upstream_rejects_is_refused_and_says_why(arguments, text):

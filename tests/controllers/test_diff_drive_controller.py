@@ -312,7 +312,7 @@ def test_the_parameters_of_ros2_controllers_defaults():
 def test_humbles_names_are_accepted_with_a_warning_where_they_change_nothing():
     dut = drive({"wheels_per_side": 1, "linear.x.min_acceleration": -1.0, "publish_wheel_data": True})
     assert dut.warnings == (
-        "controller drive: there is no parameter 'publish_wheel_data', it is ignored",
+        "controller drive: unknown parameter 'publish_wheel_data': it is ignored",
         (
             "controller drive: linear.x.min_acceleration is ignored: ros2_controllers reads"
             " max_acceleration_reverse and max_deceleration since Jazzy"

@@ -240,7 +240,7 @@ def test_the_set_point_is_that_of_the_time_at_which_it_acts():
     ("trajectory", "text"),
     [
         (message([], []), "has no points"),
-        (message([(0.0, 0.0)], [1.0], joints=("a", "c")), "has a joint 'c' that the controller does not have"),
+        (message([(0.0, 0.0)], [1.0], joints=("a", "c")), "the trajectory names an unknown joint 'c'"),
         (message([(0.0,)], [1.0]), "point 0 of the trajectory has 1 positions for 2 joints: a, b"),
         (message([(0.0,)], [1.0], joints=("a",)), "leaves out b"),
         (message([(0.0, 0.0)] * 2, [1.0, 1.0]), "the times of the trajectory do not increase"),
@@ -371,7 +371,7 @@ def test_goal_tolerances_sent_with_a_goal_hold_for_that_goal_only():
 
 def test_a_goal_with_meaningless_tolerances_is_refused():
     rig = Rig()
-    with pytest.raises(CommandError, match="path_tolerance has a joint 'c'"):
+    with pytest.raises(CommandError, match="path_tolerance names an unknown joint 'c'"):
         rig.send_goal(GOAL, path=[("c", 0.1)])
 
 

@@ -2,7 +2,7 @@ import pytest
 from lxml import etree
 from sdf_worlds import findings, world_of
 
-SLIDES = "m: joint j: its caster ball slides without friction in place of rolling"
+SLIDES = "m: joint j: its caster ball slides without friction instead of rolling"
 SPHERE = "<collision name='c'>{}<geometry><sphere><radius>0.05</radius></sphere></geometry>{}</collision>"
 ROUGH = "<surface><friction><ode><mu>0.7</mu><mu2>0.7</mu2></ode></friction></surface>"
 

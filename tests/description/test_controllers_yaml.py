@@ -122,7 +122,7 @@ def test_placeholders_take_their_values(read, placeholder):
 def test_a_placeholder_without_a_value_gives_the_line_and_those_that_have_one(refusal, placeholder):
     text = f"# joints\narm:\n  ros__parameters:\n    joints: [{placeholder}elbow]\n"
     assert refusal(text, prefix="left_", robot_name="r") == (
-        f"controllers.yaml:4: {placeholder} has no value here. Did you mean 'prefix'? Valid: prefix, robot_name."
+        f"controllers.yaml:4: {placeholder} has no value. Did you mean 'prefix'? Valid: prefix, robot_name."
     )
 
 
@@ -134,7 +134,7 @@ def test_a_placeholder_in_a_comment_needs_no_value(read):
 def test_an_update_rate_that_is_none_is_refused_with_line_and_path(refusal, rate):
     text = refusal(f"controller_manager:\n  ros__parameters:\n    update_rate: {rate}\n")
     assert text.startswith("controllers.yaml:3: controller_manager.ros__parameters.update_rate: ")
-    assert text.endswith(" is not a rate above zero (Hz).")
+    assert text.endswith(" is not a positive rate (Hz).")
 
 
 def test_a_file_that_is_no_mapping_is_refused(refusal):
@@ -239,8 +239,8 @@ def test_what_the_controller_manager_does_not_read_is_said_with_its_line(read, t
     )
     said = {finding.lines[0]: finding.what for finding in read(text).findings}
     assert said == {
-        4: "controller_manager: there is no parameter 'use_sim_tim', it is ignored",
+        4: "controller_manager: unknown parameter 'use_sim_tim': it is ignored",
         5: "controller_manager: hardware_components_initial_state is ignored: all hardware is active",
-        6: "controller_manager: 'lost' has no type: it is no controller",
+        6: "controller_manager: 'lost' has no type, so it is not a controller: it is ignored",
         7: "controller_manager: thread_priority is ignored: the twin has no process for it",
     }

@@ -210,7 +210,7 @@ def test_a_shape_whose_mesh_is_missing_or_broken_is_left_out(tmp_path, shape, co
     shapes = f"\n<{shape}>{MESH.format('wheel.stl')}</{shape}><{shape}>{BOX}</{shape}>"
     robot, (repair,) = prepare(f"<link name='base'>{shapes}</link>", tmp_path / "rover.urdf")
     assert len(robot.findall(f"link/{shape}")) == 1
-    assert repair.startswith(f"rover.urdf:2: link 'base' goes without its {shape} mesh: {tmp_path}/wheel.stl: ")
+    assert repair.startswith(f"rover.urdf:2: the {shape} mesh of link 'base' is left out: {tmp_path}/wheel.stl: ")
     assert repair.endswith("[missing_mesh]")
 
 
@@ -218,7 +218,7 @@ def test_a_mesh_that_is_missing_is_refused_with_its_line_without_that_repair(tmp
     body = f"<link name='base'>\n<visual>{MESH.format('wheel.stl')}</visual></link>"
     text = refusal(body, tmp_path / "rover.urdf", without=["missing_mesh"])
     assert text.startswith(f"{tmp_path}/rover.urdf:2: <mesh> of ")
-    assert text.endswith(f"{tmp_path}/wheel.stl: there is no such file.")
+    assert text.endswith(f"{tmp_path}/wheel.stl: the file does not exist.")
 
 
 @pytest.mark.parametrize(
@@ -242,7 +242,7 @@ def test_a_mesh_of_someone_elses_machine_is_missing_without_that_repair(tmp_path
     body = f"<link name='base'><visual>{MESH.format('/home/someone/rover/meshes/wheel.stl')}</visual></link>"
     robot, (repair,) = prepare(body, None, tmp_path, without=["mesh_elsewhere"])
     assert robot.find("link/visual") is None
-    assert repair.endswith("/home/someone/rover/meshes/wheel.stl: there is no such file [missing_mesh]")
+    assert repair.endswith("/home/someone/rover/meshes/wheel.stl: the file does not exist [missing_mesh]")
 
 
 PRIMITIVES = {

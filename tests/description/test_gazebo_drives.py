@@ -193,8 +193,8 @@ def test_gz_ackermann_steering_drives_the_wheels_that_are_not_steered():
         ("steer_left", "position"),
     )
     assert drive.warnings == (
-        "of <right_joint> fr, rr the twin drives rr, and the others roll",
-        "of <left_joint> fl, rl the twin drives rl, and the others roll",
+        "of <right_joint> fr, rr the twin drives rr; the others roll",
+        "of <left_joint> fl, rl the twin drives rl; the others roll",
     )
     dut = Driven(drive.controller.type, drive.controller.parameters)
     dut.commands_while(0.05, x=5.0, z=50.0)

@@ -56,7 +56,7 @@ def test_meshes_are_found_in_the_compilers_folder_and_converted(tmp_path, monkey
     ("text", "match"),
     [
         ("<mujoco/>", "an MJCF robot has a <worldbody>"),
-        ("<mujoco><worldbody/></mujoco>", "there is no <body> in it"),
+        ("<mujoco><worldbody/></mujoco>", "it has no <body>"),
         (BALL.replace("</worldbody>", '<body name="c"/></worldbody>'), "a robot is one tree of bodies"),
     ],
 )

@@ -91,7 +91,7 @@ def test_a_package_finds_itself_and_neighbours_anywhere_below_its_workspaces_src
 def test_a_package_under_colcon_ignore_is_not_seen(tmp_path, place):
     ignored = package(tmp_path / place)
     (ignored / "COLCON_IGNORE").touch()
-    with pytest.raises(InputError, match="package 'rover' is in none of"):
+    with pytest.raises(InputError, match="package 'rover' was not found in"):
         index(tmp_path).find("rover")
 
 
@@ -168,7 +168,7 @@ def test_an_unknown_scheme_is_refused_with_those_that_are_known():
 
 def test_a_missing_file_in_a_package_is_named_with_its_full_path(tmp_path):
     rover = package(tmp_path / "rover")
-    with pytest.raises(InputError, match=rf"{rover}/wheel\.stl: there is no such file"):
+    with pytest.raises(InputError, match=rf"{rover}/wheel\.stl: the file does not exist"):
         index(tmp_path).resolve("package://rover/wheel.stl")
 
 

@@ -62,7 +62,7 @@ def test_a_static_model_is_a_fixed_robot_with_moving_joints(value, expected):
 
 def test_another_joint_to_the_world_is_refused():
     text = refusal(prepare, ARM + TO_WORLD.format(kind="revolute", inside=AXIS.format("")))
-    assert text == 'arm.sdf:2: <joint name="weld">: a joint to the world is supported when it is fixed.'
+    assert text == 'arm.sdf:2: <joint name="weld">: a joint to the world must be fixed.'
 
 
 def test_a_world_file_is_refused():

@@ -128,7 +128,7 @@ def test_models_that_are_nowhere_are_named_in_one_warning(tmp_path):
     mesh = "<mesh><uri>model://tree/tree.dae</uri></mesh>"
     body += f'<model name="a">{BOX.replace("<box><size>1 1 1</size></box>", mesh)}</model>'
     (warning,) = findings(world_of(tmp_path, body))
-    assert warning.startswith("what these models and packages hold is left out: cafe, table, tree. ")
+    assert warning.startswith("these models and packages were not found: cafe, table, tree. ")
     assert str(tmp_path) in warning or "GAZEBO" in warning or "--package-path" in warning
 
 

@@ -43,8 +43,11 @@ def test_a_visual_has_the_colour_that_gazebo_gives_it(tmp_path, material, transp
     ("text", "what"),
     [
         ("<box><size>1 0 1</size></box>", "a: a collision <box> has no size: it is left out"),
-        ("<heightmap><uri>x</uri></heightmap>", "a: a collision of the shape <heightmap> is left out: Drake has none"),
-        ("<plane/>", "a: a collision <plane> of a model that moves is left out: Drake has none"),
+        (
+            "<heightmap><uri>x</uri></heightmap>",
+            "a: a collision <heightmap> is left out: Drake does not support it",
+        ),
+        ("<plane/>", "a: a collision <plane> of a model that moves is left out: Drake does not support it"),
     ],
 )
 def test_a_shape_that_drake_has_not_is_left_out_with_a_warning(tmp_path, text, what):
@@ -77,13 +80,13 @@ JOINT = """<link name="a"/><link name="b"/><joint name="j" type="{}"><parent>a</
 
 def test_a_joint_that_drake_has_not_is_fixed(tmp_path):
     world = world_of(tmp_path, f'<model name="m">{JOINT.format("gearbox")}</model>')
-    assert "m: joint j is fixed: Drake has no gearbox joints" in findings(world)
+    assert "m: joint j is fixed: Drake does not support gearbox joints" in findings(world)
     assert etree.fromstring(world.models[0].text).find("model/joint").get("type") == "fixed"
 
 
 def test_limits_in_the_wrong_order_change_places(tmp_path):
     world = world_of(tmp_path, f'<model name="m">{JOINT.format("revolute")}</model>')
-    assert findings(world) == ("m: joint j: lower 2 is above upper 1: they change places",)
+    assert findings(world) == ("m: joint j: lower 2 is above upper 1: they are swapped",)
     limit = etree.fromstring(world.models[0].text).find("model/joint/axis/limit")
     assert (limit.findtext("lower"), limit.findtext("upper")) == ("1", "2")
 
@@ -112,7 +115,7 @@ def test_what_no_axis_has_is_left_out(tmp_path):
 @pytest.mark.parametrize("kind", ["ball", "universal", "screw"])
 def test_limits_that_drake_has_not_are_named(tmp_path, kind):
     world = world_of(tmp_path, f'<model name="m">{JOINT.format(kind)}</model>')
-    assert f"m: joint j moves without limits: Drake has none for {kind} joints" in findings(world)
+    assert f"m: joint j moves without limits: Drake does not support limits of {kind} joints" in findings(world)
     endless = JOINT.format(kind).replace(
         "<lower>2</lower><upper>1</upper>", "<lower>-1e16</lower><velocity>-1</velocity>"
     )

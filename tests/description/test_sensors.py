@@ -78,9 +78,9 @@ def test_sensors_of_other_kinds_and_at_links_that_are_not_there_are_left_out():
     ("call", "inside", "text"),
     [
         (imu, "<update_rate>fast</update_rate>", "update_rate is 'fast', which is not a number"),
-        (imu, "<update_rate>-1</update_rate>", "update_rate is '-1', and cannot be negative"),
+        (imu, "<update_rate>-1</update_rate>", "update_rate is '-1', but it cannot be negative"),
         (imu, "<pose>1 2 3</pose>", "pose is '1 2 3', where six numbers are needed"),
-        (force_torque, "<force_torque><frame>world</frame></force_torque>", "frame is 'world', which is none of child"),
+        (force_torque, "<force_torque><frame>world</frame></force_torque>", "unknown frame 'world'. Valid: child"),
     ],
 )
 def test_a_wrong_value_is_refused_with_its_line(call, inside, text):

@@ -6,7 +6,7 @@ from drake_twin.description.xml_reader import XmlReader
 
 SHAPE = "<collision><geometry><box size='1 1 1'/></geometry></collision>"
 MASS = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>"
-STIFFNESS = "without effect: contact is as hard and as damped as suits the masses"
+STIFFNESS = "without effect: stiffness and damping of contact follow from the masses"
 ISOTROPY = "without effect: friction is the same in all directions"
 SMALLER = f"{ISOTROPY}, and the smaller coefficient counts"
 
@@ -70,14 +70,14 @@ def test_coefficients_in_two_tags_are_those_of_one_link():
         (
             "<friction><ode><mu>0.4</mu></ode><bullet><friction>0.9</friction><rolling_friction>1</rolling_friction></bullet></friction>",
             [
-                "rolling_friction of l: without effect: nothing but friction brakes what rolls",
+                "rolling_friction of l: without effect: rolling has no resistance but friction",
                 f"friction of l: {SMALLER}",
             ],
         ),
         ("<friction><torsional><coefficient>1</coefficient></torsional></friction>", []),
         (
             "<friction><torsional><coefficient>1</coefficient><patch_radius>0.1</patch_radius></torsional></friction>",
-            ["patch_radius of l: without effect: only what touches with faces brakes a turn on the spot"],
+            ["patch_radius of l: without effect: only contact between faces resists a turn on the spot"],
         ),
         (
             "<bounce><restitution_coefficient>0.8</restitution_coefficient><threshold>1</threshold></bounce>",
@@ -88,7 +88,7 @@ def test_coefficients_in_two_tags_are_those_of_one_link():
         ("<contact><collide_bitmask>0xffff</collide_bitmask></contact>", []),
         (
             "<contact><collide_bitmask>0x01</collide_bitmask></contact>",
-            ["collide_bitmask of l: without effect: what belongs to different models collides"],
+            ["collide_bitmask of l: without effect: shapes of different models always collide"],
         ),
     ],
 )

@@ -11,18 +11,16 @@ from drake_twin.description.world_file import read_world
 
 
 def test_gravity_and_times_are_the_files(tmp_path):
-    physics = (
-        "<physics type='ode'><max_step_size>0.004</max_step_size><real_time_factor>0.5</real_time_factor></physics>"
-    )
+    physics = "<physics type='ode'><max_step_size>0.004</max_step_size></physics>"
     world = world_of(tmp_path, f"<gravity>0 0.1 -1.62</gravity>{physics}")
     assert (world.name, world.gravity) == ("w", (0.0, 0.1, -1.62))
-    assert (world.max_step_size, world.real_time_factor) == (0.004, 0.5)
+    assert world.max_step_size == 0.004
 
 
 def test_without_gravity_and_physics_sdfs_defaults_hold(tmp_path):
     world = world_of(tmp_path, "")
     assert world.gravity == (0.0, 0.0, -9.8)
-    assert (world.max_step_size, world.real_time_factor, world.models, findings(world)) == (None, None, (), ())
+    assert (world.max_step_size, world.models, findings(world)) == (None, (), ())
 
 
 def test_gravity_stands_in_physics_before_sdf_1_5(tmp_path):
@@ -44,7 +42,7 @@ def test_the_empty_world_is_built_in(name):
 
 def test_another_of_gazebos_worlds_says_that_it_is_not_there():
     text = refusal(read_world, "shapes.sdf", PackageIndex((), {}))
-    assert text.startswith("there is no world file 'shapes.sdf', and of the worlds that come with Gazebo only some")
+    assert text.startswith("the world file 'shapes.sdf' does not exist, and of Gazebo's own worlds only some")
     assert text.endswith("Valid: empty.sdf, empty.world, default.sdf.")
 
 
@@ -87,10 +85,13 @@ def test_a_quaternion_is_a_pose_too(tmp_path):
 @pytest.mark.parametrize(
     ("pose", "what"),
     [
-        ('<pose relative_to="gone">0 0 0 0 0 0</pose>', "its pose is relative to 'gone', which is no model or frame"),
+        (
+            '<pose relative_to="gone">0 0 0 0 0 0</pose>',
+            "its pose is relative to 'gone', which does not exist",
+        ),
         ('<pose relative_to="a">0 0 0 0 0 0</pose>', "its pose is relative to 'a', which is relative to it"),
-        ("<pose>1 2 3</pose>", "'1 2 3' is no pose (six numbers are needed)"),
-        ("<pose>1 2 nan 0 0 0</pose>", "'1 2 nan 0 0 0' is no pose (not finite)"),
+        ("<pose>1 2 3</pose>", "'1 2 3' is not a pose (six numbers are needed)"),
+        ("<pose>1 2 nan 0 0 0</pose>", "'1 2 nan 0 0 0' is not a pose (not finite)"),
     ],
 )
 def test_a_pose_that_is_none_is_refused_with_its_line(tmp_path, pose, what):
@@ -115,7 +116,7 @@ def test_a_saved_state_goes_before_the_models_own_pose(tmp_path):
 def test_two_models_of_one_name_get_two_names(tmp_path):
     world = world_of(tmp_path, f'<model name="a">{BOX}</model><model name="a">{BOX}</model>')
     assert [model.name for model in world.models] == ["a", "a_0"]
-    assert findings(world) == ("a: there are several models of this name; one is called a_0",)
+    assert findings(world) == ("a: several models have this name; one is called a_0",)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +163,7 @@ def test_one_thing_about_many_models_is_one_warning(tmp_path):
     [
         (
             "<sdf version='1.9'><model name='a'/></sdf>",
-            "a world is an SDF file with a <world>, but this holds no <world>",
+            "a world is an SDF file with a <world>, but this has no <world>",
         ),
         ("<robot name='a'/>", "a world is an SDF file with a <world>, but this begins with <robot>"),
         ("<sdf><world name='w'>", "this is not well-formed XML"),
@@ -187,7 +188,7 @@ def test_the_worlds_that_others_wrote_are_read(corpus):
     index = PackageIndex((), {})
     worlds = {file.stem: read_world(str(file), index) for file in corpus.rglob("*.world")}
     assert (worlds["Lunar"].gravity, worlds["Lunar"].max_step_size) == ((0.0, 0.0, -1.62), 0.04)
-    assert "what these models and packages hold is left out" in " ".join(findings(worlds["Lunar"]))  # not in the corpus
+    assert "these models and packages were not found" in " ".join(findings(worlds["Lunar"]))  # not in the corpus
     models = worlds["playground"].models
     assert (len(models), len({model.name for model in models})) == (21, 21)
     assert models[0].name == "ground_plane"

@@ -56,7 +56,7 @@ def test_find_sees_the_neighbours_of_the_files_own_package(tmp_path):
 def test_an_unknown_package_in_find_names_the_file_and_where_it_was_looked_for_once(tmp_path):
     file = write_xacro(tmp_path / "r.xacro", '<link name="$(find wheels)"/>')
     text = refusal(file, tmp_path)
-    assert text.startswith(f"{file}: xacro: package 'wheels' is in none of: {tmp_path}")
+    assert text.startswith(f"{file}: xacro: package 'wheels' was not found in: {tmp_path}")
     assert text.count("package 'wheels'") == 1
 
 

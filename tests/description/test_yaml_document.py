@@ -55,7 +55,7 @@ def test_two_documents_in_one_file_are_refused():
 
 
 def test_a_key_that_stands_twice_in_one_mapping_is_refused():
-    assert refusal("a:\n  b: 1\n  c: 2\n  b: 3\n") == "params.yaml:4: 'b' stands twice."
+    assert refusal("a:\n  b: 1\n  c: 2\n  b: 3\n") == "params.yaml:4: 'b' occurs twice."
 
 
 def test_a_key_may_stand_in_two_mappings():

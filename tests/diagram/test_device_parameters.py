@@ -57,7 +57,7 @@ def test_gains_of_a_pid_are_read_for_each_joint():
 
 
 def test_a_pid_on_an_interface_that_the_twin_does_not_measure_is_refused():
-    with pytest.raises(InputError, match="'effort' is not a choice"):
+    with pytest.raises(InputError, match="unknown value 'effort'"):
         read(
             "pid_controller/PidController",
             dof_names=["a"],

@@ -118,7 +118,7 @@ def test_a_world_file_that_is_missing_is_named_and_the_robot_stands_on_the_groun
     assert launch.scenario.world.file is None
     (reason,) = not_started(launch.scenario)
     assert reason.startswith(f"world {tmp_path}/gone.sdf: ")
-    assert "there is no world file" in reason
+    assert "does not exist, and of Gazebo's own worlds only some are built in" in reason
 
 
 # --- frames

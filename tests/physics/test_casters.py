@@ -62,7 +62,7 @@ def turned(twin, name, seconds):
 @every_engine
 def test_a_base_on_a_caster_ball_turns_in_place_as_commanded(tmp_path, engine):
     twin = small_twin(tmp_path, engine)
-    assert "robot: joint caster: its caster ball slides without friction in place of rolling" in twin.warnings
+    assert "robot: joint caster: its caster ball slides without friction instead of rolling" in twin.warnings
     twin.publish("/robot/cmd_vel", {"linear": {"x": 0.0}, "angular": {"z": RATE}})
     twin.advance_to(2.0)
     assert 0.97 < turned(twin, "robot", 4.0) / (RATE * 4.0) < 1.01

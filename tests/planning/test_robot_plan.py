@@ -149,7 +149,7 @@ def test_link_names_that_carry_the_robots_name_need_no_frame_prefix():
 
 
 def test_a_missing_robot_file_is_said_at_its_place_in_the_scenario():
-    with pytest.raises(ScenarioError, match=r"robots\.0\.model: /nowhere/a\.urdf: there is no such file"):
+    with pytest.raises(ScenarioError, match=r"robots\.0\.model: /nowhere/a\.urdf: the file does not exist"):
         plan_robot(Robot("a", "/nowhere/a.urdf"), PACKAGES, ("robots", 0))
 
 

@@ -88,7 +88,7 @@ def test_a_missing_file_is_named():
 def test_an_unknown_entry_is_named_with_its_line_and_the_closest_valid_one():
     refused(
         "robots:\n  - name: a\n    model: a.urdf\n    xzy: [0, 0, 0]\n",
-        r"^twin\.yaml:4: robots\.0\.xzy: there is no such entry\. Did you mean 'xyz'\? Valid: name, model, ",
+        r"^twin\.yaml:4: robots\.0\.xzy: unknown entry\. Did you mean 'xyz'\? Valid: name, model, ",
     )
 
 
@@ -97,17 +97,20 @@ def test_an_unknown_entry_is_named_with_its_line_and_the_closest_valid_one():
     [
         ("robots: []", r"twin\.yaml:1: robots: a twin needs at least one robot"),
         ("robots:\n- {name: a}", r"twin\.yaml:2: robots\.0: the entry 'model' is missing"),
-        ("robots:\n- {name: a, model: m, xyz: [1, 2]}", r":2: robots\.0\.xyz: \[1, 2\] has 2 elements where 3"),
+        ("robots:\n- {name: a, model: m, xyz: [1, 2]}", r":2: robots\.0\.xyz: \[1, 2\] has 2 elements, but 3"),
         ("robots:\n- {name: a, model: m, xyz: [1, 2, x]}", r":2: robots\.0\.xyz\.2: 'x' is not a finite number"),
         ("robots:\n- {name: a, model: m, xyz: [1, 2, .nan]}", r"xyz\.2: nan is not a finite number"),
         ("robots:\n- {name: a, model: m, self_collision: maybe}", r"'maybe' is neither true nor false"),
         ("robots:\n- {name: a, model: [m]}", r"robots\.0\.model: \['m'\] is not text"),
         ("robots: a", r"twin\.yaml:1: robots: 'a' is not a list"),
         ("- a", r"twin\.yaml:1: \['a'\] is not a mapping"),
-        ("", r"twin\.yaml: the file is empty, where a scenario is needed"),
-        ("robots: [{name: a, model: m}]\ntime_step: -0.001", r":2: time_step: -0\.001 s is not a step"),
-        ("robots: [{name: a, model: m}]\ntime_step: 0", r":2: time_step: 0 s is not a step"),
-        ("robots: [{name: a, model: m}]\ncontact_approximation: tamsi", r"'tamsi' is none of lagged, similar, sap"),
+        ("", r"twin\.yaml: the file is empty: a scenario is needed"),
+        ("robots: [{name: a, model: m}]\ntime_step: -0.001", r":2: time_step: -0\.001 s is not positive"),
+        ("robots: [{name: a, model: m}]\ntime_step: 0", r":2: time_step: 0 s is not positive"),
+        (
+            "robots: [{name: a, model: m}]\ncontact_approximation: tamsi",
+            r"unknown value 'tamsi': valid are lagged",
+        ),
         ("robots:\n- {name: a, model: m}\n- {name: a, model: m}", r":3: robots\.1\.name: two robots are named 'a'"),
         ("robots: [{name: 'a b', model: m}]", r"'a b' is not a name"),
         ("robots: [{name: world, model: m}]", r"'world' is the name of another part of the twin"),
@@ -115,7 +118,7 @@ def test_an_unknown_entry_is_named_with_its_line_and_the_closest_valid_one():
             "robots: [{name: a, model: m}]\nstatic_transforms:\n- {parent: w, child: c}\n- {parent: v, child: c}",
             r":4: static_transforms\.1\.child: frame 'c' would have two parents",
         ),
-        ("robots: [{name: a, model: m}]\ncommands: [{topic: t, data: [1], time: -1}]", r"lies before the start"),
+        ("robots: [{name: a, model: m}]\ncommands: [{topic: t, data: [1], time: -1}]", r"is before the start"),
         ("robots: [{name: a, model: m}]\ncommands: [{topic: t, data: [1], period: 0}]", r"0 s is not a period"),
         ("robots: [", r"twin\.yaml:\d: this is not valid YAML"),
     ],

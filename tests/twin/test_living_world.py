@@ -99,7 +99,7 @@ def test_what_cannot_be_spawned_or_deleted_is_said_as_gazebo_says_it_and_nothing
         twin.spawn(Robot("robot_1", ROVER))
     with pytest.raises(InputError, match=r"Entity \[robot_9\] does not exist\."):
         twin.delete("robot_9")
-    with pytest.raises(ScenarioError, match="there is no such file"):
+    with pytest.raises(ScenarioError, match="the file does not exist"):
         twin.spawn(Robot("new", "/nowhere/robot.urdf"))
     with pytest.raises(InputError, match="'plant' is the name of another part"):
         twin.spawn(Robot("plant", ROVER))

@@ -1,0 +1,64 @@
+"""The plugins of Gazebo classic and gz-sim that command single joints or publish their states, as controllers."""
+
+from drake_twin.description.gazebo_drive import CannotWorkError, DrivePlugin, GazeboDrive, gazebo_plugin
+
+
+@gazebo_plugin("libgazebo_ros_joint_state_publisher.so")
+def gazebo_ros_joint_state_publisher(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``libgazebo_ros_joint_state_publisher.so`` to a joint_state_broadcaster."""
+    joints = plugin.joints("joint_name")
+    topics = plugin.ros_topics({"joint_states": "joint_states"})
+    return _joint_states(plugin, joints, plugin.number("update_rate", 100.0), topics, {})
+
+
+@gazebo_plugin("gz-sim-joint-state-publisher-system")
+def joint_state_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-joint-state-publisher-system`` to a joint_state_broadcaster."""
+    joints = plugin.joints("joint_name", required=False)
+    _, gz_topics = plugin.gz_topics({"joint_states": ("topic", "joint_state")})
+    topics = {"joint_states": plugin.text("topic", "joint_states").strip("/")}
+    return _joint_states(plugin, joints, plugin.number("update_rate", 0.0), topics, gz_topics)
+
+
+def _joint_states(
+    plugin: DrivePlugin, joints: tuple[str, ...], rate: float, topics: dict[str, str], gz_topics: dict[str, str]
+) -> GazeboDrive:
+    joints = joints or tuple(joint.name for joint in plugin.description.movable_joints)
+    parameters = {"joints": list(joints), "interfaces": ["position", "velocity"]}
+    kind = "joint_state_broadcaster/JointStateBroadcaster"
+    controller = plugin.controller(kind, parameters | ({"update_rate": int(rate)} if rate >= 1.0 else {}))
+    return GazeboDrive(plugin.plugin, controller, topics=topics, gz_topics=gz_topics)
+
+
+@gazebo_plugin("gz-sim-joint-position-controller-system")
+def joint_position_controller_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-joint-position-controller-system`` to a controller of positions."""
+    return _joint_commands(plugin, "position", "joint/{joint}/{index}/cmd_pos")
+
+
+@gazebo_plugin("gz-sim-joint-controller-system")
+def joint_controller_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-joint-controller-system`` to a controller of velocities."""
+    return _joint_commands(plugin, "velocity", "joint/{joint}/cmd_vel")
+
+
+def _joint_commands(plugin: DrivePlugin, interface: str, default_topic: str) -> GazeboDrive:
+    if plugin.flag("use_actuator_msg", False):
+        raise CannotWorkError("<use_actuator_msg> is not supported")
+    joints = plugin.joints("joint_name")
+    default = plugin.text("sub_topic", default_topic.format(joint=joints[0], index=plugin.text("joint_index", "0")))
+    gz = plugin.text("topic", f"/model/{{model}}/{default}")
+    ros = gz.strip("/") if plugin.has("topic") else default
+    gains = [tag for tag in ("p_gain", "i_gain", "d_gain", "use_force_commands") if plugin.has(tag)]
+    start = plugin.number("initial_position", 0.0) if interface == "position" else 0.0
+    kind = f"{interface}_controllers/JointGroup{interface.title()}Controller"
+    return GazeboDrive(
+        plugin.plugin,
+        plugin.controller(kind, {"joints": list(joints)}),
+        topics={"commands": ros},
+        gz_topics={"commands": gz},
+        types={"commands": "std_msgs/msg/Float64"},
+        interfaces=tuple((joint, interface) for joint in joints),
+        start=dict.fromkeys(joints, start) if start else {},
+        warnings=tuple(f"<{tag}> is not used: the twin chooses the joint's gains" for tag in gains),
+    )

@@ -1,0 +1,77 @@
+"""The registry of repairs, and their application to a document."""
+
+from collections.abc import Callable, Collection, Iterator
+from typing import TypeAlias
+
+from lxml import etree
+
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
+from drake_twin.extensions import load_extensions
+from drake_twin.findings import Finding, Kind
+
+Mended: TypeAlias = Iterator[tuple[etree._Element, str]]
+Repair: TypeAlias = Callable[[XmlReader], Mended]
+
+# Rule's name → repair, in the order in which they are applied.
+REPAIRS: dict[str, Repair] = {}
+
+GROUP = "drake_twin.repairs"
+
+
+def repair(name: str) -> Callable[[Repair], Repair]:
+    """Register a function that repairs the tree of a URDF.
+
+    The function is given the document, changes its tree, and yields each element that it changed with what it did.
+
+    Args:
+        name: The rule's name, under which users switch the repair off.
+
+    Raises:
+        ValueError: If another repair has the name.
+    """
+
+    def register(function: Repair) -> Repair:
+        if name in REPAIRS:
+            raise ValueError(f"{REPAIRS[name].__module__} and {function.__module__} both register a repair {name!r}")
+        REPAIRS[name] = function
+        return function
+
+    return register
+
+
+def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Finding]:
+    """Apply the repairs to a URDF's tree.
+
+    Args:
+        reader: The document; its tree is changed.
+        without: Names of repairs to leave out.
+
+    Returns:
+        What was repaired, in order.
+    """
+    load_extensions(GROUP)
+    return [
+        Finding.at(Kind.MENDED, what, reader.place(element), name)
+        for name, function in REPAIRS.items()
+        if name not in without
+        for element, what in function(reader)
+    ]
+
+
+def check_repair_names(names: Collection[str], others: Collection[str] = ()) -> None:
+    """Check names of repairs.
+
+    Args:
+        names: The names to check.
+        others: Names of repairs that are not in the registry.
+
+    Raises:
+        InputError: If a name is unknown.
+    """
+    if not names:
+        return
+    load_extensions(GROUP)
+    for name in names:
+        if name not in REPAIRS and name not in others:
+            raise InputError(f"unknown repair {name!r}", value=name, valid=sorted((*REPAIRS, *others)))

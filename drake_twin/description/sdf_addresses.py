@@ -1,0 +1,148 @@
+"""Which file an address in an SDF file names: in the packages, near the file, or where Gazebo keeps its downloads."""
+
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from lxml import etree
+
+from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.sdf_document import sdf_version
+from drake_twin.description.source_file import read_xml
+from drake_twin.errors import InputError
+
+_SUN = '<sdf version="1.9"><light name="sun" type="directional"/></sdf>'
+_GROUND_PLANE = """<sdf version="1.9"><model name="ground_plane"><static>true</static><link name="link">
+<collision name="collision"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry></collision>
+<visual name="visual"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
+<material><diffuse>0.8 0.8 0.8 1</diffuse></material></visual></link></model></sdf>"""
+
+# The models that nearly every world includes, by their names in Gazebo's collections.
+_BUILT_IN = {"ground_plane": _GROUND_PLANE, "sun": _SUN}
+
+_FUEL = re.compile(r"https?://(?P<host>[^/]+)(?:/1\.0)?/(?P<owner>[^/]+)/models/(?P<name>[^/]+)", re.IGNORECASE)
+_FUEL_CACHES = (".gz/fuel", ".ignition/fuel")
+
+
+class NotIncludedError(Exception):
+    """Raised when an ``<include>`` cannot be resolved; Gazebo continues without the model, and so does the twin."""
+
+
+class SdfAddresses:
+    """Resolves the addresses of one world.
+
+    Args:
+        packages: Resolves ``package://`` and ``model://``.
+
+    Attributes:
+        missing: Packages and models that were not found, each with the error that says where it was searched.
+    """
+
+    def __init__(self, packages: PackageIndex):
+        self._packages = packages
+        self.missing: dict[str, MissingPackageError] = {}
+
+    def find(self, address: str, base: Path | None) -> Path:
+        """Find the file or folder of an address.
+
+        Beyond what the package index knows, a model is found in the folders above the file at hand and in their
+        ``models`` folders, where worlds keep theirs.
+
+        Args:
+            address: The address.
+            base: The file that holds it.
+
+        Raises:
+            InputError: If it does not exist.
+        """
+        scheme, separator, rest = address.partition("://")
+        rest = rest if separator else address
+        if separator and scheme not in ("model", "package", "file"):
+            raise InputError(f"unknown scheme of {address!r}", valid=["model://", "package://", "file://"])
+        relative = not Path(rest).is_absolute() and base is not None
+        if relative and scheme != "package":
+            for folder in _folders_near(Path(str(base))):
+                if (folder / rest).exists():
+                    return Path(os.path.abspath(folder / rest))
+        try:
+            return self._packages.resolve(address, base)
+        except InputError as error:
+            for folder in self._packages.resource_folders:
+                if relative and (folder / rest).exists():
+                    return Path(os.path.abspath(folder / rest))
+            if isinstance(error, MissingPackageError):
+                self.missing.setdefault(rest.partition("/")[0], error)
+            raise
+
+    def model_text(self, address: str, base: Path | None) -> tuple[str, Path] | None:
+        """Read the SDF file of a model.
+
+        Args:
+            address: The address in its ``<include>``.
+            base: The file that holds the ``<include>``.
+
+        Returns:
+            The text and its file; None if the model's package is missing.
+
+        Raises:
+            NotIncludedError: If the address cannot be resolved otherwise.
+        """
+        fuel = _FUEL.match(address)
+        name = (fuel["name"] if fuel else address.partition("://")[2] or address).strip("/")
+        built_in = _BUILT_IN.get(name.lower().replace("%20", "_").replace(" ", "_"))
+        try:
+            place = _fuel_cache(fuel) if fuel else self.find(address, base)
+        except InputError as error:
+            if built_in is not None:
+                self.missing.pop(name, None)
+                return built_in, Path(name)
+            if isinstance(error, MissingPackageError):
+                return None
+            raise NotIncludedError(str(error).rstrip(".")) from None
+        if place is None:
+            if built_in is not None:
+                return built_in, Path(name)
+            raise NotIncludedError("the twin downloads nothing; download it and name it as model://")
+        file = _model_file(place) if place.is_dir() else place
+        try:
+            return read_xml(file, "model"), file
+        except InputError as error:
+            raise NotIncludedError(str(error).rstrip(".")) from None
+
+
+def _folders_near(file: Path) -> Iterator[Path]:
+    """Yield a file's own folder, and those above it with their ``models``, up to the package's neighbours."""
+    yield file.parent
+    for folder in list(file.absolute().parents)[:5]:
+        yield folder / "models"
+        yield folder
+        if (folder / "package.xml").is_file():
+            yield folder.parent
+            return
+
+
+def _model_file(folder: Path) -> Path:
+    """Return the newest SDF file that a model's ``model.config`` names."""
+    for name in ("model.config", "manifest.xml"):
+        try:
+            found = etree.parse(folder / name).getroot().findall("sdf")
+        except (OSError, etree.XMLSyntaxError):
+            continue
+        files = [(sdf_version(element), (element.text or "").strip()) for element in found]
+        if files:
+            return folder / max(files)[1]
+    return folder / "model.sdf"
+
+
+def _fuel_cache(fuel: "re.Match[str]") -> Path | None:
+    """Return the folder of the newest version of a model that Gazebo downloaded earlier."""
+    folders = [Path(os.environ["GZ_FUEL_CACHE_PATH"])] if os.environ.get("GZ_FUEL_CACHE_PATH") else []
+    folders += [Path.home() / name for name in _FUEL_CACHES]
+    for folder in folders:
+        name = fuel["name"].replace("%20", " ").lower()
+        model = folder / fuel["host"].lower() / fuel["owner"].lower() / "models" / name
+        versions = [path for path in model.glob("*") if path.name.isdigit() and path.is_dir()]
+        if versions:
+            return max(versions, key=lambda path: int(path.name))
+    return None

@@ -1,0 +1,231 @@
+"""The visuals and collisions of an SDF model, prepared for Drake's parser: shapes, meshes, colours, friction."""
+
+from collections.abc import Callable, Iterator
+from math import isfinite
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+
+from drake_twin.description.gazebo_colors import GAZEBO_COLORS
+from drake_twin.description.meshes import collision_mesh, mesh_address, mesh_primitive, visual_mesh
+from drake_twin.description.package_index import MissingPackageError
+from drake_twin.description.sdf_document import is_within_static, number_in, numbers_in
+from drake_twin.description.sdf_pose import pose_transform
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
+
+_DRAKE_NAMESPACE = "http://drake.mit.edu"
+
+_SIZES = {
+    "box": ("size",),
+    "sphere": ("radius",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "ellipsoid": ("radii",),
+}
+_SHAPES = (*_SIZES, "plane", "mesh")
+
+FindFile = Callable[[str, Path | None], Path]
+
+
+def mend_shapes(model: etree._Element) -> Iterator[str]:
+    """Change the shapes, colours and friction of a model, except for its planes and meshes.
+
+    Yields:
+        What was left out.
+    """
+    yield from _shapes(model)
+    _give_colors(model)
+    _give_friction(model)
+
+
+def _shapes(model: etree._Element) -> Iterator[str]:
+    """Leave out shapes that Drake does not support, or without a size."""
+    for shape in [*model.iter("collision", "visual")]:
+        link, geometry = shape.getparent(), shape.find("geometry")
+        assert link is not None
+        kinds = [child for child in geometry if isinstance(child.tag, str)] if geometry is not None else []
+        kind = kinds[0] if kinds else None
+        reason = None
+        if kind is None or kind.tag == "empty":
+            reason = ""
+        elif kind.tag not in _SHAPES:
+            reason = f"a {shape.tag} <{kind.tag}> is left out: Drake does not support it"
+        elif kind.tag in _SIZES and not all(_has_size(kind.find(tag)) for tag in _SIZES[str(kind.tag)]):
+            reason = f"a {shape.tag} <{kind.tag}> has no size: it is left out"
+        elif kind.tag == "plane" and shape.tag == "collision" and not is_within_static(shape):
+            reason = "a collision <plane> of a model that moves is left out: Drake does not support it"
+        if reason is not None:
+            link.remove(shape)
+            if reason:
+                yield reason
+
+
+def _has_size(element: etree._Element | None) -> bool:
+    sizes = [] if element is None else numbers_in(element.text)
+    return bool(sizes) and all(size is not None and isfinite(size) and size > 0 for size in sizes)
+
+
+def _give_colors(model: etree._Element) -> None:
+    """Give each visual one colour: ``<diffuse>``, else that of Gazebo's material script, else ``<ambient>``."""
+    for visual in model.iter("visual"):
+        color = None
+        for material in visual.findall("material"):
+            script = (material.findtext("script/name") or "").strip().rpartition("/")[2]
+            color = material.findtext("diffuse") or GAZEBO_COLORS.get(script) or material.findtext("ambient")
+            visual.remove(material)
+        transparency = number_in(visual.find("transparency")) or 0.0
+        for element in visual.findall("transparency"):
+            visual.remove(element)
+        parts = numbers_in(color)
+        if len(parts) not in (3, 4) or any(part is None or not isfinite(part) for part in parts):
+            parts = [0.7, 0.7, 0.7, 1.0] if transparency > 0 and visual.find("geometry/mesh") is None else []
+        if parts:
+            values = [min(max(part or 0.0, 0.0), 1.0) for part in parts] + [1.0] * (4 - len(parts))
+            values[3] *= 1 - min(max(transparency, 0.0), 1.0)
+            diffuse = etree.SubElement(etree.SubElement(visual, "material"), "diffuse")
+            diffuse.text = " ".join(f"{value:g}" for value in values)
+
+
+def _give_friction(model: etree._Element) -> None:
+    """Give each collision its smallest coefficient of friction, in the way Drake reads it."""
+    for collision in model.iter("collision"):
+        mus = [
+            value
+            for path in ("surface/friction/ode/mu", "surface/friction/ode/mu2", "surface/friction/bullet/friction")
+            if (value := number_in(collision.find(path))) is not None and value >= 0
+        ]
+        for surface in collision.findall("surface"):
+            collision.remove(surface)
+        friction = min(mus, default=1.0)
+        properties = etree.SubElement(
+            collision, f"{{{_DRAKE_NAMESPACE}}}proximity_properties", nsmap={"drake": _DRAKE_NAMESPACE}
+        )
+        for name in ("mu_dynamic", "mu_static"):
+            etree.SubElement(properties, f"{{{_DRAKE_NAMESPACE}}}{name}").text = f"{friction:.17g}"
+
+
+def mend_planes(model: etree._Element) -> None:
+    """Replace the plane of each visual by a thin box of its size, whose upper side is the plane."""
+    for plane in [*model.iterfind(".//visual/geometry/plane")]:
+        geometry = plane.getparent()
+        assert geometry is not None
+        visual = geometry.getparent()
+        assert visual is not None
+        sides = plane_size(plane)
+        geometry.remove(plane)
+        box = etree.SubElement(etree.SubElement(geometry, "box"), "size")
+        box.text = f"{sides[0]:g} {sides[1]:g} {_THIN:g}"
+        _move_shape(visual, turned_to(plane_normal(plane)), np.array([0.0, 0.0, -_THIN / 2]))
+
+
+_THIN = 1e-3  # m
+
+
+def plane_size(plane: etree._Element) -> tuple[float, float]:
+    """Return the sides of a ``<plane>`` (m); 100 m in place of a missing or absurd one."""
+    sides = [
+        side if side is not None and 0 < side < 1e4 else 100.0 for side in numbers_in(plane.findtext("size") or "1 1")
+    ]
+    return sides[0], sides[-1]
+
+
+def plane_normal(plane: etree._Element) -> np.ndarray:
+    """Return the direction that a ``<plane>`` faces, in its shape's frame."""
+    parts = numbers_in(plane.findtext("normal") or "0 0 1")
+    normal = np.array([part if part is not None and isfinite(part) else 0.0 for part in parts])
+    return normal if normal.shape == (3,) and np.linalg.norm(normal) > 1e-8 else np.array([0.0, 0.0, 1.0])
+
+
+def turned_to(normal: np.ndarray) -> np.ndarray:
+    """Return a rotation matrix that turns z to a direction."""
+    from pydrake.math import RotationMatrix
+
+    if normal[2] > 0 and not np.any(normal[:2]):
+        return np.eye(3)
+    return np.asarray(RotationMatrix.MakeFromOneVector(normal, 2).matrix())
+
+
+def _move_shape(shape: etree._Element, rotation: np.ndarray, translation: np.ndarray) -> None:
+    """Turn a visual or collision about its own frame, then move it along the turned axes (m)."""
+    from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+
+    pose = shape.find("pose")
+    if pose is None:
+        pose = etree.SubElement(shape, "pose")
+        pose.text = "0 0 0 0 0 0"
+    X = pose_transform(pose) @ RigidTransform(RotationMatrix(rotation), rotation @ translation)
+    for attribute in ("degrees", "rotation_format"):
+        pose.attrib.pop(attribute, "")
+    numbers = [*X.translation(), *RollPitchYaw(X.rotation()).vector()]
+    pose.text = " ".join(f"{float(number):.17g}" for number in numbers)
+
+
+def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[str]:
+    """Convert each mesh to a form that Drake reads; a static model's collision meshes stay as they are.
+
+    Args:
+        model: The model; it is changed.
+        reader: The document it stands in.
+        find: Resolves an address in a file.
+
+    Yields:
+        What was changed or left out.
+    """
+    for shape in [*model.iter("collision", "visual")]:
+        mesh = shape.find("geometry/mesh")
+        link = shape.getparent()
+        if mesh is None or link is None:
+            continue
+        for extra in [child for child in mesh if child.tag not in ("uri", "scale")]:
+            mesh.remove(extra)
+            if extra.tag == "submesh":
+                yield "a <submesh> is not used: the whole mesh is"
+        uri = mesh.find("uri")
+        address = (mesh.findtext("uri") or "").strip()
+        scale = _scale(mesh)
+        try:
+            if uri is None or scale is None:
+                raise InputError("<uri> is missing" if uri is None else "its scale lacks a number, or one is zero")
+            file = find(address, reader.file)
+            if shape.tag == "visual":
+                uri.text = mesh_address(visual_mesh(file))
+            elif is_within_static(shape):
+                uri.text = str(file)
+            else:
+                _give_hull(shape, mesh, file, scale)
+        except MissingPackageError:
+            link.remove(shape)  # reported once for all its shapes
+        except InputError as error:
+            link.remove(shape)
+            yield f"a {shape.tag} is left out with its mesh {address}: {str(error).rstrip('.')}"
+
+
+def _give_hull(shape: etree._Element, mesh: etree._Element, file: Path, scale: tuple[float, float, float]) -> None:
+    """Replace a mesh by the primitive that it is, or by its convex hull."""
+    primitive = mesh_primitive(file, scale)
+    if primitive is None:
+        uri = mesh.find("uri")
+        assert uri is not None
+        uri.text = mesh_address(collision_mesh(file))
+        etree.SubElement(mesh, f"{{{_DRAKE_NAMESPACE}}}declare_convex", nsmap={"drake": _DRAKE_NAMESPACE})
+        return
+    geometry = mesh.getparent()
+    assert geometry is not None
+    geometry.remove(mesh)
+    kind = etree.SubElement(geometry, primitive.kind)
+    if primitive.kind == "box":
+        etree.SubElement(kind, "size").text = " ".join(f"{side:.17g}" for side in primitive.size)
+    else:
+        for tag, value in zip(_SIZES[primitive.kind], primitive.size, strict=True):
+            etree.SubElement(kind, tag).text = f"{value:.17g}"
+    axis = np.eye(3)[primitive.axis]
+    rotation = turned_to(axis) if primitive.kind == "cylinder" else np.eye(3)
+    _move_shape(shape, rotation, rotation.T @ np.array(primitive.center))
+
+
+def _scale(mesh: etree._Element) -> tuple[float, float, float] | None:
+    parts = numbers_in(mesh.findtext("scale") or "1 1 1")
+    values = [part for part in parts if part is not None and isfinite(part) and abs(part) > 1e-8]
+    return (values[0], values[1], values[2]) if len(parts) == len(values) == 3 else None

@@ -1,0 +1,188 @@
+"""The elements and attributes of URDF and SDF that the twin uses; everything else in a file is reported as ignored."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from lxml import etree
+
+DRAKE = "{http://drake.mit.edu}"  # the namespace of what Drake's parser reads itself
+
+
+@dataclass(frozen=True)
+class Part:
+    """What of an element is used.
+
+    Attributes:
+        attributes: Its attributes.
+        children: The elements in it.
+        names: Of ``<param>``, the names that are used; None where all are.
+    """
+
+    attributes: frozenset[str] = frozenset()
+    children: Mapping[str, "Part"] = field(default_factory=dict)
+    names: frozenset[str] | None = None
+
+
+def _part(attributes: str = "", names: str | None = None, **children: Part) -> Part:
+    return Part(frozenset(attributes.split()), children, None if names is None else frozenset(names.split()))
+
+
+_TEXT = _part()
+_ORIGIN = _part("xyz rpy")
+_GEOMETRY = _part(
+    box=_part("size"),
+    cylinder=_part("radius length"),
+    sphere=_part("radius"),
+    capsule=_part("radius length"),
+    ellipsoid=_part("a b c"),
+    mesh=_part("filename scale"),
+)
+_MATERIAL = _part("name", color=_part("rgba"))
+URDF = _part(
+    "name version",
+    material=_MATERIAL,
+    link=_part(
+        "name",
+        inertial=_part(origin=_ORIGIN, mass=_part("value"), inertia=_part("ixx ixy ixz iyy iyz izz")),
+        visual=_part("name", origin=_ORIGIN, geometry=_GEOMETRY, material=_MATERIAL),
+        collision=_part("name", origin=_ORIGIN, geometry=_GEOMETRY),
+    ),
+    joint=_part(
+        "name type",
+        origin=_ORIGIN,
+        parent=_part("link"),
+        child=_part("link"),
+        axis=_part("xyz"),
+        limit=_part("lower upper effort velocity"),
+        dynamics=_part("damping friction"),
+        mimic=_part("joint multiplier offset"),
+    ),
+    ros2_control=_part(
+        "name type",
+        hardware=_part(plugin=_TEXT, param=_part("name", "hold_joints position_proportional_gain")),
+        joint=_part(
+            "name mimic",
+            command_interface=_part("name", param=_part("name", "min max")),
+            state_interface=_part("name", param=_part("name", "initial_value")),
+            param=_part("name", "mimic multiplier offset"),
+        ),
+        sensor=_part("name", state_interface=_part("name"), param=_part("name")),
+    ),
+    # The last two ask that fixed joints are not lumped together, which the twin never does.
+    gazebo=_part(
+        "reference",
+        mu1=_TEXT,
+        mu2=_TEXT,
+        selfCollide=_TEXT,
+        self_collide=_TEXT,
+        material=_TEXT,
+        preserveFixedJoint=_TEXT,
+        disableFixedJointLumping=_TEXT,
+    ),
+)
+
+_XYZ = _part("expressed_in", x=_TEXT, y=_TEXT, z=_TEXT)
+_POSE = _part("relative_to rotation_format degrees frame")
+_SDF_GEOMETRY = _part(
+    box=_part(size=_TEXT),
+    cylinder=_part(radius=_TEXT, length=_TEXT),
+    sphere=_part(radius=_TEXT),
+    capsule=_part(radius=_TEXT, length=_TEXT),
+    ellipsoid=_part(radii=_TEXT),
+    mesh=_part(uri=_TEXT, scale=_TEXT),
+    plane=_part(normal=_TEXT, size=_TEXT),
+    empty=_TEXT,
+)
+_AXIS = _part(
+    xyz=_part("expressed_in"),
+    limit=_part(lower=_TEXT, upper=_TEXT, effort=_TEXT, velocity=_TEXT),
+    dynamics=_part(damping=_TEXT, spring_reference=_TEXT, spring_stiffness=_TEXT),
+    use_parent_model_frame=_TEXT,
+)
+SDF_MODEL = _part(
+    "name canonical_link placement_frame",
+    pose=_POSE,
+    static=_TEXT,
+    frame=_part("name attached_to", pose=_POSE),
+    link=_part(
+        "name",
+        pose=_POSE,
+        inertial=_part(
+            pose=_POSE,
+            mass=_TEXT,
+            inertia=_part(ixx=_TEXT, ixy=_TEXT, ixz=_TEXT, iyy=_TEXT, iyz=_TEXT, izz=_TEXT),
+        ),
+        gravity=_TEXT,
+        visual=_part(
+            "name",
+            pose=_POSE,
+            geometry=_SDF_GEOMETRY,
+            material=_part(diffuse=_TEXT, ambient=_TEXT),
+        ),
+        collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_part(friction=_part(ode=_part(mu=_TEXT)))),
+    ),
+    joint=_part(
+        "name type",
+        pose=_POSE,
+        parent=_TEXT,
+        child=_TEXT,
+        axis=_AXIS,
+        axis2=_AXIS,
+        thread_pitch=_TEXT,
+        screw_thread_pitch=_TEXT,
+    ),
+)
+
+REPORTED = _part()  # in a finding of its own
+# The last two say where gz_ros2_control finds the robot, which is in the same file here.
+ROS2_CONTROL = _part(
+    "filename name",
+    parameters=_TEXT,
+    ros=_part(namespace=_TEXT),
+    hold_joints=_TEXT,
+    position_proportional_gain=_TEXT,
+    robot_param=_TEXT,
+    robot_param_node=_TEXT,
+)
+_NOISE = _part(noise=REPORTED)
+_NOISES = _part(x=_NOISE, y=_NOISE, z=_NOISE)
+# Sensors are always on here, and are not shown in a window.
+SENSOR = _part(
+    "name type",
+    pose=_POSE,
+    origin=_TEXT,
+    update_rate=_TEXT,
+    topic=_TEXT,
+    gz_frame_id=_TEXT,
+    ignition_frame_id=_TEXT,
+    frame_id=_TEXT,
+    always_on=_TEXT,
+    visualize=_TEXT,
+    enable_metrics=_TEXT,
+    noise=REPORTED,
+    imu=_part(
+        orientation_reference_frame=_part(localization=_TEXT, custom_rpy=_part("parent_frame")),
+        angular_velocity=_NOISES,
+        linear_acceleration=_NOISES,
+        noise=REPORTED,
+    ),
+    force_torque=_part(frame=_TEXT, measure_direction=_TEXT, force=_NOISES, torque=_NOISES, noise=REPORTED),
+)
+
+# Parent and child, where several children are used; of any other only the first one is.
+SEVERAL = {
+    *(("robot", tag) for tag in ("link", "joint", "material", "gazebo", "ros2_control")),
+    *(("model", tag) for tag in ("link", "joint", "frame")),
+    *(("link", tag) for tag in ("visual", "collision")),
+    *(("ros2_control", tag) for tag in ("joint", "sensor")),
+    *(("joint", tag) for tag in ("command_interface", "state_interface", "param")),
+    *(("sensor", tag) for tag in ("state_interface", "param")),
+    *((tag, "param") for tag in ("hardware", "command_interface", "state_interface")),
+    ("plugin", "parameters"),
+}
+
+
+def is_known(parent: etree._Element, child: etree._Element) -> bool:
+    """Tell whether the twin or Drake reads an element of ``<robot>``, ``<link>`` or ``<joint>``."""
+    above = URDF if parent.tag == "robot" else URDF.children.get(str(parent.tag), _TEXT)
+    return child.tag in above.children or str(child.tag).startswith(DRAKE)
