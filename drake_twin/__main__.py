@@ -3,8 +3,7 @@
 import sys
 from importlib import import_module
 
-from drake_twin.cli.version import version_text
-from drake_twin.program import leave
+from drake_twin.program import leave, version_text
 
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",

@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.cli.plugins import add_plugin, load_plugins
-from drake_twin.cli.version import add_version
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Finding, Kind, counted
-from drake_twin.program import ArgumentParser, add_strict, announce_page, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, add_strict, add_version, announce_page, run_program, say, stop_signals
 
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin

@@ -10,9 +10,8 @@ from pathlib import Path
 from drake_twin.benchmarks.plots import draw
 from drake_twin.benchmarks.report import Table, save
 from drake_twin.benchmarks.sections import SECTIONS, Size
-from drake_twin.cli.version import add_version
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, run_program, say
+from drake_twin.program import ArgumentParser, add_version, run_program, say
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

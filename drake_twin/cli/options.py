@@ -5,9 +5,8 @@ import os
 from pathlib import Path
 
 from drake_twin.cli.plugins import add_plugin
-from drake_twin.cli.version import add_version
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_strict
+from drake_twin.program import ArgumentParser, add_strict, add_version
 from drake_twin.scenario import LONGEST_TIME
 
 _DESCRIPTION = """\

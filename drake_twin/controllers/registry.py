@@ -7,6 +7,8 @@ from importlib.util import find_spec
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, TypeVar
 
+from drake_twin.extensions import load_extensions
+
 if TYPE_CHECKING:
     from drake_twin.controllers.controller import Controller
 
@@ -45,7 +47,7 @@ def controller_class(kind: str) -> "type[Controller] | None":
     """Return the class of a controller type; None for an unknown type.
 
     Looks at the types registered so far, then at this package's modules (a type's own is named like the part before its
-    slash), then at the entry points of the group ``drake_twin.controllers``, whose names are types.
+    slash), then at the modules that the entry-point group ``drake_twin.controllers`` names.
     """
     if kind not in _classes:
         name = kind.partition("/")[0]
@@ -53,34 +55,19 @@ def controller_class(kind: str) -> "type[Controller] | None":
             import_module(f"{_PACKAGE}.{name}")
     if kind not in _classes:
         _import_own()
-    if kind not in _classes and kind in _third_parties():
-        return _third_party(kind)
+    if kind not in _classes:
+        load_extensions(ENTRY_POINTS)
     return _classes.get(kind)
 
 
 def controller_types() -> tuple[str, ...]:
     """Return all controller types in alphabetical order, of third parties too."""
     _import_own()
-    return tuple(sorted({*_classes, *_third_parties()}))
+    load_extensions(ENTRY_POINTS)
+    return tuple(sorted(_classes))
 
 
 @cache
 def _import_own() -> None:
     for module in iter_modules(import_module(_PACKAGE).__path__):
         import_module(f"{_PACKAGE}.{module.name}")
-
-
-@cache
-def _third_parties() -> dict[str, str]:
-    from importlib.metadata import entry_points
-
-    return {point.name: point.value for point in entry_points(group=ENTRY_POINTS)}
-
-
-@cache
-def _third_party(kind: str) -> "type[Controller]":
-    from importlib.metadata import entry_points
-
-    (point,) = entry_points(group=ENTRY_POINTS, name=kind)
-    cls: type[Controller] = point.load()
-    return _classes.setdefault(kind, cls)

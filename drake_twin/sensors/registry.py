@@ -6,6 +6,8 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, TypeVar
 
+from drake_twin.extensions import load_extensions
+
 if TYPE_CHECKING:
     from drake_twin.sensors.sensor import SensorSystem
 
@@ -52,9 +54,6 @@ def sensor_kinds() -> tuple[str, ...]:
 
 @cache
 def _import_all() -> None:
-    from importlib.metadata import entry_points
-
     for module in iter_modules(import_module(__package__).__path__):
         import_module(f"{__package__}.{module.name}")
-    for point in entry_points(group=ENTRY_POINTS):
-        point.load()
+    load_extensions(ENTRY_POINTS)

@@ -1,0 +1,129 @@
+"""The rooms of drake_twin and which may import which: an arrow only ever points down this list."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import drake_twin
+
+ROOT = Path(drake_twin.__file__).parent
+
+# Modules and packages of the top level, from the top down; those of one line do not import each other.
+ROOMS = [
+    ["__main__"],
+    ["run", "check"],
+    ["cli"],
+    ["show"],
+    ["benchmarks"],
+    ["launch", "recording"],  # shorter addresses of what stands in ros2 and twin
+    ["builder"],
+    ["cockpit"],
+    ["shared_viewer"],
+    ["twin"],
+    ["diagram"],
+    ["planning"],
+    ["controllers"],
+    ["sensors"],
+    ["systems"],
+    ["control"],
+    ["from_launch"],
+    ["ros2"],
+    ["scenario"],
+    ["description"],
+    ["messages"],
+    ["program", "progress", "whole_file"],
+    ["findings"],
+    ["values", "extensions", "frozen", "saved"],
+    ["errors"],
+]
+RANKS = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}
+MOST_LINES = 400
+MOST_PUBLIC_METHODS = 25
+
+FILES = {
+    ".".join(("drake_twin", *file.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__"): file
+    for file in sorted(ROOT.rglob("*.py"))
+}
+
+
+def imported(module: str) -> Iterator[str]:
+    """The package's own modules that a module imports anywhere: in functions and for type checking, too."""
+    for node in ast.walk(ast.parse(FILES[module].read_text(encoding="utf-8"))):
+        names = []
+        if isinstance(node, ast.Import):
+            names = [item.name for item in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            assert node.level == 0, f"{module} imports relatively"
+            names = [f"{node.module}.{item.name}" for item in node.names]
+        for name in names:
+            while name.startswith("drake_twin") and name not in FILES:
+                name = name.rpartition(".")[0]
+            if name.startswith("drake_twin.") and name != module:
+                yield name
+
+
+def room(module: str) -> str:
+    return module.split(".")[1]
+
+
+def test_every_room_is_on_the_list():
+    found = {path.stem for path in ROOT.iterdir() if path.suffix == ".py" or (path / "__init__.py").exists()}
+    assert found - {"__init__"} == set(RANKS)
+
+
+def test_arrows_between_rooms_point_down():
+    up = [
+        f"{module} → {other}"
+        for module in FILES
+        if module != "drake_twin"
+        for other in imported(module)
+        if room(module) != room(other) and RANKS[room(module)] >= RANKS[room(other)]
+    ]
+    assert up == []
+
+
+def test_an_arrow_upwards_would_be_seen(monkeypatch, tmp_path):
+    file = tmp_path / "errors.py"
+    file.write_text("def f():\n    from drake_twin.twin.twin import Twin\n")
+    monkeypatch.setitem(FILES, "drake_twin.errors", file)
+    assert list(imported("drake_twin.errors")) == ["drake_twin.twin.twin"]
+    with pytest.raises(AssertionError, match=r"drake_twin\.errors → drake_twin\.twin\.twin"):
+        test_arrows_between_rooms_point_down()
+
+
+def test_planning_and_what_lies_below_the_systems_is_without_drake():
+    """Planning asks each kind of controller, whose module needs Drake; it imports none of it itself."""
+    rooms = ("planning", "control", "from_launch", "ros2", "scenario", "messages")
+    found = []
+    for module, file in FILES.items():
+        if module != "drake_twin" and room(module) in rooms:
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                names = [item.name for item in node.names] if isinstance(node, ast.Import) else []
+                names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+                found += [f"{module} → {name}" for name in names if name.startswith("pydrake")]
+    assert found == []
+
+
+def test_no_file_is_long():
+    lengths = {module: len(file.read_text(encoding="utf-8").splitlines()) for module, file in FILES.items()}
+    facade = "drake_twin.twin.twin"  # whose docstrings are the manual of the Python API
+    assert {module: length for module, length in lengths.items() if length > MOST_LINES and module != facade} == {}
+    tree = ast.parse(FILES[facade].read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef | ast.Module) and ast.get_docstring(node):
+            node.body = node.body[1:] or [ast.Pass()]
+    assert len(ast.unparse(tree).splitlines()) <= MOST_LINES
+
+
+def test_no_class_but_the_facade_has_many_public_methods():
+    many = {}
+    for module, file in FILES.items():
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                methods = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
+                public = {name for name in methods if not name.startswith("_")}
+                if len(public) > MOST_PUBLIC_METHODS:
+                    many[f"{module}.{node.name}"] = len(public)
+    assert list(many) == ["drake_twin.twin.twin.Twin"]
