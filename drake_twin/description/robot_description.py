@@ -134,9 +134,9 @@ class Sensor:
 
     Attributes:
         name: Its name; a ``<sensor>`` of ``<ros2_control>`` with the same name is this one, as for gz_ros2_control.
-        kind: ``imu`` or ``force_torque``.
-        link: The link that an IMU is attached to.
-        joint: The joint that a force/torque sensor measures.
+        kind: Its type: ``imu``, ``force_torque`` or one that another package has added.
+        link: The link that it is attached to; empty for one on a joint.
+        joint: The joint that it is on; empty for one on a link.
         pose: The sensor in the link's frame, or in the joint's frame.
         frame: The frame that the file gives its values; empty where it gives none.
         topic: Gazebo's own topic; empty where the file gives none.
@@ -148,6 +148,7 @@ class Sensor:
         axes: Of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
             ``sensor``.
         place: Where it was written.
+        text: Its ``<sensor>`` element, for what a type of sensor reads of it beyond this.
     """
 
     name: str
@@ -162,6 +163,7 @@ class Sensor:
     measured_on: str = "parent"
     axes: str = "child"
     place: Place = field(default=Place(""), compare=False)
+    text: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,10 @@ from lxml import etree
 
 from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor, Vector3
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.extensions import load_extensions
 
-KINDS = ("imu", "force_torque")
+# Sensor type → the element that it is on; drake_twin.sensors.registry adds the types of others.
+SENSOR_KINDS = {"imu": "link", "force_torque": "joint"}
 
 # The frames that an IMU's orientation can be relative to, in a world whose x, y and z are east, north and up.
 _LOCALIZATIONS: dict[str, Vector3] = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, pi / 2), "NED": (pi, 0.0, pi / 2)}
@@ -31,7 +33,7 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
         sensor = _sensor(reader, element)
         if sensor is None:
             continue
-        tag = "link" if sensor.kind == "imu" else "joint"
+        tag = SENSOR_KINDS[sensor.kind]
         if reference in {item.get("name", "").strip() for item in reader.root.iterfind(tag)}:
             yield replace(sensor, link=reference) if tag == "link" else replace(sensor, joint=reference)
 
@@ -43,12 +45,12 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
         InputError: If a value is invalid.
     """
     reader = XmlReader(text, file)
-    for tag, kind in (("link", "imu"), ("joint", "force_torque")):
+    for tag in ("link", "joint"):
         for element in reader.root.iterfind(f"model/{tag}/sensor"):
             place = element.getparent()
             assert place is not None
             sensor = _sensor(reader, element)
-            if sensor is not None and sensor.kind == kind:
+            if sensor is not None and SENSOR_KINDS[sensor.kind] == tag:
                 name = reader.text(place, "name")
                 yield replace(sensor, link=name) if tag == "link" else replace(sensor, joint=name)
 
@@ -71,7 +73,8 @@ def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[Hard
 def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
     """Read a ``<sensor>`` tag, without its link or joint; return None for one of another kind."""
     kind = element.get("type", "").strip()
-    if kind not in KINDS:
+    load_extensions("drake_twin.sensors")
+    if kind not in SENSOR_KINDS:
         return None
     frames = ("gz_frame_id", "ignition_frame_id", "frame_id", "plugin/frame_name", "plugin/frameName")
     rate = _text(element, "update_rate")
@@ -83,11 +86,14 @@ def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
         topic=_text(element, "topic"),
         update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
         place=reader.place(element),
+        text=etree.tostring(element, encoding="unicode", with_tail=False),
     )
     if sensor.update_rate < 0.0:
         raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
     if kind == "imu":
         return replace(sensor, orientation_reference=_orientation_reference(reader, element))
+    if kind != "force_torque":
+        return sensor
     direction = _choice(reader, element, "measure_direction", ("child_to_parent", "parent_to_child"))
     axes = _choice(reader, element, "frame", ("child", "parent", "sensor"))
     return replace(sensor, measured_on=direction.rpartition("_")[2], axes=axes)

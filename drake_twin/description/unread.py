@@ -6,7 +6,7 @@ from lxml import etree
 
 from drake_twin.description.gazebo_drives import is_drive
 from drake_twin.description.robot_description import GazeboPlugin
-from drake_twin.description.sensors import KINDS, sensor_text
+from drake_twin.description.sensors import SENSOR_KINDS, sensor_text
 from drake_twin.description.unused_contact import is_unused
 from drake_twin.description.used_elements import DRAKE, REPORTED, ROS2_CONTROL, SDF_MODEL, SENSOR, SEVERAL, URDF, Part
 from drake_twin.description.xml_reader import XmlReader
@@ -110,7 +110,9 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str
 
 def _unread_sensor(sensor: etree._Element, place: str) -> Iterator[tuple[etree._Element, str]]:
     kind = sensor.get("type", "").strip()
-    if kind in KINDS:
+    if kind in SENSOR_KINDS and kind not in ("imu", "force_torque"):
+        return  # of another package, which reads the whole tag
+    if kind in SENSOR_KINDS:
         for noise in sensor.iter("noise"):
             yield noise, f"<noise> of sensor {sensor.get('name', '')}: the twin's sensors are exact"
         yield from _unread(sensor, SENSOR)

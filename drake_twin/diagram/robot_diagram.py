@@ -16,6 +16,7 @@ from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
 from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.description.robot_description import Sensor
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
@@ -38,6 +39,7 @@ class RobotDiagram:
         joints: The joint of each actuator; None for one that models friction.
         plant_inputs: Input port → the plant's output port that it takes; there is one only if a system needs it.
         always_published: Output port → message type of the topics that no controller publishes.
+        sensors: Output port → the sensor that publishes its own topic there.
         warnings: Update rates that cannot be met, parameters without effect.
     """
 
@@ -47,6 +49,7 @@ class RobotDiagram:
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
     always_published: dict[str, str] = field(default_factory=dict)
+    sensors: dict[str, Sensor] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
 
@@ -95,9 +98,10 @@ def build_robot_diagram(
             inputs.connect(from_plant[source], source, port)
         _wire_controller(builder, name, controller, controllers)
     _add_sensors(builder, plan, plant, instance, controllers, inputs)
+    sensors = _add_publishing_sensors(builder, plan, plant, instance, inputs)
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, joints, inputs.needed, always_published, warnings)
+    return RobotDiagram(diagram, controllers, servo, joints, inputs.needed, always_published, sensors, warnings)
 
 
 class _PlantInputs:
@@ -308,3 +312,24 @@ def _add_sensors(
         builder.Connect(system.get_output_port(), port)
         for output, own_port in system.inputs_from(plant):
             inputs.connect(output, output.get_name(), own_port)
+
+
+def _add_publishing_sensors(
+    builder: DiagramBuilder,
+    plan: RobotPlan,
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    inputs: _PlantInputs,
+) -> dict[str, Sensor]:
+    """Add the sensors that publish their own topics; return them by the names of their ports."""
+    found = {}
+    for sensor in plan.description.sensors:
+        kind = sensor_class(sensor.kind)
+        if kind.message_type is not None:
+            name = _free_name(builder, f"{sensor.name}_sensor")
+            system = builder.AddNamedSystem(name, kind.of(plant, instance, sensor))
+            for output, port in system.inputs_from(plant):
+                inputs.connect(output, output.get_name(), port)
+            builder.ExportOutput(system.GetOutputPort("message"), name)
+            found[name] = sensor
+    return found

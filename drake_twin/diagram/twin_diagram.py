@@ -31,9 +31,10 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.plans import plan_robots
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
+from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic, sensor_topic
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
+from drake_twin.sensors.registry import sensor_class
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
@@ -301,6 +302,10 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
         topics.publish(robot_topic(plan, name), system.GetOutputPort(name), kind, plan.update_rate, plan.name)
+    for name, sensor in robot.sensors.items():
+        message_type = sensor_class(sensor.kind).message_type or ""
+        rate = sensor.update_rate or 1.0 / time_step
+        topics.publish(sensor_topic(plan, sensor), system.GetOutputPort(name), message_type, rate, plan.name)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
             if (listened := controller_topic(plan, plans[name], own)) is not None:

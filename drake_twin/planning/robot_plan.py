@@ -19,6 +19,7 @@ from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.planning.plan_controllers import plan_controllers
 from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.sensors.registry import sensor_class
 
 
 @dataclass(frozen=True)
@@ -171,6 +172,8 @@ def _unpublished_sensors(description: RobotDescription, controllers: Sequence[Co
     """IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
     published = {name for controller in controllers if (name := controller.sensor) is not None}
     for sensor in description.sensors:
+        if sensor_class(sensor.kind).message_type is not None:
+            continue  # it publishes its own topic
         if sensor.name.strip("/") not in published and sensor.name not in published:
             what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
             reason = f"nothing publishes it; the controllers' file has no {sensor.kind}_sensor_broadcaster for it"

@@ -14,7 +14,7 @@ from drake_twin.sensors.sensor import SensorSystem
 from drake_twin.systems.weak_callback import weakly
 
 
-@sensor("force_torque")
+@sensor("force_torque", on="joint")
 class ForceTorqueSensor(SensorSystem):
     """Measures the wrench that a joint's two links exert on each other, without noise.
 

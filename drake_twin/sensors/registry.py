@@ -6,6 +6,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, TypeVar
 
+from drake_twin.description.sensors import SENSOR_KINDS
 from drake_twin.extensions import load_extensions
 
 if TYPE_CHECKING:
@@ -18,8 +19,12 @@ ENTRY_POINTS = "drake_twin.sensors"
 _classes: "dict[str, type[SensorSystem]]" = {}
 
 
-def sensor(kind: str) -> Callable[[_S], _S]:
+def sensor(kind: str, on: str = "link") -> Callable[[_S], _S]:
     """Register a sensor class under the type of its ``<sensor>`` tag, for example ``imu``.
+
+    Args:
+        kind: The type.
+        on: The element that such a sensor is on: ``link`` or ``joint``.
 
     Raises:
         ValueError: If another class is registered under the type.
@@ -30,6 +35,7 @@ def sensor(kind: str) -> Callable[[_S], _S]:
         if (known.__module__, known.__qualname__) != (cls.__module__, cls.__qualname__):
             raise ValueError(f"sensor type {kind!r} is registered by {known.__module__} and by {cls.__module__}")
         _classes[kind] = cls
+        SENSOR_KINDS[kind] = on
         return cls
 
     return register
