@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.systems.state_layout import StateLayout

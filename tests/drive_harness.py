@@ -6,7 +6,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters

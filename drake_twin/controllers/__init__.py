@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.controllers.registry import controller
 
 if TYPE_CHECKING:
-    from drake_twin.controllers.controller import Controller, ControllerSetup
+    from drake_twin.controllers.base_controller import Controller, ControllerSetup
     from drake_twin.controllers.interface import Interface
     from drake_twin.controllers.periodic_controller import PeriodicController, Update
 
 _HOMES = {
-    "Controller": "controller",
-    "ControllerSetup": "controller",
+    "Controller": "base_controller",
+    "ControllerSetup": "base_controller",
     "Interface": "interface",
     "PeriodicController": "periodic_controller",
     "Update": "periodic_controller",

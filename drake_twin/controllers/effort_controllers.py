@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.control.gripper import GripperGoal
 from drake_twin.control.pid import Pid, PidGains, PidMemory
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.gripper_action_controller import GripperActionController, GripperActionParameters
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_group_controller import JointGroupController

@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context, EventStatus, InputPort, OutputPor
 
 from drake_twin import messages
 from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError

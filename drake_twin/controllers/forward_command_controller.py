@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from pydrake.systems.framework import BasicVector, Context, InputPort
 
 from drake_twin import messages
-from drake_twin.controllers.controller import Controller, ControllerSetup
+from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription

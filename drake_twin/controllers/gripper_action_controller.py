@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context, InputPort
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal, GripperRun, StallRule, judged
 from drake_twin.control.pid import PidMemory
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.errors import CommandError

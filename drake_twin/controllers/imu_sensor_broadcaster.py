@@ -8,7 +8,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError

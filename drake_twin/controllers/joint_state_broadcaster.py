@@ -9,7 +9,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
 
 from drake_twin import messages
-from drake_twin.controllers.controller import Controller, ControllerSetup
+from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.state_layout import StateLayout

@@ -19,7 +19,7 @@ from drake_twin.control.trajectory import (
     take_up,
 )
 from drake_twin.control.trajectory_check import TrajectoryRules, checked_trajectory
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_trajectory_memory import JointTrajectoryMemory, TrajectoryCommand

@@ -1,6 +1,6 @@
 """The names of the two frames that a drive's odometry connects."""
 
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 
 
 def odometry_frames(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPort, State
 
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.position_reach import PositionReach
 from drake_twin.controllers.stateful_controller import Sample, StatefulController

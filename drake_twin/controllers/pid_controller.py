@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.control.pid import ANTIWINDUP_STRATEGIES, Pid, PidGains, PidMemory
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context
 
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, publication
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from drake_twin.extensions import load_extensions
 
 if TYPE_CHECKING:
-    from drake_twin.controllers.controller import Controller
+    from drake_twin.controllers.base_controller import Controller
 
 _C = TypeVar("_C", bound="type[Controller]")
 

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 from pydrake.systems.framework import Context, InputPort
 
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.description.robot_description import RobotDescription
 

@@ -7,7 +7,7 @@ from typing import Any
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import AbstractStateIndex, Context, EventStatus, State
 
-from drake_twin.controllers.controller import Controller, ControllerSetup
+from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved

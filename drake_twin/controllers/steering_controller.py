@@ -11,7 +11,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin import messages
 from drake_twin.control.drive_kinematics import SteeringDrive
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, state_joint
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update

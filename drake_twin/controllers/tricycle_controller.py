@@ -10,7 +10,7 @@ from pydrake.systems.framework import Context
 from drake_twin import messages
 from drake_twin.control.drive_kinematics import SteeredDrivenWheel
 from drake_twin.control.tricycle_limiters import SteeringLimiter, TractionLimiter
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,

@@ -10,7 +10,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
 from pydrake.systems.primitives import ConstantVectorSource
 
-from drake_twin.controllers.controller import Controller, ControllerSetup, Upstream
+from drake_twin.controllers.base_controller import Controller, ControllerSetup, Upstream
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import PeriodicController

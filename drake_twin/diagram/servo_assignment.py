@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 
-from drake_twin.controllers.controller import Controller
+from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.servo_gains import EFFORT, FREE, HOLD, POSITION, VELOCITY
 from drake_twin.systems.joint_servo import ServoAssignment

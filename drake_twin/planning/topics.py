@@ -1,6 +1,6 @@
 """The names of a robot's topics: below its namespace, as its parameters, plugins and remappings have them."""
 
-from drake_twin.controllers.controller import Controller
+from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.robot_description import Sensor
 from drake_twin.planning.controller_plan import ControllerPlan

@@ -1,1 +1,5 @@
-"""Sensors of a robot: one kind, one file."""
+"""Sensors of a robot: one kind, one file, registered by `sensor`."""
+
+from drake_twin.sensors.registry import sensor
+
+__all__ = ["sensor"]

@@ -11,7 +11,7 @@ from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPor
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Sensor
 from drake_twin.sensors.registry import sensor
-from drake_twin.sensors.sensor import SensorSystem
+from drake_twin.sensors.sensor_system import SensorSystem
 from drake_twin.systems.weak_callback import weakly
 
 

@@ -10,7 +10,7 @@ from drake_twin.description.sensors import SENSOR_KINDS
 from drake_twin.extensions import load_extensions
 
 if TYPE_CHECKING:
-    from drake_twin.sensors.sensor import SensorSystem
+    from drake_twin.sensors.sensor_system import SensorSystem
 
 _S = TypeVar("_S", bound="type[SensorSystem]")
 

@@ -9,7 +9,7 @@ from typing import Any
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, FixedInputPortValue
 
-from drake_twin.controllers.controller import Controller
+from drake_twin.controllers.base_controller import Controller
 from drake_twin.diagram.topics import CommandTopic
 from drake_twin.messages import Numbers, shortened
 from drake_twin.scenario import Command

@@ -9,7 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
-from drake_twin.controllers.controller import Controller
+from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.stateful_controller import StatefulController
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_diagram import RobotDiagram

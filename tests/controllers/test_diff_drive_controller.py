@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from drive_harness import Driven
 
-from drake_twin.controllers.controller import Upstream
+from drake_twin.controllers.base_controller import Upstream
 from drake_twin.controllers.diff_drive_controller import DiffDriveController, DiffDriveParameters
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters

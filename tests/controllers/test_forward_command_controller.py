@@ -3,7 +3,7 @@ import pytest
 from pydrake.common.value import AbstractValue
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.effort_controllers import JointGroupEffortController
 from drake_twin.controllers.forward_command_controller import (
     ForwardCommandController,

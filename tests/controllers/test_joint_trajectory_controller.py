@@ -13,7 +13,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_trajectory_controller import ACTION, TOPIC, JointTrajectoryController
 from drake_twin.controllers.joint_trajectory_parameters import (

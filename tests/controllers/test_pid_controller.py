@@ -11,7 +11,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup, Upstream
+from drake_twin.controllers.base_controller import ControllerSetup, Upstream
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.pid_controller import PidController, PidControllerGains, PidControllerParameters
 from drake_twin.errors import CommandError, InputError

@@ -7,7 +7,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin import messages
-from drake_twin.controllers.controller import ControllerSetup
+from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.planar_move_controller import PlanarMoveController, PlanarMoveParameters
 from drake_twin.description.robot_description import Pose, RobotDescription
 from drake_twin.errors import CommandError

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drive_harness import Driven
 
-from drake_twin.controllers.controller import Upstream
+from drake_twin.controllers.base_controller import Upstream
 from drake_twin.errors import CommandError, InputError
 
 BICYCLE = "bicycle_steering_controller/BicycleSteeringController"

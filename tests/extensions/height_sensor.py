@@ -6,7 +6,7 @@ from pydrake.math import RigidTransform
 from drake_twin import messages
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.sensors.registry import sensor
-from drake_twin.sensors.sensor import SensorSystem
+from drake_twin.sensors.sensor_system import SensorSystem
 
 
 @sensor("altimeter")

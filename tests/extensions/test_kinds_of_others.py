@@ -17,8 +17,9 @@ ARM = """<robot name="arm"><link name="world"/><link name="a"><inertial><mass va
 <inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="j" type="continuous"><parent link="world"/><child link="a"/><axis xyz="0 0 1"/>
 <limit effort="500" velocity="50"/></joint>
-<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware><joint name="j">
-<command_interface name="velocity"/><state_interface name="position"/></joint></ros2_control>{more}</robot>"""
+<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+<joint name="j"><command_interface name="velocity"/><state_interface name="position"/></joint></ros2_control>
+{more}</robot>"""
 YAML = """
 controller_manager: {ros__parameters: {wave: {type: others_pkg/Wave}}}
 wave: {ros__parameters: {joint: j, amplitude: 2.0}}
@@ -41,6 +42,10 @@ def files(tmp_path):
     (tmp_path / "arm.urdf").write_text(ARM.format(more=""))
     (tmp_path / "controllers.yaml").write_text(YAML)
     return tmp_path
+
+
+def waving(files):
+    return TwinBuilder().robot("arm", files / "arm.urdf").controller("arm", "wave", "others_pkg/Wave", {"joint": "j"})
 
 
 def swings(position, amplitude=2.0, time=0.5):
@@ -110,7 +115,7 @@ def run(*arguments, folder=None, path=()):
 
 def final_position(folder):
     (robot,) = json.loads((folder / "out.json").read_text())["robots"].values()
-    return robot["joints"]["j"]["position"] if "joints" in robot else robot["positions"]["j"]
+    return robot["positions"][robot["joints"].index("j")]
 
 
 @pytest.mark.parametrize("how", ["module", "file", "entry point"])
@@ -160,7 +165,7 @@ def test_an_altimeter_is_a_finding_where_nobody_has_one(files):
 
 def test_two_classes_of_one_type_are_refused(others):
     from drake_twin.controllers import controller
-    from drake_twin.controllers.controller import Controller
+    from drake_twin.controllers.base_controller import Controller
 
     with pytest.raises(ValueError, match=r"type 'others_pkg/Wave' is registered by wave_controller and by"):
 
