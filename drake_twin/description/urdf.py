@@ -4,7 +4,6 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from math import hypot, inf
-from pathlib import Path
 
 from lxml import etree
 
@@ -28,26 +27,16 @@ from drake_twin.values import is_true
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
 
-def parse_urdf(text: str, file: Path | None = None) -> RobotDescription:
-    """Parse URDF text.
+def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
+    """Describe a parsed URDF.
 
     Args:
-        text: URDF, xacro already expanded.
-        file: The file it came from, for error messages.
+        reader: The document, xacro already expanded, with its repairs.
+        text: The document's own text, which is published as ``robot_description``.
 
     Raises:
-        InputError: If the text is not URDF, a value is wrong, or a link or joint is missing, duplicate or outside the
-            tree.
-    """
-    return describe_urdf(XmlReader(text, file), text)
-
-
-def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
-    """Describe a parsed URDF; see `parse_urdf`.
-
-    Args:
-        reader: The document, with its repairs.
-        text: The document's own text, which is published as ``robot_description``.
+        InputError: If the document is not URDF, a value is wrong, or a link or joint is missing, duplicate or outside
+            the tree.
     """
     root = reader.root
     if root.tag != "robot":

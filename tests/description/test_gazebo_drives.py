@@ -5,6 +5,7 @@ from math import atan, sin
 import numpy as np
 import pytest
 from drive_harness import Driven
+from urdf_text import parse_urdf
 
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import read_controllers
@@ -13,7 +14,6 @@ from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_model import load_robot_model
-from drake_twin.description.urdf import parse_urdf
 from drake_twin.errors import InputError
 
 WHEELS = ("fl", "fr", "rl", "rr", "steer_left", "steer_right")

@@ -1,8 +1,8 @@
 import pytest
+from urdf_text import parse_urdf
 
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, plugin_node_name, ros_topic
 from drake_twin.description.robot_description import GazeboPlugin
-from drake_twin.description.urdf import parse_urdf
 from drake_twin.errors import InputError
 
 

@@ -2,12 +2,12 @@ from math import pi
 from pathlib import Path
 
 import pytest
+from urdf_text import parse_urdf
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.sensors import sensors_in_sdf
-from drake_twin.description.urdf import parse_urdf
 from drake_twin.errors import InputError
 
 BODY = """

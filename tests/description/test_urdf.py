@@ -2,6 +2,7 @@ from math import inf, pi
 from pathlib import Path
 
 import pytest
+from urdf_text import parse_urdf
 
 from drake_twin.description.robot_description import (
     CommandInterface,
@@ -13,7 +14,6 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
-from drake_twin.description.urdf import parse_urdf
 from drake_twin.errors import InputError
 
 LINKS = '<link name="base"/><link name="arm"/>'

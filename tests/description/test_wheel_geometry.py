@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RollPitchYaw
+from urdf_text import parse_urdf
 
-from drake_twin.description.urdf import parse_urdf
 from drake_twin.description.wheel_geometry import wheel_centers, wheel_radius
 
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 from lxml import etree
+from urdf_text import parse_urdf
 
 from drake_twin.description.package_index import share_folder
-from drake_twin.description.urdf import parse_urdf
 from drake_twin.ros2.evaluate import declared_arguments, evaluate
 
 MODELS = share_folder("models")
