@@ -108,7 +108,7 @@ def test_a_cancelled_goal_leaves_the_arm_where_it_is(arm):
         ({"trajectory": {"joint_names": ["elbow"], "points": [point(1.0, [1.0])]}}, "elbow"),
         ({"trajectory": {"joint_names": JOINTS, "points": [point(1.0, [1.0])]}}, "position"),
         (goal(point(1.0, [0.1] * 3), point(0.5, [0.2] * 3)), "increas"),
-        ({"trajectory": 5}, "no mapping"),
+        ({"trajectory": 5}, "not a mapping"),
         ({"trajectry": {}}, "no field trajectry; it has trajectory"),
     ],
 )
