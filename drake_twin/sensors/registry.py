@@ -52,12 +52,6 @@ def sensor_class(kind: str) -> "type[SensorSystem]":
     return _classes[kind]
 
 
-def sensor_kinds() -> tuple[str, ...]:
-    """Return all sensor types, of third parties too."""
-    _import_all()
-    return tuple(sorted(_classes))
-
-
 @cache
 def _import_all() -> None:
     for module in iter_modules(import_module(__package__).__path__):
