@@ -77,13 +77,13 @@ class Controller(WitnesslessSystem):
     declares its ports with the ``declare_…`` methods.
 
     - ``command_interfaces``: vector with one element for each claim (rad, rad/s, N·m, or m, m/s, N), then one for each
-      of ``hints``; NaN where nothing is written. A controller that claims nothing has no such port.
+      of ``feedforward``; NaN where nothing is written. A controller that claims nothing has no such port.
 
     Attributes:
         Parameters: A frozen dataclass, read by `drake_twin.description.parameters.read_parameters`.
         setup: What it was built from.
         claims: The command interfaces that it writes.
-        hints: Unclaimed interfaces that help the joint servo, such as the velocity that goes with a position.
+        feedforward: Unclaimed interfaces that the joint servo takes as feedforward: the velocity of a position.
         subscribed: Input topic below the controller's name → ROS message type; each is an abstract input port.
         published: Output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
@@ -120,17 +120,22 @@ class Controller(WitnesslessSystem):
         """
         return f"{name}/{topic}"
 
-    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
+    def __init__(self, setup: ControllerSetup, feedforward: Sequence[Interface] = ()):
         super().__init__()
         self.setup = setup
         self.claims = setup.claims
-        self.hints = tuple(hints)
+        self.feedforward = tuple(feedforward)
         self.subscribed: dict[str, str] = {}
         self.published: dict[str, str] = {}
         self.actions: dict[str, str] = {}
         self.robot_inputs: dict[str, InputPort] = {}
         self.odometry_frames: tuple[str, str] | None = None
         self.warnings: tuple[str, ...] = ()
+
+    @property
+    def interfaces(self) -> tuple[Interface, ...]:
+        """The interfaces on the port ``command_interfaces``: the claims, then the feedforward."""
+        return (*self.claims, *self.feedforward)
 
     def read(self, topic: str, message: Any, context: Context) -> Any:
         """Convert a message to the value that its input port takes.
@@ -178,6 +183,10 @@ class Controller(WitnesslessSystem):
     def cancel(self, context: Context) -> None:
         """Cancel the present goal of its action."""
 
+    def received(self, port: InputPort, context: Context) -> Any:
+        """Return the value on the port of a topic or action; None without one, as in a Simulator without a twin."""
+        return port.Eval(context) if port.HasValue(context) else None
+
     def get_command_interfaces_output_port(self) -> OutputPort:
         """The port ``command_interfaces``."""
         return self.GetOutputPort("command_interfaces")
@@ -207,5 +216,5 @@ class Controller(WitnesslessSystem):
 
     def declare_command_interfaces(self, calc: Callable[..., None], prerequisites: Collection[Any]) -> OutputPort:
         """Declare the port ``command_interfaces``; ``calc(context, output)`` fills a vector."""
-        size = len(self.claims) + len(self.hints)
+        size = len(self.interfaces)
         return self.DeclareVectorOutputPort("command_interfaces", size, weakly(calc), set(prerequisites))

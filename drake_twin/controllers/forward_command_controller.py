@@ -119,7 +119,8 @@ class ForwardCommandController(Controller):
         return [*map(bool, before.data)] != [*map(bool, now.data)]
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
-        numbers = self._commands.Eval(context)
+        # Not `received`: this call is on the shortest way from a message to a joint.
+        numbers = self._commands.Eval(context) if self._commands.HasValue(context) else None
         output.SetFromVector([nan] * len(self.claims) if numbers is None else numbers.data)
 
 

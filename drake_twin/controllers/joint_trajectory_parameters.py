@@ -6,6 +6,7 @@ from math import inf, isfinite
 
 from drake_twin.control.pid import ANTIWINDUP_STRATEGIES, PidGains
 from drake_twin.control.trajectory import INTERPOLATION_METHODS
+from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE
 from drake_twin.errors import InputError
 
 
@@ -146,9 +147,7 @@ class JointTrajectoryParameters:
     interpolate_from_desired_state: bool = False
     allow_integration_in_goal_trajectories: bool = False
     set_last_command_interface_value_as_state_on_activation: bool = True
-    action_monitor_rate: float = field(
-        default=20.0, metadata={"lower": 0.1, "unsupported": "a goal's end is told at the very update"}
-    )
+    action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     interpolation_method: str = field(default="splines", metadata={"choices": INTERPOLATION_METHODS})
     allow_nonzero_velocity_at_trajectory_end: bool = False
     cmd_timeout: float = 0.0
@@ -166,6 +165,11 @@ class JointTrajectoryParameters:
         if len(self.commanded) == len(self.joints):
             return tuple(range(len(self.joints)))
         return tuple(self.joints.index(joint) for joint in self.commanded)
+
+    @property
+    def written_interfaces(self) -> tuple[str, ...]:
+        """The command interfaces of each joint that the twin has: all but ``acceleration``."""
+        return tuple(name for name in self.command_interfaces if name != "acceleration")
 
     @property
     def has_pid(self) -> bool:

@@ -10,7 +10,8 @@ from pydrake.systems.framework import Context
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal
 from drake_twin.control.pid import PidMemory
-from drake_twin.controllers.gripper_action_controller import NOT_MONITORED, GripperActionController
+from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE
+from drake_twin.controllers.gripper_action_controller import GripperActionController
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
@@ -36,7 +37,7 @@ class ParallelGripperActionParameters:
     """
 
     joint: str
-    action_monitor_rate: float = field(default=20.0, metadata=NOT_MONITORED)
+    action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     state_interfaces: tuple[str, ...] = field(
         default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
     )

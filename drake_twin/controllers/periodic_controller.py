@@ -21,7 +21,7 @@ class Update:
 
     Attributes:
         memory: The new frozen memory.
-        commands: One element for each claim and hint; NaN where nothing is written.
+        commands: One element for each of `Controller.interfaces`; NaN where nothing is written.
         notice: Whether to end the advance at this step, for example because a goal has ended.
     """
 
@@ -45,9 +45,9 @@ class PeriodicController(StatefulController):
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
     """
 
-    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
-        self._nothing = (float("nan"),) * (len(setup.claims) + len(hints))
-        super().__init__(setup, tuple(hints), Sample(commands=self._nothing))
+    def __init__(self, setup: ControllerSetup, feedforward: Sequence[Interface] = ()):
+        self._nothing = (float("nan"),) * (len(setup.claims) + len(feedforward))
+        super().__init__(setup, tuple(feedforward), Sample(commands=self._nothing))
         self._reaches = self._position_reaches()
         self._velocities = [
             index
@@ -79,6 +79,20 @@ class PeriodicController(StatefulController):
             Exception: The controller is deactivated, with the exception's text as the reason.
         """
         return Update(memory, self._nothing)
+
+    def used_id(self, memory: Any) -> int:
+        """Return the id of the newest command that an update has used; for a controller that numbers its commands."""
+        return 0
+
+    def pending(self, context: Context, port: InputPort) -> Any:
+        """Return the numbered command on a port that no update has used; None without one."""
+        command = self.received(port, context)
+        return command if command is not None and command.id > self._used_id(context) else None
+
+    def newest_id(self, context: Context, *ports: InputPort) -> int:
+        """Return the highest id of the commands that were used or are pending on some ports; the next is one higher."""
+        pending: list[int] = [command.id for port in ports if (command := self.pending(context, port)) is not None]
+        return max((self._used_id(context), *pending))
 
     def starts_or_stops(self, before: Any, now: Any) -> bool:
         """Return False: how joints are driven changes at the next update, which ends the advance if it does."""
@@ -118,6 +132,10 @@ class PeriodicController(StatefulController):
                 return np.asarray(values)
         return None
 
+    def _used_id(self, context: Context) -> int:
+        memory = self.sample(context).memory
+        return 0 if memory is None else self.used_id(memory)
+
     def _update_sample(self, context: Context, state: State) -> EventStatus:
         sample = self.sample(context)
         if not sample.active or sample.fault is not None:
@@ -139,16 +157,16 @@ class PeriodicController(StatefulController):
 
     def _position_reaches(self) -> tuple[PositionReach, ...]:
         """Return the reach of each position that is written to a joint with a velocity limit."""
-        setup, interfaces = self.setup, (*self.claims, *self.hints)
+        setup, interfaces = self.setup, self.interfaces
         reaches = []
         for index, (name, interface) in enumerate(interfaces):
             joint = setup.description.joints_by_name.get(name)  # None for a reference of another controller
             if interface == "position" and joint is not None and 0 < joint.limits.velocity < inf:
-                hint = Interface(name, "velocity")
+                feedforward = Interface(name, "velocity")
                 reaches.append(
                     PositionReach.of_joint(
                         position=index,
-                        velocity=interfaces.index(hint) if hint in interfaces else None,
+                        velocity=interfaces.index(feedforward) if feedforward in interfaces else None,
                         joint=setup.layout.positions[name],
                         velocity_limit=joint.limits.velocity,
                         time_constant=setup.position_time_constant,

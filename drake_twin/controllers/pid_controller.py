@@ -226,9 +226,12 @@ class PidController(PeriodicController):
             if name not in names:
                 raise CommandError(f"the reference lacks {name!r}; it has {', '.join(names)}")
         order = [names.index(name) for name in self._dofs]
-        waiting, memory = self._reference.Eval(context), self.sample(context).memory
-        last = max(0 if waiting is None else waiting.id, 0 if memory is None else memory.reference_id)
-        return PidReference(last + 1, tuple(values[order].tolist()), tuple(values_dot[order].tolist()))
+        id = self.newest_id(context, self._reference) + 1
+        return PidReference(id, tuple(values[order].tolist()), tuple(values_dot[order].tolist()))
+
+    def used_id(self, memory: PidControllerMemory) -> int:
+        """Return the id of the last reference message that was used."""
+        return memory.reference_id
 
     def start(self, context: Context) -> PidControllerMemory:
         """The state as first reference, when parameters say so; PIDs at rest, but for integral terms that are kept."""
@@ -262,12 +265,12 @@ class PidController(PeriodicController):
 
     def _references(self, context: Context, memory: PidControllerMemory) -> tuple[int, tuple[tuple[float, ...], ...]]:
         """The references, each as it was where nothing new and finite came."""
-        message: PidReference | None = self._reference.Eval(context)
+        message: PidReference | None = self.pending(context, self._reference)
         reference_id = memory.reference_id if message is None else message.id
         upstream = self.references(context)
         if upstream is not None:
             new = upstream.reshape(len(self._interfaces), len(self._dofs))
-        elif message is not None and message.id > memory.reference_id:
+        elif message is not None:
             new = np.array([message.values, message.values_dot][: len(self._interfaces)])
             new[:, np.isnan(new[0])] = nan  # a derivative alone changes nothing
         else:

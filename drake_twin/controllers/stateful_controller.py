@@ -1,6 +1,6 @@
 """Controllers that keep something from one moment to the next."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydrake.common.value import AbstractValue
@@ -35,8 +35,8 @@ class Sample(Frozen):
 class StatefulController(Controller):
     """A controller whose state is one `Sample` in the Context, so that a saved Context is a saved controller."""
 
-    def __init__(self, setup: ControllerSetup, hints: tuple[Interface, ...] = (), initial: Sample | None = None):
-        super().__init__(setup, hints)
+    def __init__(self, setup: ControllerSetup, feedforward: tuple[Interface, ...] = (), initial: Sample | None = None):
+        super().__init__(setup, feedforward)
         self._sample_index: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(initial or Sample()))
 
     def sample(self, context: Context) -> Sample:
@@ -47,6 +47,10 @@ class StatefulController(Controller):
     def set_sample(self, context: Context, sample: Sample) -> None:
         """Set the state, of a saved run for example."""
         context.SetAbstractState(int(self._sample_index), sample)
+
+    def set_memory(self, context: Context, memory: Any) -> None:
+        """Set the memory alone."""
+        self.set_sample(context, replace(self.sample(context), memory=memory))
 
     def sample_ticket(self) -> Any:
         """Return the dependency ticket of an output port that follows from the last update."""

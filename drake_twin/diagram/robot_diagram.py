@@ -248,7 +248,7 @@ def _add_servo(
     fastest = np.array(velocity_limits(description, joints))
     still = np.zeros(len(joints)).tolist()
     own_velocities = {BRAKE: still, REST: still, UP: fastest.tolist(), DOWN: (-fastest).tolist()}
-    sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
+    sizes = {name: len(item.interfaces) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
         _free_name(builder, "joint_servo"),
         JointServo(sizes, assignment, limits[..., 0], limits[..., 1], as_position, own_velocities),
@@ -257,8 +257,7 @@ def _add_servo(
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))
     builder.ExportOutput(servo.get_desired_state_output_port(), "desired_state")
     # The actuation port is left unconnected where no effort can be commanded, as reading it is not for nothing.
-    interfaces = [(*item.claims, *item.hints) for item in driving.values()]
-    if any(interface.name == "effort" for item in interfaces for interface in item):
+    if any(interface.name == "effort" for item in driving.values() for interface in item.interfaces):
         builder.ExportOutput(servo.get_actuation_output_port(), "actuation")
     return servo
 

@@ -40,9 +40,9 @@ def assign(
     for name, controller in controllers.items():
         if name in active:
             claimed.update(dict.fromkeys(controller.claims, name))
-            for index, interface in enumerate((*controller.claims, *controller.hints)):
+            for index, interface in enumerate(controller.interfaces):
                 sources[name, interface] = offset + index
-        offset += len(controller.claims) + len(controller.hints)
+        offset += len(controller.interfaces)
     driven, rows = [], []
     for joint, idle in zip(joints, modes or [HOLD] * len(joints), strict=True):
         kinds = [] if joint is None else [kind for kind in _PRECEDENCE if Interface(joint, kind) in claimed]

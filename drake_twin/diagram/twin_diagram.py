@@ -14,8 +14,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames
-from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
+from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics
 from drake_twin.findings import Finding, Kind
@@ -137,7 +137,7 @@ def build_twin_diagram(
         parts = add_plant(builder, scenario, plans, world_file, known_gains)
         return _build(builder, scenario, meshcat, parts, plans, world_file, extensions)
     except BaseException:
-        let_go([builder, *builder.GetSystems()])
+        release([builder, *builder.GetSystems()])
         raise
 
 

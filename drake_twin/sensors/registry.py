@@ -44,12 +44,6 @@ def sensor_class(kind: str) -> "type[SensorSystem]":
     return _classes[kind]
 
 
-def sensor_kinds() -> tuple[str, ...]:
-    """Return all sensor types, of third parties too."""
-    _import_all()
-    return tuple(sorted(_classes))
-
-
 @cache
 def _import_all() -> None:
     from importlib.metadata import entry_points

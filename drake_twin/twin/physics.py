@@ -18,7 +18,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
-from drake_twin.diagram.let_go import let_go
+from drake_twin.diagram.release import release
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
@@ -265,6 +265,6 @@ class Physics:
 
     def discard(self) -> None:
         """Release the diagram, so that its memory can be freed."""
-        let_go([self.simulator, self.built.diagram])
+        release([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
         del self._extensions

@@ -56,8 +56,6 @@ class Rig:
         self.simulator = Simulator(self.dut)
         self.context = self.simulator.get_mutable_context()
         self.put(state)
-        for topic in (*self.dut.subscribed, *self.dut.actions):
-            self.fix(topic, None)
         if active:
             self.dut.activate(self.context)
 
@@ -378,21 +376,18 @@ def test_a_goal_with_meaningless_tolerances_is_refused():
 def test_a_newer_goal_preempts():
     rig = started(topic=ACTION)
     rig.advance(0.5, perfect=True)
-    first, second = rig.id, rig.send_goal(message([(5.0, 5.0)], [1.0]))
+    second = rig.send_goal(message([(5.0, 5.0)], [1.0]))
+    assert second > rig.id
     assert (rig.goal.id, rig.goal.status) == (second, "accepted")
     rig.advance(0.51, perfect=True)
     assert (rig.goal.id, rig.goal.status) == (second, "executing")
-    ended = rig.dut.goal_state(rig.context, first)
-    assert (ended.status, ended.error_code) == ("aborted", -1)
-    assert ended.error_string == "Current goal preempted by new incoming action."
 
 
 def test_a_goal_that_is_replaced_before_it_was_taken_up_is_preempted_too():
     rig = Rig()
     first, second = rig.send_goal(GOAL), rig.send_goal(GOAL)
     rig.update()
-    assert rig.goal.id == second
-    assert rig.dut.goal_state(rig.context, first).status == "aborted"
+    assert first < rig.goal.id == second
 
 
 @pytest.mark.parametrize("is_waiting", [False, True])
@@ -667,8 +662,8 @@ def test_a_copied_context_goes_on_as_the_original_does():
 def test_claims_are_those_of_each_joint_in_the_order_of_the_parameters():
     dut = make_dut(commands=("position", "velocity"))
     assert list(map(str, dut.claims)) == ["a/position", "a/velocity", "b/position", "b/velocity"]
-    assert dut.hints == ()
-    assert make_dut().hints == (Interface("a", "velocity"), Interface("b", "velocity"))
+    assert dut.feedforward == ()
+    assert make_dut().feedforward == (Interface("a", "velocity"), Interface("b", "velocity"))
 
 
 def test_accelerations_are_left_out_with_a_warning():
@@ -707,10 +702,10 @@ def test_a_pid_acts_at_the_very_first_update():
     assert rig.commands.tolist() == [-1.5, 0.0]
 
 
-def test_a_reference_of_another_controller_gets_no_hint():
+def test_a_reference_of_another_controller_gets_no_feedforward():
     dut = make_dut(command_joints=("pid/a", "pid/b"))
     assert list(map(str, dut.claims)) == ["pid/a/position", "pid/b/position"]
-    assert dut.hints == ()
+    assert dut.feedforward == ()
 
 
 def test_a_pid_without_gains_commands_nothing_but_zero():
@@ -847,7 +842,7 @@ ARM = """
 
 
 class Servo(LeafSystem):
-    """The commands as a desired state [q_d; v_d], which the hints behind the claims make of them; at first zero."""
+    """The commands as a desired state [q_d; v_d], which the claims and the feedforward make; at first zero."""
 
     def __init__(self):
         super().__init__()
