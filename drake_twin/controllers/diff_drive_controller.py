@@ -14,7 +14,6 @@ from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
     check_covariances,
-    is_older,
     publication,
     state_joint,
     twist_message,
@@ -171,12 +170,20 @@ class DiffDriveController(DriveController):
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
         """Limits the command, reckons the odometry and turns the wheels."""
         parameters: DiffDriveParameters = self.setup.parameters
-        reference = self._reference(context, time, memory)
+        wanted = self._wanted(context, time, memory)
         limited = None
-        if reference is not None:
-            limited = self._limited(reference, memory)
+        if wanted is not None:
+            limited = self._limited(wanted, memory)
             memory = replace(memory, last=limited, second_to_last=memory.last)
-        memory = self._with_odometry(context, time, replace(memory, limited=limited))
+        linear, angular = limited or (0.0, 0.0)
+        memory = self._with_odometry(
+            context,
+            time,
+            replace(memory, limited=limited),
+            (linear, angular),
+            self._base_velocity,
+            from_positions=parameters.position_feedback,
+        )
         memory = publication(memory, time, parameters.publish_rate)
         if limited is None:
             return Update(memory, self.sample(context).commands)
@@ -184,29 +191,19 @@ class DiffDriveController(DriveController):
         per_side = len(parameters.left_wheel_names)
         return Update(memory, (left,) * per_side + (right,) * per_side)
 
-    def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[float, ...] | None:
+    def _wanted(self, context: Context, time: float, memory: DriveMemory) -> tuple[float, ...] | None:
+        """Return the velocity to follow; None for nothing, so that what was written stays."""
         chained = self.references(context)
         if chained is not None:
             return tuple(map(float, chained)) if all(map(isfinite, chained)) else None
-        command = self.get_command_input_port().Eval(context)
-        since = memory.start if command is None else command.time
-        timeout = self.setup.parameters.cmd_vel_timeout
-        if timeout and is_older(time, since, timeout):
+        command = self.received(self.get_command_input_port(), context)
+        if self._is_expired(time, memory.start if command is None else command.time):
             return 0.0, 0.0
         return None if command is None else (command.linear_x, command.angular_z)
 
-    def _with_odometry(self, context: Context, time: float, memory: DriveMemory) -> DriveMemory:
-        parameters: DiffDriveParameters = self.setup.parameters
-        if parameters.open_loop:
-            linear, angular = memory.limited or (0.0, 0.0)
-            return replace(memory, odometry=memory.odometry.moved_open_loop(linear, angular, time))
-        wheels, memory = self._feedback(context, memory, time, from_positions=parameters.position_feedback)
-        per_side = len(parameters.left_wheel_names)
-        linear, angular = self._drive.base_velocity(
-            sum(wheels[:per_side]) / per_side, sum(wheels[per_side:]) / per_side
-        )
-        window = parameters.velocity_rolling_window_size
-        return replace(memory, odometry=memory.odometry.moved(linear, angular, time, window))
+    def _base_velocity(self, wheels: tuple[float, ...]) -> tuple[float, float]:
+        per_side = len(wheels) // 2
+        return self._drive.base_velocity(sum(wheels[:per_side]) / per_side, sum(wheels[per_side:]) / per_side)
 
     def _calc_cmd_vel_out(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

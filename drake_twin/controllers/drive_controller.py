@@ -1,6 +1,6 @@
 """What the controllers of wheeled bases share: a commanded twist in, odometry and its transform out."""
 
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
 from math import atan2, cos, isinf, isnan, nan, sin
 from typing import Any
@@ -78,6 +78,7 @@ class DriveController(PeriodicController):
     a controller is activated again its odometry goes on where it was, as upstream, and its last commands are forgotten.
     """
 
+    _components: tuple[str, ...] = ("linear_x", "angular_z")  # those of a `TwistCommand` that the base follows
     _odometry_wheels: tuple[str, ...]
     _limiters: tuple[Any, ...] = ()
     _nan_stops = False  # whether a command that is not a number stops the base instead of being refused
@@ -94,8 +95,7 @@ class DriveController(PeriodicController):
         """Puts the base at the origin of its odometry frame; upstream's service ``~/reset_odometry``."""
         sample = self.sample(context)
         if sample.memory is not None:
-            memory = replace(sample.memory, odometry=sample.memory.odometry.reset())
-            self.set_sample(context, replace(sample, memory=memory))
+            self.set_memory(context, replace(sample.memory, odometry=sample.memory.odometry.reset()))
 
     def start(self, context: Context) -> DriveMemory:
         """Without commands; the odometry goes on from the last activation."""
@@ -121,23 +121,25 @@ class DriveController(PeriodicController):
         stamp = now
         if stamped and (message.header.stamp.sec or message.header.stamp.nanosec):
             stamp = min(message.header.stamp.sec + message.header.stamp.nanosec / _NANOSECONDS, now)
-        memory = self.sample(context).memory
         command = TwistCommand(
-            id=1 if memory is None else memory.used + 1,
+            id=self.newest_id(context) + 1,
             time=stamp,
             linear_x=float(twist.linear.x),
             linear_y=float(twist.linear.y),
             angular_z=float(twist.angular.z),
         )
-        timeout = self._command_timeout
-        if timeout and is_older(now, stamp, timeout):
+        if self._is_expired(now, stamp):
             raise CommandError(
-                f"the command's stamp is {now - stamp:g} s old, and a command holds for {timeout:g} s only"
+                f"the command's stamp is {now - stamp:g} s old, but a command expires after {self._command_timeout:g} s"
             )
         refusal = self._refusal(command)
         if refusal:
             raise CommandError(refusal)
         return command
+
+    def used_id(self, memory: DriveMemory) -> int:
+        """Return the id of the last command that was used up."""
+        return memory.used
 
     def _refusal(self, command: TwistCommand) -> str | None:
         """Why a command is refused; None when it is not."""
@@ -200,21 +202,65 @@ class DriveController(PeriodicController):
             )
         )
 
-    def _present_command(
-        self, context: Context, time: float, memory: DriveMemory
-    ) -> tuple[TwistCommand | None, DriveMemory]:
-        """The command that holds, for the controllers that use one up in an update when their timeout is zero."""
-        command: TwistCommand | None = self._command.Eval(context)
-        if command is None:
-            return None, memory
-        if self._command_timeout:
-            return (None if is_older(time, command.time, self._command_timeout) else command), memory
-        if command.id <= memory.used:
-            return None, memory
-        return command, replace(memory, used=command.id)
+    def _is_expired(self, now: float, stamp: float) -> bool:
+        """Return whether a command with this stamp has timed out (s); never with a time-out of zero."""
+        return bool(self._command_timeout) and is_older(now, stamp, self._command_timeout)
 
-    def _seen_odometry(self, context: Context, published: WheelOdometry) -> WheelOdometry:
-        return self.true_odometry(context, published.time) if self.setup.true_odometry else published
+    def _valid_command(self, context: Context, time: float) -> TwistCommand | None:
+        """Return the last command; None before the first and once it has timed out."""
+        command: TwistCommand | None = self.received(self._command, context)
+        return None if command is None or self._is_expired(time, command.time) else command
+
+    def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[tuple[float, ...], DriveMemory]:
+        """Return the references of other controllers, else the command; NaN without one.
+
+        For controllers for which a time-out of zero means that an update uses the command up.
+        """
+        chained = self.references(context)
+        if chained is not None:
+            return tuple(map(float, chained)), memory
+        if self._command_timeout:
+            command = self._valid_command(context, time)
+        else:
+            command = self.pending(context, self._command)
+            memory = memory if command is None else replace(memory, used=command.id)
+        if command is None:
+            return (nan,) * len(self._components), memory
+        return tuple(getattr(command, name) for name in self._components), memory
+
+    def _with_odometry(
+        self,
+        context: Context,
+        time: float,
+        memory: DriveMemory,
+        commanded: tuple[float, float],
+        base_velocity: Callable[[tuple[float, ...]], tuple[float, float]],
+        *,
+        from_positions: bool,
+    ) -> DriveMemory:
+        """Return the memory with the odometry at the present time.
+
+        Args:
+            context: The controller's own context.
+            time: The present time (s).
+            memory: The memory.
+            commanded: The base's commanded velocity (m/s, rad/s), for ``open_loop``.
+            base_velocity: Calculates the base's velocity from those of the wheels (rad/s).
+            from_positions: Whether the wheels' velocities are calculated from their positions.
+        """
+        parameters = self.setup.parameters
+        if parameters.open_loop:
+            return replace(memory, odometry=memory.odometry.moved_open_loop(*commanded, time))
+        wheels, memory = self._feedback(context, memory, time, from_positions=from_positions)
+        window = parameters.velocity_rolling_window_size
+        return replace(memory, odometry=memory.odometry.moved(*base_velocity(wheels), time, window))
+
+    def _seen_odometry(self, context: Context) -> WheelOdometry | None:
+        """Return the published odometry, or with `ControllerSetup.true_odometry` the true one; None before it."""
+        memory: DriveMemory | None = self.sample(context).memory
+        if memory is None or memory.published is None:
+            return None
+        return self.true_odometry(context, memory.published.time) if self.setup.true_odometry else memory.published
 
     def true_odometry(self, context: Context, time: float) -> WheelOdometry:
         """The true pose of the root link in the world, seen from above, and its velocity in its own axes."""
@@ -230,11 +276,10 @@ class DriveController(PeriodicController):
         return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)
 
     def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
-        memory = self.sample(context).memory
-        if memory is None or memory.published is None:
+        odometry = self._seen_odometry(context)
+        if odometry is None:
             output.set_value(None)
             return
-        odometry = self._seen_odometry(context, memory.published)
         seen = odometry if self._with_pose else odometry.reset()
         pose_covariance, twist_covariance = self._covariances
         odom_frame, base_frame = self._frames
@@ -252,11 +297,10 @@ class DriveController(PeriodicController):
         )
 
     def _calc_tf_odometry(self, context: Context, output: AbstractValue) -> None:
-        memory = self.sample(context).memory
-        if memory is None or memory.published is None:
+        odometry = self._seen_odometry(context)
+        if odometry is None:
             output.set_value(None)
             return
-        odometry = self._seen_odometry(context, memory.published)
         odom_frame, base_frame = self._frames
         transform = messages.TransformStamped(
             header=messages.header(odometry.time, odom_frame),

@@ -14,34 +14,42 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 
 
+@dataclass(frozen=True, kw_only=True)
+class CommandTimeoutParameters:
+    """The parameter that the twin adds to all forward command controllers.
+
+    Attributes:
+        command_timeout: The time after which a command expires (s); 0 for never. ros2_controllers has no such
+            parameter.
+    """
+
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
 @dataclass(frozen=True)
-class ForwardCommandParameters:
+class ForwardCommandParameters(CommandTimeoutParameters):
     """Parameters of ``forward_command_controller/ForwardCommandController``.
 
     Attributes:
         joints: the joints, in the order of a command's elements.
         interface_name: the command interface of all of them.
-        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
     """
 
     joints: tuple[str, ...]
     interface_name: str
-    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
 
 
 @dataclass(frozen=True)
-class MultiInterfaceForwardCommandParameters:
+class MultiInterfaceForwardCommandParameters(CommandTimeoutParameters):
     """Parameters of ``forward_command_controller/MultiInterfaceForwardCommandController``.
 
     Attributes:
         joint: the joint.
         interface_names: its command interfaces, in the order of a command's elements.
-        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
     """
 
     joint: str
     interface_names: tuple[str, ...]
-    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
 
 
 @controller("forward_command_controller/ForwardCommandController")

@@ -7,7 +7,7 @@ from drake_twin.saved import saved
 # Metadata of the parameter action_monitor_rate.
 ACTION_MONITOR_RATE = {
     "lower": 0.1,
-    "unsupported": "the end of a goal is reported at the update that finds it",
+    "unsupported": "the end of a goal is reported at once",
 }
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Container
 from dataclasses import dataclass, field, replace
-from math import isnan, nan
+from math import isnan
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -271,6 +271,7 @@ class MecanumDriveController(DriveController):
     """
 
     Parameters: ClassVar[type] = MecanumDriveParameters
+    _components = ("linear_x", "linear_y", "angular_z")
     _nan_stops = True
 
     @classmethod
@@ -321,18 +322,6 @@ class MecanumDriveController(DriveController):
         limited = self._limited(reference, memory)
         memory = replace(memory, last=limited, second_to_last=memory.last, limited=limited)
         return Update(memory, self._drive.wheel_velocities(*limited))
-
-    def _reference(
-        self, context: Context, time: float, memory: DriveMemory
-    ) -> tuple[tuple[float, float, float], DriveMemory]:
-        chained = self.references(context)
-        if chained is not None:
-            x, y, z = map(float, chained)
-            return (x, y, z), memory
-        command, memory = self._present_command(context, time, memory)
-        if command is None:
-            return (nan, nan, nan), memory
-        return (command.linear_x, command.linear_y, command.angular_z), memory
 
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

@@ -88,7 +88,7 @@ class PlanarMoveController(DriveController):
         """Passes the command on and looks where the base is."""
         memory = replace(memory, odometry=self.true_odometry(context, time))
         memory = publication(memory, time, self.setup.parameters.publish_rate)
-        command = self.get_command_input_port().Eval(context)
+        command = self.received(self.get_command_input_port(), context)
         if command is None:
             return Update(memory, (nan, nan, nan))
         # Until the next update the base goes straight on while it turns: in the direction it has half-way.

@@ -198,16 +198,17 @@ class SteeringController(DriveController):
             angular = tan(angle) * linear / self._drive.wheelbase
         else:
             angle = self._drive.steering_angle(linear, angular)
-        if parameters.open_loop:
-            velocity = (0.0 if isnan(linear) else linear, 0.0 if isnan(angular) else angular)
-            odometry = memory.odometry.moved_open_loop(*velocity, time)
-        else:
-            wheels, memory = self._feedback(context, memory, time, from_positions=parameters.position_feedback)
-            velocity = self._drive.base_velocity(wheels, measured)
-            odometry = memory.odometry.moved(*velocity, time, parameters.velocity_rolling_window_size)
+        memory = self._with_odometry(
+            context,
+            time,
+            memory,
+            (0.0 if isnan(linear) else linear, 0.0 if isnan(angular) else angular),
+            lambda wheels: self._drive.base_velocity(wheels, measured),
+            from_positions=parameters.position_feedback,
+        )
         measure = self.positions if parameters.position_feedback else self.velocities
         state = (*map(float, measure(context, self._odometry_wheels)), *angles)
-        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time), state=state)
+        memory = replace(memory, published=replace(memory.odometry, time=time), state=state)
         if isnan(linear) or isnan(angular):
             held = self.sample(context).commands[self._drive.driven :]
             return Update(memory, (0.0,) * self._drive.driven + held)
@@ -227,14 +228,6 @@ class SteeringController(DriveController):
             return (nan, nan), replace(memory, last=(0.0, 0.0), second_to_last=(0.0, 0.0))
         linear, angular = self._limited((linear, angular), memory)
         return (linear, angular), replace(memory, last=(linear, angular), second_to_last=memory.last)
-
-    def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[tuple[float, float], DriveMemory]:
-        chained = self.references(context)
-        if chained is not None:
-            linear, angular = map(float, chained)
-            return (linear, angular), memory
-        command, memory = self._present_command(context, time, memory)
-        return ((nan, nan) if command is None else (command.linear_x, command.angular_z)), memory
 
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

@@ -15,7 +15,6 @@ from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
     check_covariances,
-    is_older,
     state_joint,
 )
 from drake_twin.controllers.interface import Interface
@@ -200,19 +199,18 @@ class TricycleController(DriveController):
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
         """Reckons the odometry, and turns and steers the wheel."""
-        parameters: TricycleParameters = self.setup.parameters
-        command = self.get_command_input_port().Eval(context)
-        linear, angular = 0.0, 0.0
-        if command is not None and not (self._command_timeout and is_older(time, command.time, self._command_timeout)):
-            linear, angular = command.linear_x, command.angular_z
+        command = self._valid_command(context, time)
+        linear, angular = (0.0, 0.0) if command is None else (command.linear_x, command.angular_z)
         (measured,) = map(float, self.positions(context, self._steering_joint))
-        if parameters.open_loop:
-            odometry = memory.odometry.moved_open_loop(linear, angular, time)
-        else:
-            (wheel,), memory = self._feedback(context, memory, time, from_positions=False)
-            velocity = self._drive.base_velocity(wheel, measured)
-            odometry = memory.odometry.moved(*velocity, time, parameters.velocity_rolling_window_size)
-        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
+        memory = self._with_odometry(
+            context,
+            time,
+            memory,
+            (linear, angular),
+            lambda wheels: self._drive.base_velocity(wheels[0], measured),
+            from_positions=False,
+        )
+        memory = replace(memory, published=replace(memory.odometry, time=time))
         speed, angle = self._drive.wheel_command(linear, angular)
         speed *= _share_of_speed(abs(angle - measured))
         limited = self._limited((speed, angle), memory)

@@ -78,7 +78,7 @@ def test_a_message_older_than_the_timeout_is_refused():
     dut = drive()
     dut.advance(2.0)
     with pytest.raises(
-        CommandError, match=r"the command's stamp is 1 s old, and a command holds for 0.5 s only"
+        CommandError, match=r"the command's stamp is 1 s old, but a command expires after 0.5 s"
     ) as error:
         dut.send(x=0.3, stamp=1.0)
     assert not error.value.deactivates

@@ -648,7 +648,7 @@ def test_a_copied_context_goes_on_as_the_original_does():
     other = Rig()
     other.context.SetTimeStateAndParametersFrom(rig.context)
     for topic in (TOPIC, ACTION):
-        other.fix(topic, copy.deepcopy(rig.dut.GetInputPort(topic).Eval(rig.context)))
+        other.fix(topic, copy.deepcopy(rig.dut.received(rig.dut.GetInputPort(topic), rig.context)))
     other.simulator.Initialize()
     for each in (rig, other):
         each.advance(0.6)
@@ -759,7 +759,7 @@ def test_parameters_are_read_as_upstreams_yaml_has_them():
     }
     assert parameters.gains["a"].pid_gains.i_clamp_min == -1.0
     assert tuple(map(str, warnings)) == (
-        "controller arm_controller: action_monitor_rate is ignored: a goal's end is told at the very update",
+        "controller arm_controller: action_monitor_rate is ignored: the end of a goal is reported at once",
     )
     names = {name for name, _, _ in parameter_names(JointTrajectoryParameters)}
     assert {"constraints.<joint>.goal", "constraints.goal_time", "gains.<joint>.p"} <= names
