@@ -9,10 +9,10 @@ from drake_twin.controllers.periodic_controller import PeriodicController
 
 
 class ActionController(PeriodicController):
-    """A controller with an action: a newer goal replaces an older one.
+    """Execute the goals of an action; a newer goal replaces an older one.
 
-    A goal is accepted and pending from its arrival to the next update, which executes it. A subclass numbers its goals
-    by `newest_id`, implements `used_id` and `last_goal`, and says what becomes of a goal that is canceled or cut short.
+    A goal is accepted when it arrives and is pending until the next update, which executes it. A subclass numbers its
+    goals by `newest_id` and implements `used_id`, `last_goal`, `with_canceled_goal` and `with_interrupted_goal`.
     """
 
     _goal_port: InputPort
@@ -22,11 +22,11 @@ class ActionController(PeriodicController):
         raise NotImplementedError
 
     def with_canceled_goal(self, context: Context, goal: GoalState) -> Any:
-        """Return the memory after a goal that has not ended is canceled: the joints stop."""
+        """Return the memory after a cancellation of the goal: the joints stop."""
         raise NotImplementedError
 
     def with_interrupted_goal(self, context: Context, goal: GoalState) -> Any:
-        """Return the memory after a goal that has not ended is ended by the controller's deactivation."""
+        """Return the memory after a deactivation of the controller has ended the goal."""
         raise NotImplementedError
 
     def goal_state(self, context: Context) -> GoalState | None:

@@ -22,13 +22,14 @@ class GripperActionParameters:
     """Parameters of ``position_controllers/GripperActionController``.
 
     Attributes:
-        joint: the gripper's joint.
-        action_monitor_rate: how often the action's state is looked at (Hz).
-        goal_tolerance: how near the goal is near enough (rad or m).
-        max_effort: the largest effort until a goal brings its own (N·m or N). A position interface makes no use of it.
-        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
-        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
-        stall_timeout: how long it stands still before it has stalled (s).
+        joint: The gripper's joint.
+        action_monitor_rate: The rate at which the goal's state is checked (Hz).
+        goal_tolerance: The largest position error at which a goal is reached (rad or m).
+        max_effort: The largest effort before the first goal, which has its own (N·m or N). Unused with a position
+            interface.
+        allow_stalling: Whether a goal succeeds if the gripper stalls before it.
+        stall_velocity_threshold: The largest speed of a gripper at rest (rad/s or m/s).
+        stall_timeout: The time at rest after which the gripper has stalled (s).
     """
 
     joint: str
@@ -43,7 +44,7 @@ class GripperActionParameters:
 @saved("GripperMemory")
 @dataclass(frozen=True)
 class GripperMemory:
-    """What a gripper controller keeps: what it was told last, how that is getting on, and its PID."""
+    """The memory of a gripper controller: the goal or hold position, the goal's progress, and the PID."""
 
     goal: GripperGoal
     run: GripperRun
@@ -51,13 +52,13 @@ class GripperMemory:
 
 
 class GripperActionController(ActionController):
-    """Moves a gripper to the position of an action's goal; the base of the three controllers of this file.
+    """Move a gripper to the position of an action's goal; the base of the gripper controllers.
 
-    Behaves as gripper_controllers and parallel_gripper_controller in ROS 2 Jazzy: on activation and when a goal is
-    cancelled it holds where it is, a newer goal takes the place of an older one, a goal ends within the tolerance or
-    with a stall, and its position stays commanded afterwards. Here a goal that is not a finite number is refused, one
-    that runs when the controller is deactivated ends as cancelled, and the feedback, which upstream never sends, is
-    the present state.
+    Behaves as gripper_controllers and parallel_gripper_controller in ROS 2 Jazzy: the gripper is held at its position
+    on activation and when a goal is canceled, a newer goal replaces an older one, a goal ends within the tolerance or
+    with a stall, and its position stays commanded afterwards. Unlike upstream, a goal that is not finite is refused, a
+    goal that is executed at a deactivation ends as canceled, and the feedback, which upstream never sends, is the
+    present state.
 
     .. pydrake_system::
 
@@ -69,8 +70,8 @@ class GripperActionController(ActionController):
         - command_interfaces
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s).
-    - ``gripper_cmd``: the goal as `GripperGoal`, ``None`` before the first; action ``~/gripper_cmd``.
-    - ``command_interfaces``: what the claims say (rad or m, N·m or N).
+    - ``gripper_cmd``: the goal as `GripperGoal`, None before the first; action ``~/gripper_cmd``.
+    - ``command_interfaces``: the command of each claim (rad or m, N·m or N).
     """
 
     Parameters: ClassVar[type] = GripperActionParameters
@@ -88,14 +89,14 @@ class GripperActionController(ActionController):
         self._goal_port = self.declare_action_input("gripper_cmd", self.action)
 
     def get_gripper_cmd_input_port(self) -> InputPort:
-        """The port ``gripper_cmd``."""
+        """Return the port ``gripper_cmd``."""
         return self._goal_port
 
     def read(self, topic: str, message: Any, context: Context) -> GripperGoal:
-        """The goal as plain numbers, with the next number.
+        """Convert a goal to plain numbers and assign it the next id.
 
         Raises:
-            CommandError: a position, effort or velocity that is not finite, or not one position.
+            CommandError: If there is not one position, or a position, effort or velocity is not finite.
         """
         position, effort, velocity = self._wanted(message)
         for what, value in (("position", position), ("effort", effort), ("velocity", velocity)):
@@ -105,13 +106,13 @@ class GripperActionController(ActionController):
         return GripperGoal(id, position, effort, velocity, context.get_time())
 
     def start(self, context: Context) -> GripperMemory:
-        """Holds where it is; goals are counted on."""
+        """Hold the gripper at its position, and keep the count of goals."""
         memory = self.sample(context).memory
         run = GripperRun() if memory is None else memory.run
         return GripperMemory(self._hold(context, run.id), run, PidMemory())
 
     def update(self, context: Context, time: float, memory: GripperMemory) -> Update:
-        """Takes a new goal, judges how the present one is getting on, and commands it."""
+        """Execute a new goal, judge its progress, and command it."""
         goal: GripperGoal | None = self.pending(context, self._goal_port)
         if goal is not None:
             run = GripperRun(goal.id, "executing", last_movement=goal.time)
@@ -133,7 +134,7 @@ class GripperActionController(ActionController):
         return GoalState(memory.run.id, memory.run.status) if memory.run.id else None
 
     def with_canceled_goal(self, context: Context, goal: GoalState) -> GripperMemory:
-        """Return the memory with the goal canceled and the gripper held where it is."""
+        """Return the memory with the goal canceled and the gripper held at its position."""
         return replace(self.with_interrupted_goal(context, goal), goal=self._hold(context, goal.id))
 
     def with_interrupted_goal(self, context: Context, goal: GoalState) -> GripperMemory:
@@ -142,14 +143,14 @@ class GripperActionController(ActionController):
         return replace(memory, run=GripperRun(goal.id, "canceled"))
 
     def feedback(self, context: Context) -> Any:
-        """The present goal's feedback message."""
+        """Return the present goal's feedback message."""
         run = self._run(context)
         return messages.GripperCommand_Feedback(
             position=run.position, effort=run.effort, stalled=run.stalled, reached_goal=run.reached_goal
         )
 
     def result(self, context: Context) -> Any:
-        """The last goal's result message; all zero for one that was cancelled."""
+        """Return the last goal's result message; all zero for one that was canceled."""
         run = self._run(context)
         return messages.GripperCommand_Result(
             position=run.position, effort=run.effort, stalled=run.stalled, reached_goal=run.reached_goal
@@ -165,15 +166,15 @@ class GripperActionController(ActionController):
         return GripperGoal(last, position, effort, velocity, context.get_time())
 
     def _default_limits(self) -> tuple[float, float]:
-        """The largest effort and velocity while no goal gives its own."""
+        """Return the largest effort and velocity before the first goal."""
         return self.setup.parameters.max_effort, 0.0
 
     def _wanted(self, message: Any) -> tuple[float, float, float]:
-        """Position, effort and velocity of a goal message."""
+        """Return position, effort and velocity of a goal message."""
         return float(message.command.position), float(message.command.max_effort), 0.0
 
     def _effort(self, context: Context, goal: GripperGoal) -> float:
-        """The effort that a result reports."""
+        """Return the effort that a result reports."""
         return goal.effort
 
     def _commands(

@@ -1,4 +1,4 @@
-"""The forward command controllers that are named after their one interface."""
+"""Forward command controllers that are named after their interface."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -10,17 +10,18 @@ from drake_twin.description.robot_description import RobotDescription
 
 @dataclass(frozen=True)
 class JointGroupParameters(CommandTimeoutParameters):
-    """Parameters of the ``velocity_controllers``, ``position_controllers`` and ``effort_controllers`` JointGroups.
+    """Parameters of the JointGroup controllers of ``velocity_controllers``, ``position_controllers`` and
+    ``effort_controllers``.
 
     Attributes:
-        joints: the joints, in the order of a command's elements.
+        joints: The joints, in the order of a command's elements.
     """
 
     joints: tuple[str, ...]
 
 
 class JointGroupController(ForwardCommandController):
-    """Forwards commands to one interface of each joint.
+    """Forward commands to one interface of each joint.
 
     Attributes:
         interface: ``position``, ``velocity`` or ``effort``.

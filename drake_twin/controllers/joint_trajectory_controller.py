@@ -40,22 +40,22 @@ SPEED_SCALING = "speed_scaling_input"
 
 @controller("joint_trajectory_controller/JointTrajectoryController")
 class JointTrajectoryController(ActionController):
-    """Follows trajectories of several joints.
+    """Follow trajectories of several joints.
 
-    Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy, read from its sources;
-    where it differs, a reason is given here:
+    Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy (from its sources), with
+    these differences:
 
-    - What is written at ``t`` acts for an update period ``P``, and the implicit servo aims at the end of each physics
-      step ``h``. So the position is that of ``t + (P + h) / 2``: with it the joint is on its trajectory in the mean.
-      Upstream writes that of ``t + P``, which leads by half a period. With it goes a hint for the servo's damping: the
-      trajectory's mean velocity while it acts. Velocities and efforts are those in the middle of that time.
-    - A joint that wraps around is commanded the turns that it has made, so that it goes the short way; upstream leaves
-      that to the hardware.
-    - A goal ends at the update at which it is so, upstream's up to a period of ``action_monitor_rate`` later; after an
-      abort the hold begins at that update, too, and not at the next.
-    - A goal is aborted by a trajectory on the topic. Upstream reports the goal a success when that other one ends.
+    - A command of time ``t`` acts for an update period ``P``, and the implicit servo aims at the end of each physics
+      step ``h``. The commanded position is that of ``t + (P + h) / 2``, with which the joint is on its trajectory on
+      average. Upstream writes that of ``t + P``, which leads by half a period. A feedforward for the servo's damping
+      goes with it: the trajectory's mean velocity in the period. Velocities and efforts are those of ``t + P / 2``.
+    - A command of a continuous joint includes the turns that it has made, so that it takes the short way; upstream
+      leaves this to the hardware.
+    - A goal's end is reported at its update, upstream's up to a period of ``action_monitor_rate`` later. After an abort
+      the hold begins at that update, upstream's at the next.
+    - A trajectory on the topic aborts a goal. Upstream reports that the goal has succeeded when that trajectory ends.
     - A goal that runs into ``cmd_timeout`` is aborted. Upstream reports success.
-    - Numbers that are not finite, joints named twice and tolerances that have no meaning are refused.
+    - Numbers that are not finite, duplicate joints and meaningless tolerances are refused.
 
     .. pydrake_system::
 
@@ -77,12 +77,12 @@ class JointTrajectoryController(ActionController):
     - ``speed_scaling_input``: ``control_msgs/msg/SpeedScalingFactor``, how fast trajectories run, or None; topic
       ``~/speed_scaling_input``. Only with the interface ``position`` alone.
     - ``command_interfaces``: for each commanded joint its interfaces, in the order of the parameters (rad, rad/s, N·m,
-      or m, m/s, N); then, with ``position`` and without ``velocity``, the velocity of each joint as a hint. From the
-      first update on it holds the position at the activation.
+      or m, m/s, N); then, with ``position`` and without ``velocity``, the velocity of each joint as feedforward. From
+      the first update it holds the position at the activation.
     - ``controller_state``: ``control_msgs/msg/JointTrajectoryControllerState`` of the last update; None before it.
 
     Attributes:
-        warnings: what of the parameters has no effect here.
+        warnings: The parameters without effect.
     """
 
     Parameters: ClassVar[type] = JointTrajectoryParameters
@@ -91,10 +91,10 @@ class JointTrajectoryController(ActionController):
     def claimed_interfaces(
         cls, parameters: JointTrajectoryParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The interfaces of each joint, but for ``acceleration``, which nothing in the twin takes.
+        """Return the interfaces of each joint, without ``acceleration``, which the twin does not have.
 
         Raises:
-            InputError: joints and interfaces do not go together.
+            InputError: If joints and interfaces do not match.
         """
         check_interfaces(parameters)
         return tuple(Interface(joint, name) for joint in parameters.commanded for name in parameters.written_interfaces)
@@ -102,7 +102,7 @@ class JointTrajectoryController(ActionController):
     def __init__(self, setup: ControllerSetup):
         parameters: JointTrajectoryParameters = setup.parameters
         commands = parameters.command_interfaces
-        is_joint = all(joint in setup.layout.velocities for joint in parameters.commanded)  # else a reference
+        is_joint = all(joint in setup.layout.velocities for joint in parameters.commanded)  # otherwise a reference
         has_feedforward = is_joint and "position" in commands and "velocity" not in commands
         super().__init__(
             setup, [Interface(joint, "velocity") for joint in parameters.commanded] if has_feedforward else ()
@@ -140,28 +140,28 @@ class JointTrajectoryController(ActionController):
         )
 
     def get_joint_trajectory_input_port(self) -> InputPort:
-        """The port ``joint_trajectory``."""
+        """Return the port ``joint_trajectory``."""
         return self._topic_port
 
     def get_follow_joint_trajectory_input_port(self) -> InputPort:
-        """The port ``follow_joint_trajectory``."""
+        """Return the port ``follow_joint_trajectory``."""
         return self._goal_port
 
     def read(self, topic: str, message: Any, context: Context) -> Any:
-        """The trajectory of a message or goal, in the controller's order of joints; or the speed's factor.
+        """Convert a message or goal to a trajectory in the controller's order of joints; check a speed scaling factor.
 
         Raises:
-            CommandError: the message is refused.
+            CommandError: If the message is refused.
         """
         if topic == SPEED_SCALING:
             if not (isfinite(message.factor) and message.factor >= 0.0):
-                raise CommandError(f"the speed scaling factor {message.factor:g} is not a number from zero up")
+                raise CommandError(f"the speed scaling factor {message.factor:g} is not zero or a positive number")
             return message
         tolerances = self._follower.tolerances
         trajectory = message
         if topic == ACTION:
             if not self.sample(context).active:
-                raise CommandError("the controller is not active, so it takes no goal")
+                raise CommandError("the controller is not active and accepts no goal")
             trajectory = message.trajectory
             tolerances = goal_tolerances(
                 tolerances,
@@ -185,7 +185,7 @@ class JointTrajectoryController(ActionController):
         return memory.goal
 
     def with_canceled_goal(self, context: Context, goal: GoalState) -> JointTrajectoryMemory:
-        """Return the memory with the goal canceled; with ``decelerate_on_cancel`` the joints brake, else they hold."""
+        """Return the memory with the goal canceled; the joints brake with ``decelerate_on_cancel``, else they hold."""
         memory: JointTrajectoryMemory = self.sample(context).memory
         memory = self._follower.stopped(context.get_time(), memory, self._measured(context, memory))
         return replace(memory, last_id=self._newest_id(context), goal=GoalState(goal.id, "canceled"))

@@ -1,4 +1,4 @@
-"""What a joint trajectory controller does in an update, as a calculation of time, memory and measurements."""
+"""The calculation of a joint trajectory controller's update from time, memory and measurements."""
 
 from dataclasses import replace
 
@@ -32,17 +32,17 @@ _STILL_THERE = 1e-3
 
 
 class JointTrajectoryFollower:
-    """Follows a trajectory: judges errors, ends goals and calculates commands. It has no state of its own.
+    """Follow a trajectory: judge errors, end goals and calculate commands. A follower has no state of its own.
 
     Args:
         parameters: The controller's parameters.
         wraparound: Whether each joint is continuous.
-        has_feedforward: Whether the velocity of each commanded joint follows the commands, for the servo's damping.
+        has_feedforward: Whether the commands include the velocity of each commanded joint, for the servo's damping.
         update_period: The time between two updates (s).
         physics_step: The time between two physics steps (s); 0 for one much shorter than ``update_period``.
 
     Attributes:
-        tolerances: The tolerances of a trajectory that brings none of its own.
+        tolerances: The tolerances of a trajectory without its own.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class JointTrajectoryFollower:
     def start(
         self, time: float, last: JointTrajectoryMemory | None, measured: TrajectoryPoint, last_id: int
     ) -> JointTrajectoryMemory:
-        """Return the memory at an activation: the joints are held where they are, or where they were held last.
+        """Return the memory at an activation: the joints are held at their positions, or at the last commanded ones.
 
         Args:
             time: The present time (s).
@@ -117,7 +117,7 @@ class JointTrajectoryFollower:
             period: The time since the last update or the activation (s).
             memory: The memory after the last update.
             measured: The measured state.
-            speed_scaling_factor: How fast the trajectory runs.
+            speed_scaling_factor: The factor of the trajectory's speed.
             goal: The pending goal.
             message: The pending message of the topic.
         """
@@ -234,7 +234,7 @@ class JointTrajectoryFollower:
         return replace(memory, reference=reference, error=error)
 
     def _with_output(self, time: float, period: float, memory: JointTrajectoryMemory) -> JointTrajectoryMemory:
-        """Return the memory with what is commanded of each joint until the next update."""
+        """Return the memory with the commands of all joints until the next update."""
         hold, step = self._period, self._physics_step
         middle = self._sampled(time, memory, 0.5 * hold).point
         positions: tuple[float, ...] = ()
@@ -266,7 +266,7 @@ class JointTrajectoryFollower:
         return tuple(commands), tuple(pids)
 
     def _sampled(self, time: float, memory: JointTrajectoryMemory, ahead: float = 0.0) -> TrajectorySample:
-        """Return the trajectory now, or a time (s) ahead at its present speed."""
+        """Return the trajectory now, or a time ahead (s) at its present speed."""
         return memory.running.sample(time - memory.delay + memory.speed_scaling_factor * ahead)
 
     def _held_positions(self, last: JointTrajectoryMemory | None, measured: TrajectoryPoint) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Which controller types there are: each class registers itself, the modules are imported when a type is asked for."""
+"""The controller types: each class registers itself, and its module is imported when the type is asked for."""
 
 from collections.abc import Callable
 from functools import cache
@@ -44,8 +44,8 @@ def controller(kind: str) -> Callable[[_C], _C]:
 def controller_class(kind: str) -> "type[Controller] | None":
     """Return the class of a controller type; None for an unknown type.
 
-    Looks at the types registered so far, then at this package's modules (a type's own is named like the part before its
-    slash), then at the entry points of the group ``drake_twin.controllers``, whose names are types.
+    The type is searched in the types registered so far, then in this package's modules (a module has the name of the
+    part before the slash), then in the entry points of the group ``drake_twin.controllers``, whose names are types.
     """
     if kind not in _classes:
         name = kind.partition("/")[0]
@@ -59,7 +59,7 @@ def controller_class(kind: str) -> "type[Controller] | None":
 
 
 def controller_types() -> tuple[str, ...]:
-    """Return all controller types in alphabetical order, of third parties too."""
+    """Return all controller types in alphabetical order, with those of third parties."""
     _import_own()
     return tuple(sorted({*_classes, *_third_parties()}))
 

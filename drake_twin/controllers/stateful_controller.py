@@ -1,4 +1,4 @@
-"""Controllers that keep something from one moment to the next."""
+"""The base of controllers with a memory."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +15,7 @@ from drake_twin.saved import saved
 @saved("Sample")
 @dataclass(frozen=True)
 class Sample(Frozen):
-    """What a stateful controller keeps: its one abstract state.
+    """The one abstract state of a stateful controller.
 
     Attributes:
         active: Whether the controller is updated.
@@ -33,7 +33,7 @@ class Sample(Frozen):
 
 
 class StatefulController(Controller):
-    """A controller whose state is one `Sample` in the Context, so that a saved Context is a saved controller."""
+    """Keep all state in one `Sample` in the Context: a saved Context is a saved controller."""
 
     def __init__(self, setup: ControllerSetup, feedforward: tuple[Interface, ...] = (), initial: Sample | None = None):
         super().__init__(setup, feedforward)
@@ -45,11 +45,11 @@ class StatefulController(Controller):
         return sample
 
     def set_sample(self, context: Context, sample: Sample) -> None:
-        """Set the state, of a saved run for example."""
+        """Set the state, for example that of a saved run."""
         context.SetAbstractState(int(self._sample_index), sample)
 
     def set_memory(self, context: Context, memory: Any) -> None:
-        """Set the memory alone."""
+        """Set the memory, and leave the rest of the state as it is."""
         self.set_sample(context, replace(self.sample(context), memory=memory))
 
     def sample_ticket(self) -> Any:

@@ -35,15 +35,15 @@ class TwinDiagram:
     """A scenario's diagram and what is needed to run it.
 
     Attributes:
-        diagram: the root diagram. Each topic is one of its ports, named like the topic without the leading slash.
-        plans: the robots.
-        published: topic → what the twin publishes on it.
-        commanded: topic → what listens to it.
-        actions: action → what does it.
-        parts: robot → its controllers and servo.
-        findings: what became of what the files say, where it is not simply used.
-        visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
-        world_models: what moves in the world and is no robot, by name: its model instances.
+        diagram: The root diagram. Each topic is one of its ports, named like the topic without the leading slash.
+        plans: The robots.
+        published: Topic → what the twin publishes on it.
+        commanded: Topic → what listens to it.
+        actions: Action → what does it.
+        parts: Robot → its controllers and servo.
+        findings: What became of what the files say, where it is not simply used.
+        visualizer: Draws the scene on a Meshcat page when it is asked to; None without a page.
+        world_models: What moves in the world and is no robot, by name: its model instances.
         shapes: How each collision shape touches.
         extensions: The systems that a user has added.
     """

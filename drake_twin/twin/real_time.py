@@ -42,7 +42,7 @@ def _is_over(twin: "Twin", until: float | None) -> bool:
 
 
 def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
-    """Advances by some steps, and no further than to the end."""
+    """Advance by some steps, and no further than to the end."""
     target = twin.step_count + steps
     if until is not None:
         target = min(target, step_at(until, twin.time_step))
@@ -51,7 +51,7 @@ def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
 
 
 def _advance_for(twin: "Twin", wall_time: float, until: float | None) -> None:
-    """Advances for about so much wall time (s)."""
+    """Advance for about so much wall time (s)."""
     start = wall_clock.perf_counter()
     while not twin.paused and not _is_over(twin, until):
         _advance_by(twin, max(1, round(_SLICE / twin.time_step)), until)

@@ -9,10 +9,10 @@ from drake_twin.whole_file import write_whole
 
 
 def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any]) -> None:
-    """Writes plain data; whoever stops the process meanwhile finds the file as it was before, or whole.
+    """Write plain data; whoever stops the process meanwhile finds the file as it was before, or whole.
 
     Raises:
-        RunError: the file cannot be written.
+        RunError: If the file cannot be written.
     """
     text = json.dumps({"format": f"drake_twin {kind}", "version": version, **data}, indent=1) + "\n"
     try:
@@ -23,10 +23,10 @@ def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any])
 
 
 def read_saved(file: str | Path, kind: str, version: int) -> dict[str, Any]:
-    """Reads what `write_saved` wrote.
+    """Read what `write_saved` wrote.
 
     Raises:
-        InputError: the file cannot be read, or holds something else, or another version of it.
+        InputError: If the file cannot be read, or holds something else, or another version of it.
     """
     try:
         data = json.loads(Path(file).read_text(encoding="utf-8"))

@@ -317,7 +317,7 @@ def test_humbles_names_are_accepted_with_a_warning_where_they_change_nothing():
             "controller drive: linear.x.min_acceleration is ignored: ros2_controllers reads"
             " max_acceleration_reverse and max_deceleration since Jazzy"
         ),
-        "controller drive: wheels_per_side is ignored: the wheels' names say how many there are",
+        "controller drive: wheels_per_side is ignored: the number of wheels follows from their names",
     )
 
 

@@ -263,7 +263,7 @@ def test_a_parallel_gripper_makes_no_use_of_limits_without_an_interface():
 @pytest.mark.parametrize("positions", [[], [0.1, 0.2]])
 def test_a_parallel_gripper_refuses_a_goal_of_another_size(positions):
     run = parallel_gripper()
-    with pytest.raises(CommandError, match=f"the goal has {len(positions)} positions, and the gripper has one joint"):
+    with pytest.raises(CommandError, match=f"the goal has {len(positions)} positions, but the gripper has one joint"):
         run.send("gripper_cmd", parallel_goal(positions))
 
 

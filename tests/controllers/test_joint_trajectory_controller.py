@@ -669,7 +669,7 @@ def test_claims_are_those_of_each_joint_in_the_order_of_the_parameters():
 def test_accelerations_are_left_out_with_a_warning():
     dut = make_dut(commands=("position", "velocity", "acceleration"))
     assert [claim.name for claim in dut.claims] == ["position", "velocity"] * 2
-    assert dut.warnings == ("nothing in the twin measures or takes accelerations: the interfaces are left out",)
+    assert dut.warnings == ("the twin neither measures nor commands accelerations: these interfaces are left out",)
 
 
 def test_the_velocity_interface_gets_feed_forward_and_pid():
@@ -725,13 +725,13 @@ def test_fewer_joints_may_be_commanded_than_are_watched():
     ("commands", "states", "more", "text"),
     [
         ((), ("position",), {}, "'command_interfaces' is empty"),
-        (("velocity", "effort"), ("position", "velocity"), {}, "'velocity' stands alone or with 'position'"),
+        (("velocity", "effort"), ("position", "velocity"), {}, "'velocity' must be alone or with 'position'"),
         (("effort", "acceleration"), ("position", "velocity"), {}, "'acceleration' needs 'position' and 'velocity'"),
-        (("position", "velocity", "effort"), ("position", "velocity"), {}, "'effort' stands alone or with 'position'"),
+        (("position", "velocity", "effort"), ("position", "velocity"), {}, "'effort' must be alone or with 'position'"),
         (("position",), ("velocity",), {}, "state interface 'position' is missing"),
         (("velocity",), ("position",), {}, "velocity need the state interface 'velocity'"),
-        (("position", "position"), ("position",), {}, "'command_interfaces' has the same name twice"),
-        (("position",), ("position",), {"command_joints": ("c",)}, "the command joint 'c' is none of 'joints'"),
+        (("position", "position"), ("position",), {}, "'command_interfaces' has a duplicate name"),
+        (("position",), ("position",), {"command_joints": ("c",)}, "the command joint 'c' is not in 'joints'"),
     ],
 )
 def test_interfaces_that_do_not_go_together_are_refused(commands, states, more, text):
