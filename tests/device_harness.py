@@ -40,8 +40,7 @@ class Running:
         self.diagram = builder.Build()
         self.simulator = Simulator(self.diagram)
         self.root = self.simulator.get_mutable_context()
-        topics = dict.fromkeys((*controller.subscribed, *controller.actions))
-        for name, value in (topics | ports).items():
+        for name, value in ports.items():
             self.fix(name, value)
         self.context = controller.GetMyMutableContextFromRoot(self.root)
         self.simulator.Initialize()

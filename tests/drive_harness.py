@@ -67,13 +67,11 @@ class Driven:
         self.root = self.simulator.get_mutable_context()
         self.context = self.controller.GetMyMutableContextFromRoot(self.root)
         self.joints_context = joints.GetMyMutableContextFromRoot(self.root)
-        for topic in self.controller.subscribed:
-            self.put(topic, None)
         for name, above in (upstream or {}).items():
             self.controller.GetInputPort(name).FixValue(self.context, np.full(above.size, np.nan))
         if wheels is not None:
             self.joints_context.SetDiscreteState(np.concatenate([wheels, np.zeros(len(wheels))]))
-        self.activate()
+        self.controller.activate(self.context)
 
     def activate(self):
         for topic in self.controller.subscribed:

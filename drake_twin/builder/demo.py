@@ -34,7 +34,7 @@ def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
 
 
 def _in_rows(count: int, spacing: float) -> Iterator[tuple[str, float, float]]:
-    """Names and places (m) of robots that stand eight abreast."""
+    """Name and places (m) of robots that stand eight abreast."""
     for index in range(count):
         row, column = divmod(index, 8)
         yield f"robot_{index + 1}", spacing * row, spacing * column
@@ -44,13 +44,13 @@ DEMOS: Mapping[str, Callable[..., None]] = {"rover": add_rovers, "arduinobot": a
 
 
 def demo_scenario(robot: str, count: int, *, drive: bool = True, time_step: float = 0.001) -> Scenario:
-    """A scenario of the twin's own robots.
+    """Return a scenario of the twin's own robots.
 
     Args:
-        robot: one of `DEMOS`.
-        count: how many.
-        drive: whether they are commanded to move.
-        time_step: the physics step (s).
+        robot: One of `DEMOS`.
+        count: How many.
+        drive: Whether they are commanded to move.
+        time_step: The physics step (s).
     """
     builder = TwinBuilder(time_step=time_step)
     DEMOS[robot](builder, count, drive=drive)

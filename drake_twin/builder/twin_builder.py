@@ -39,11 +39,11 @@ class TwinBuilder:
         )
 
     Args:
-        time_step: the physics step (s); by default the one that a launched world asks for, or 0.001.
+        time_step: The physics step (s); by default the one that a launched world asks for, or 0.001.
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
         engine: ``discrete``, or ``cenic`` for Drake's convex integrator with error control.
-        accuracy: what ``cenic`` is asked for.
-        world: gravity, ground, and a world file.
+        accuracy: What ``cenic`` is asked for.
+        world: Gravity, ground, and a world file.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class TwinBuilder:
         self._extensions: list[Extension] = []
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
-        """Looks for ROS packages in a folder first."""
+        """Look for ROS packages in a folder first."""
         self._package_paths.append(absolute_path(folder))
         return self
 
@@ -94,7 +94,7 @@ class TwinBuilder:
         remappings: Mapping[str, str] | None = None,
         without_repairs: Iterable[str] = (),
     ) -> TwinBuilder:
-        """Adds a robot; see `drake_twin.scenario.Robot` for what each argument means."""
+        """Add a robot; see `drake_twin.scenario.Robot` for what each argument means."""
         files = [controllers] if isinstance(controllers, str | Path) else list(controllers)
         self._robots.append(
             Robot(
@@ -157,14 +157,14 @@ class TwinBuilder:
         return self
 
     def launch(self, what: LaunchDescription | str | Path, **arguments: object) -> TwinBuilder:
-        """Adds all that a launch description or a launch file starts: robots, frames, commands and its world.
+        """Add all that a launch description or a launch file starts: robots, frames, commands and its world.
 
         Args:
-            what: a description made of `drake_twin.launch`'s entities, or a Python, XML or YAML launch file.
+            what: A description made of `drake_twin.launch`'s entities, or a Python, XML or YAML launch file.
             **arguments: values for its arguments.
 
         Raises:
-            InputError: it cannot be used, or starts no robot.
+            InputError: If it cannot be used, or starts no robot.
         """
         from drake_twin.builder.launch_file import launch_description_scenario, launch_file_scenario
 
@@ -196,7 +196,7 @@ class TwinBuilder:
         xyz: Iterable[float] = (0.0, 0.0, 0.0),
         rpy: Iterable[float] = (0.0, 0.0, 0.0),
     ) -> TwinBuilder:
-        """Fixes the frame ``child`` in the frame ``parent`` (m, rad), as static_transform_publisher does."""
+        """Fix the frame ``child`` in the frame ``parent`` (m, rad), as static_transform_publisher does."""
         what = f"of static transform {parent!r} to {child!r}"
         self._static_transforms.append(
             StaticTransform(parent, child, _vector3(xyz, f"xyz {what}"), _vector3(rpy, f"rpy {what}"))
@@ -211,16 +211,16 @@ class TwinBuilder:
         time: float = 0.0,
         period: float | None = None,
     ) -> TwinBuilder:
-        """Publishes a command at a simulation time (s), and again every ``period`` seconds if that is given.
+        """Publish a command at a simulation time (s), and again every ``period`` seconds if that is given.
 
         Args:
-            topic: the full topic name.
-            data: the numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
-            time: when (s).
-            period: how often it is published again (s).
+            topic: The full topic name.
+            data: The numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
+            time: When (s).
+            period: How often it is published again (s).
 
         Raises:
-            InputError: the data are neither.
+            InputError: If the data are neither.
         """
         if not isinstance(data, Mapping):
             try:
@@ -231,10 +231,10 @@ class TwinBuilder:
         return self
 
     def scenario(self) -> Scenario:
-        """What was collected, as plain data.
+        """Return what was collected, as plain data.
 
         Raises:
-            InputError: two robots of one name, a step that is not above zero, a frame with two parents, …
+            InputError: If two robots of one name, a step that is not above zero, a frame with two parents, …
         """
         return Scenario(
             robots=tuple(self._robots),
@@ -264,7 +264,7 @@ class TwinBuilder:
 
 
 def _address(file: str | Path) -> str:
-    """A file as a scenario names it: an address as it is, a path made absolute."""
+    """Return a file as a scenario names it: an address as it is, a path made absolute."""
     return str(file) if "://" in str(file) else absolute_path(file)
 
 

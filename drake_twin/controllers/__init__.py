@@ -1,6 +1,6 @@
-"""Controllers as ros2_controllers has them: one kind, one file, registered by `controller`.
+"""Controllers of ros2_controllers: one kind, one file, registered by `controller`.
 
-What a controller of your own needs::
+To write your own controller, start with::
 
     from drake_twin.controllers import ControllerSetup, Interface, PeriodicController, Update, controller
 """

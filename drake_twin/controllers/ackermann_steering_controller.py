@@ -1,4 +1,4 @@
-"""A base with two driven and two steered wheels, as a car has them."""
+"""Steering of a base with two driven and two steered wheels, like a car."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -13,14 +13,14 @@ class AckermannSteeringParameters(SteeringParameters):
     """Parameters of ``ackermann_steering_controller/AckermannSteeringController``.
 
     Attributes:
-        front_wheel_track: deprecated.
-        steering_track_width: the distance between the steered wheels (m); 0: that of the driven ones.
-        rear_wheel_track: deprecated.
-        traction_track_width: the distance between the driven wheels (m).
-        wheelbase: the distance between the axles (m).
-        traction_wheels_radius: radius of the driven wheels (m).
-        front_wheels_radius: deprecated.
-        rear_wheels_radius: deprecated.
+        front_wheel_track: Deprecated.
+        steering_track_width: The distance between the steered wheels (m); 0 for that of the driven ones.
+        rear_wheel_track: Deprecated.
+        traction_track_width: The distance between the driven wheels (m).
+        wheelbase: The distance between the axles (m).
+        traction_wheels_radius: The radius of the driven wheels (m).
+        front_wheels_radius: Deprecated.
+        rear_wheels_radius: Deprecated.
     """
 
     front_wheel_track: float = 0.0
@@ -33,7 +33,7 @@ class AckermannSteeringParameters(SteeringParameters):
     rear_wheels_radius: float = 0.0
 
     def kinematics(self) -> SteeringDrive:
-        """The drive, with the deprecated names taken into account as upstream does."""
+        """Return the drive; the deprecated names are applied as upstream does."""
         driven_track, steered_track = (
             self.by_axle(self.front_wheel_track, self.rear_wheel_track, kind) or width
             for kind, width in (("traction", self.traction_track_width), ("steering", self.steering_track_width))
@@ -50,6 +50,6 @@ class AckermannSteeringParameters(SteeringParameters):
 
 @controller("ackermann_steering_controller/AckermannSteeringController")
 class AckermannSteeringController(SteeringController):
-    """``ackermann_steering_controller/AckermannSteeringController``; see `SteeringController`."""
+    """Implement ``ackermann_steering_controller/AckermannSteeringController``; see `SteeringController`."""
 
     Parameters: ClassVar[type] = AckermannSteeringParameters

@@ -1,4 +1,4 @@
-"""The base of all controllers: what they are built from, the interfaces they claim, and their ports."""
+"""The base of all controllers: what they are built from, their claims and their ports."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ class Upstream:
 
     Attributes:
         size: The size of its port ``command_interfaces``.
-        indices: For each reference its index in that port; -1 where this controller does not write it.
+        indices: The index of each reference in that port; -1 if this controller does not write it.
     """
 
     size: int
@@ -33,11 +33,11 @@ class ControllerSetup:
     """What a controller is built from.
 
     Attributes:
-        name: The controller's name; its topics stand below it.
+        name: The controller's name, the prefix of its topics.
         parameters: An instance of its class's ``Parameters``.
-        claims: The command interfaces that it writes while it is active, in order.
+        claims: The command interfaces that it writes while active, in order.
         description: The robot: its joints, limits and links.
-        layout: The places of the robot's joints in the plant's state ``[q; v]``.
+        layout: The indices of the robot's joints in the plant's state ``[q; v]``.
         update_period: The time between two updates (s), a multiple of the physics step.
         update_offset: The time of the first update (s); chained controllers update one physics step after each other.
         namespace: The robot's namespace, ``/robot_1`` or empty.
@@ -67,26 +67,26 @@ class ControllerSetup:
     active_at_start: bool = False
 
     def frame(self, frame_id: str) -> str:
-        """Return a frame's name on /tf: a link of this robot gets the robot's frame prefix."""
+        """Return a frame's name on ``/tf``: links of this robot get the robot's frame prefix."""
         return f"{self.frame_prefix}{frame_id}" if frame_id in self.description.links else frame_id
 
 
 class Controller(WitnesslessSystem):
-    """A controller of ros2_control: a LeafSystem that reads topics and writes command interfaces.
+    """Read topics and write command interfaces, as a controller of ros2_control does.
 
-    This class is for controllers whose output depends on their inputs alone, so that Drake's cache computes it once a
-    message. Derive a controller that depends on time or on the robot's state from `PeriodicController`. A subclass
-    declares its ports with the ``declare_…`` methods.
+    Use this base for controllers whose output depends on their inputs alone: Drake's cache computes it once a message.
+    Derive a controller that depends on time or on the robot's state from `PeriodicController`. A subclass declares its
+    ports with the ``declare_…`` methods.
 
     - ``command_interfaces``: vector with one element for each claim (rad, rad/s, N·m, or m, m/s, N), then one for each
-      of ``hints``; NaN where nothing is written. A controller that claims nothing has no such port.
+      of ``feedforward``; NaN where nothing is written. A controller that claims nothing has no such port.
 
     Attributes:
         Parameters: A frozen dataclass, read by `drake_twin.description.parameters.read_parameters`.
         needs_command_interfaces: Whether ``<ros2_control>`` must have the interfaces that it claims, as in ROS.
-        setup: What it was built from.
+        setup: What the controller was built from.
         claims: The command interfaces that it writes.
-        hints: Unclaimed interfaces that help the joint servo, such as the velocity that goes with a position.
+        feedforward: Unclaimed interfaces that the joint servo takes as feedforward: the velocity of a position.
         subscribed: Input topic below the controller's name → ROS message type; each is an abstract input port.
         published: Output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
@@ -106,30 +106,30 @@ class Controller(WitnesslessSystem):
 
     @classmethod
     def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """Return the references that other controllers may claim, without this controller's name in front."""
+        """Return the references that other controllers may claim, without this controller's name as prefix."""
         return ()
 
     @classmethod
     def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
-        """Return why a controller with these parameters cannot run on a robot; None when it can."""
+        """Return why a controller with these parameters cannot run on a robot; None if it can."""
         return None
 
     @classmethod
     def topic_name(cls, name: str, parameters: Any, topic: str) -> str:
-        """Return where a topic of this controller stands below the robot's namespace.
+        """Return the name of a topic of this controller below the robot's namespace.
 
         Args:
             name: The controller's name.
-            parameters: Its parameters; None when they could not be read.
+            parameters: Its parameters; None if they could not be read.
             topic: One of ``subscribed`` or ``published``.
         """
         return f"{name}/{topic}"
 
-    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
+    def __init__(self, setup: ControllerSetup, feedforward: Sequence[Interface] = ()):
         super().__init__()
         self.setup = setup
         self.claims = setup.claims
-        self.hints = tuple(hints)
+        self.feedforward = tuple(feedforward)
         self.subscribed: dict[str, str] = {}
         self.published: dict[str, str] = {}
         self.actions: dict[str, str] = {}
@@ -137,6 +137,11 @@ class Controller(WitnesslessSystem):
         self.robot_inputs: dict[str, InputPort] = {}
         self.odometry_frames: tuple[str, str] | None = None
         self.warnings: tuple[str, ...] = ()
+
+    @property
+    def interfaces(self) -> tuple[Interface, ...]:
+        """The interfaces on the port ``command_interfaces``: the claims, then the feedforward."""
+        return (*self.claims, *self.feedforward)
 
     def read(self, topic: str, message: Any, context: Context) -> Any:
         """Convert a message to the value that its input port takes.
@@ -152,7 +157,7 @@ class Controller(WitnesslessSystem):
         return message
 
     def timeout(self, topic: str) -> float | None:
-        """Return how long a message on a topic is valid (s) before its port is cleared; None for ever."""
+        """Return the time for which a message on a topic is valid before its port is cleared (s); None for ever."""
         return None
 
     def starts_or_stops(self, before: Any, now: Any) -> bool:
@@ -170,7 +175,7 @@ class Controller(WitnesslessSystem):
         return None
 
     def goal_state(self, context: Context) -> GoalState | None:
-        """Return the state of the present or last goal of its action; None before the first."""
+        """Return the state of the newest goal of its action; None before the first."""
         return None
 
     def feedback(self, context: Context) -> Any:
@@ -178,14 +183,18 @@ class Controller(WitnesslessSystem):
         return None
 
     def result(self, context: Context) -> Any:
-        """Return the result message of the last goal; None if `goal_state` says it all."""
+        """Return the result message of the last goal; None if `goal_state` has all of it."""
         return None
 
     def cancel(self, context: Context) -> None:
-        """Cancel the present goal of its action."""
+        """Cancel the newest goal of its action."""
+
+    def received(self, port: InputPort, context: Context) -> Any:
+        """Return the value on the port of a topic or action; None if it has no value, as in a bare Simulator."""
+        return port.Eval(context) if port.HasValue(context) else None
 
     def get_command_interfaces_output_port(self) -> OutputPort:
-        """The port ``command_interfaces``."""
+        """Return the port ``command_interfaces``."""
         return self.GetOutputPort("command_interfaces")
 
     def declare_topic_input(self, topic: str, kind: str) -> InputPort:
@@ -201,7 +210,7 @@ class Controller(WitnesslessSystem):
     def declare_topic_output(
         self, topic: str, kind: str, calc: Callable[[Context, AbstractValue], None], prerequisites: Collection[Any]
     ) -> OutputPort:
-        """Declare an output port that holds a message, set by ``calc(context, output)``, or None for no message."""
+        """Declare an output port that holds a message or None, as set by ``calc(context, output)``."""
         self.published[topic] = kind
         return self.DeclareAbstractOutputPort(topic, lambda: AbstractValue.Make(None), weakly(calc), set(prerequisites))
 
@@ -219,5 +228,5 @@ class Controller(WitnesslessSystem):
 
     def declare_command_interfaces(self, calc: Callable[..., None], prerequisites: Collection[Any]) -> OutputPort:
         """Declare the port ``command_interfaces``; ``calc(context, output)`` fills a vector."""
-        size = len(self.claims) + len(self.hints)
+        size = len(self.interfaces)
         return self.DeclareVectorOutputPort("command_interfaces", size, weakly(calc), set(prerequisites))

@@ -1,4 +1,4 @@
-"""A base with one driven and one steered wheel."""
+"""Steering of a base with one driven and one steered wheel."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -13,10 +13,10 @@ class BicycleSteeringParameters(SteeringParameters):
     """Parameters of ``bicycle_steering_controller/BicycleSteeringController``.
 
     Attributes:
-        wheelbase: the distance between the axles (m).
-        traction_wheel_radius: radius of the driven wheel (m).
-        front_wheel_radius: deprecated.
-        rear_wheel_radius: deprecated.
+        wheelbase: The distance between the axles (m).
+        traction_wheel_radius: The radius of the driven wheel (m).
+        front_wheel_radius: Deprecated.
+        rear_wheel_radius: Deprecated.
     """
 
     wheelbase: float = field(metadata={"above": 0.0})
@@ -25,13 +25,13 @@ class BicycleSteeringParameters(SteeringParameters):
     rear_wheel_radius: float = 0.0
 
     def kinematics(self) -> SteeringDrive:
-        """The drive, with the deprecated names taken into account as upstream does."""
+        """Return the drive; the deprecated names are applied as upstream does."""
         radius = self.rear_wheel_radius or self.front_wheel_radius or self.traction_wheel_radius
         return SteeringDrive(wheelbase=self.wheelbase, wheel_radius=radius)
 
 
 @controller("bicycle_steering_controller/BicycleSteeringController")
 class BicycleSteeringController(SteeringController):
-    """``bicycle_steering_controller/BicycleSteeringController``; see `SteeringController`."""
+    """Implement ``bicycle_steering_controller/BicycleSteeringController``; see `SteeringController`."""
 
     Parameters: ClassVar[type] = BicycleSteeringParameters

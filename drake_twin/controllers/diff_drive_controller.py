@@ -1,4 +1,4 @@
-"""A base with driven wheels on its left and right side."""
+"""Differential drive: a base with driven wheels on its left and right side."""
 
 from dataclasses import dataclass, field, replace
 from math import isfinite
@@ -14,7 +14,6 @@ from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
     check_covariances,
-    is_older,
     publication,
     state_joint,
     twist_message,
@@ -34,30 +33,31 @@ class DiffDriveParameters:
     """Parameters of ``diff_drive_controller/DiffDriveController``.
 
     Attributes:
-        left_wheel_names: the joints of the left wheels; a reference of another controller where one is chained.
-        right_wheel_names: those of the right wheels, as many.
-        wheel_separation: the distance between the left and right wheels (m).
-        wheel_radius: their radius (m).
-        wheel_separation_multiplier: corrects the separation.
-        left_wheel_radius_multiplier: corrects the radius of the left wheels.
-        right_wheel_radius_multiplier: corrects the radius of the right wheels.
-        tf_frame_prefix_enable: whether a prefix is put before the frames' names.
-        tf_frame_prefix: the prefix; empty: the namespace.
-        odom_frame_id: the odometry's frame.
-        base_frame_id: the base's frame.
-        pose_covariance_diagonal: goes into the odometry as it is.
-        twist_covariance_diagonal: goes into the odometry as it is.
-        open_loop: odometry from the commands instead of the wheels.
-        position_feedback: odometry from the wheels' positions instead of their velocities.
-        enable_odom_tf: whether the odometry's transform is published.
-        cmd_vel_timeout: how long a command holds (s); then the base brakes. 0: for ever.
-        publish_limited_velocity: whether ``~/cmd_vel_out`` is published.
-        velocity_rolling_window_size: how many velocities are averaged in the odometry.
-        publish_rate: rate of the odometry (Hz).
-        linear: limits of the velocity forwards.
-        angular: limits of the velocity about z.
-        use_stamped_vel: Humble's; false: ``~/cmd_vel_unstamped`` with ``Twist`` takes the place of ``~/cmd_vel``.
-        wheels_per_side: Humble's; the names say it.
+        left_wheel_names: The joints of the left wheels, or references of another controller.
+        right_wheel_names: The joints of the right wheels, as many.
+        wheel_separation: The distance between the left and right wheels (m).
+        wheel_radius: The radius of the wheels (m).
+        wheel_separation_multiplier: A correction factor of the separation.
+        left_wheel_radius_multiplier: A correction factor of the left wheels' radius.
+        right_wheel_radius_multiplier: A correction factor of the right wheels' radius.
+        tf_frame_prefix_enable: Whether the frames' names get a prefix.
+        tf_frame_prefix: The prefix; empty for the namespace.
+        odom_frame_id: The frame of the odometry.
+        base_frame_id: The frame of the base.
+        pose_covariance_diagonal: The diagonal of the covariance of the odometry's pose.
+        twist_covariance_diagonal: The diagonal of the covariance of the odometry's twist.
+        open_loop: Whether the odometry follows the commands instead of the wheels.
+        position_feedback: Whether the odometry uses the wheels' positions instead of their velocities.
+        enable_odom_tf: Whether the odometry's transform is published.
+        cmd_vel_timeout: The time after which a command expires and the base brakes (s); 0 for never.
+        publish_limited_velocity: Whether ``~/cmd_vel_out`` is published.
+        velocity_rolling_window_size: The number of velocities that the odometry averages.
+        publish_rate: The rate of the odometry (Hz).
+        linear: The limits of the forward velocity.
+        angular: The limits of the velocity about z.
+        use_stamped_vel: A parameter of Humble; false replaces ``~/cmd_vel`` by ``~/cmd_vel_unstamped`` of type
+            ``Twist``.
+        wheels_per_side: A parameter of Humble.
     """
 
     left_wheel_names: tuple[str, ...]
@@ -83,7 +83,7 @@ class DiffDriveParameters:
     linear: LimitsX = field(default_factory=LimitsX)
     angular: LimitsZ = field(default_factory=LimitsZ)
     use_stamped_vel: bool = True
-    wheels_per_side: int = field(default=0, metadata={"unsupported": "the wheels' names say how many there are"})
+    wheels_per_side: int = field(default=0, metadata={"unsupported": "the number of wheels follows from their names"})
 
     def __post_init__(self) -> None:
         for name in ("left_wheel_names", "right_wheel_names"):
@@ -98,7 +98,7 @@ class DiffDriveParameters:
         check_covariances(self)
 
     def kinematics(self) -> DifferentialDrive:
-        """The drive with its corrections."""
+        """Return the drive, with the correction factors applied."""
         return DifferentialDrive(
             self.wheel_separation_multiplier * self.wheel_separation,
             self.left_wheel_radius_multiplier * self.wheel_radius,
@@ -108,12 +108,12 @@ class DiffDriveParameters:
 
 @controller("diff_drive_controller/DiffDriveController")
 class DiffDriveController(DriveController):
-    """Drives a base with wheels on two sides by a commanded twist, within its limits, and reckons where it is.
+    """Drive a base with wheels on two sides at a commanded twist, within its limits, and publish its odometry.
 
-    Behaves as ``diff_drive_controller/DiffDriveController`` does in ROS 2 Jazzy: a command older than
-    ``cmd_vel_timeout`` counts as zero, so that the base brakes as its limits allow; nothing is written before the first
-    command, and zero once the timeout has passed since the activation. Safer than upstream: a command that is not
-    finite is refused, so that it does not prolong the one before it; see also `DriveController`.
+    Behaves as ``diff_drive_controller/DiffDriveController`` does in ROS 2 Jazzy: once a command is older than
+    ``cmd_vel_timeout``, the base brakes as its limits allow. Before the first command nothing is written, and zero once
+    the time-out has passed since the activation. Unlike upstream, a command that is not finite is refused, and does not
+    prolong the previous one; see also `DriveController`.
 
     .. pydrake_system::
 
@@ -145,13 +145,13 @@ class DiffDriveController(DriveController):
     def claimed_interfaces(
         cls, parameters: DiffDriveParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The velocities of the left wheels, then of the right ones."""
+        """Return the velocities of the left wheels, then of the right ones."""
         wheels = (*parameters.left_wheel_names, *parameters.right_wheel_names)
         return tuple(Interface(wheel, "velocity") for wheel in wheels)
 
     @classmethod
     def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """The base's velocity."""
+        """Return the base's velocity as references."""
         return Interface("linear", "velocity"), Interface("angular", "velocity")
 
     def __init__(self, setup: ControllerSetup):
@@ -169,14 +169,22 @@ class DiffDriveController(DriveController):
             )
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
-        """Limits the command, reckons the odometry and turns the wheels."""
+        """Limit the command, update the odometry and drive the wheels."""
         parameters: DiffDriveParameters = self.setup.parameters
-        reference = self._reference(context, time, memory)
+        wanted = self._wanted(context, time, memory)
         limited = None
-        if reference is not None:
-            limited = self._limited(reference, memory)
+        if wanted is not None:
+            limited = self._limited(wanted, memory)
             memory = replace(memory, last=limited, second_to_last=memory.last)
-        memory = self._with_odometry(context, time, replace(memory, limited=limited))
+        linear, angular = limited or (0.0, 0.0)
+        memory = self._with_odometry(
+            context,
+            time,
+            replace(memory, limited=limited),
+            (linear, angular),
+            self._base_velocity,
+            from_positions=parameters.position_feedback,
+        )
         memory = publication(memory, time, parameters.publish_rate)
         if limited is None:
             return Update(memory, self.sample(context).commands)
@@ -184,29 +192,19 @@ class DiffDriveController(DriveController):
         per_side = len(parameters.left_wheel_names)
         return Update(memory, (left,) * per_side + (right,) * per_side)
 
-    def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[float, ...] | None:
+    def _wanted(self, context: Context, time: float, memory: DriveMemory) -> tuple[float, ...] | None:
+        """Return the velocity to follow; None to keep what was written last."""
         chained = self.references(context)
         if chained is not None:
             return tuple(map(float, chained)) if all(map(isfinite, chained)) else None
-        command = self.get_command_input_port().Eval(context)
-        since = memory.start if command is None else command.time
-        timeout = self.setup.parameters.cmd_vel_timeout
-        if timeout and is_older(time, since, timeout):
+        command = self.received(self.get_command_input_port(), context)
+        if self._is_expired(time, memory.start if command is None else command.time):
             return 0.0, 0.0
         return None if command is None else (command.linear_x, command.angular_z)
 
-    def _with_odometry(self, context: Context, time: float, memory: DriveMemory) -> DriveMemory:
-        parameters: DiffDriveParameters = self.setup.parameters
-        if parameters.open_loop:
-            linear, angular = memory.limited or (0.0, 0.0)
-            return replace(memory, odometry=memory.odometry.moved_open_loop(linear, angular, time))
-        wheels, memory = self._feedback(context, memory, time, from_positions=parameters.position_feedback)
-        per_side = len(parameters.left_wheel_names)
-        linear, angular = self._drive.base_velocity(
-            sum(wheels[:per_side]) / per_side, sum(wheels[per_side:]) / per_side
-        )
-        window = parameters.velocity_rolling_window_size
-        return replace(memory, odometry=memory.odometry.moved(linear, angular, time, window))
+    def _base_velocity(self, wheels: tuple[float, ...]) -> tuple[float, float]:
+        per_side = len(wheels) // 2
+        return self._drive.base_velocity(sum(wheels[:per_side]) / per_side, sum(wheels[per_side:]) / per_side)
 
     def _calc_cmd_vel_out(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

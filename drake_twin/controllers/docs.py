@@ -1,6 +1,6 @@
-"""The page of all controllers and their parameters, written from the parameters' own classes.
+"""The page of all controllers and their parameters, generated from the parameters' classes.
 
-``python -m drake_twin.controllers.docs > drake_twin/docs/controllers.md`` writes it anew; a test compares.
+Generate it by ``python -m drake_twin.controllers.docs > drake_twin/docs/controllers.md``; a test compares the two.
 """
 
 import dataclasses
@@ -16,10 +16,9 @@ from drake_twin.description.parameters import parameter_names
 _INTRODUCTION = """\
 # Controllers and their parameters
 
-These are the controller types that the twin has, with the names and defaults of ROS 2 Jazzy; what a controller does is
-in its class's docstring. A parameter that is not listed is ignored with a warning, and so is a value other than the
-default where the table says *ignored*. `<joint>` stands for the name of a joint, or of
-whatever else there may be several of.
+These are the twin's controller types, with the names and defaults of ROS 2 Jazzy; the docstring of a controller's class
+describes what it does. A parameter that is not listed is ignored with a warning, and so is a value other than the
+default where the table says *ignored*. `<joint>` stands for the name of a joint, or of another item of a list.
 
 This page is written by `python -m drake_twin.controllers.docs`.
 """
@@ -34,7 +33,7 @@ _LIST_NAMES = {
 
 
 def controllers_page() -> str:
-    """The page as Markdown."""
+    """Return the page as Markdown."""
     sections = [_INTRODUCTION]
     for parameters, types in _types_by_parameters().items():
         sections.append("## " + ", ".join(f"`{name}`" for name in types) + "\n")
@@ -49,13 +48,13 @@ def controllers_page() -> str:
 
 
 def _types_by_parameters() -> dict[type, list[str]]:
-    """Parameters class → the controller types that have it."""
+    """Return the controller types that have each parameters class."""
     found: dict[type, list[str]] = {}
     for name in controller_types():
         controller = controller_class(name)
         assert controller is not None
         if not controller.__module__.startswith(f"{__package__}."):
-            continue  # of a third party
+            continue  # a third party's
         for parameters in (controller.Parameters, *getattr(controller.Parameters, "dialects", ())):
             found.setdefault(parameters, []).append(name)
     return found
@@ -88,7 +87,7 @@ def _yaml(value: Any) -> str:
 
 
 def _meaning(parameters: type, name: str, item: "dataclasses.Field[Any]") -> str:
-    """What the docstrings say of a parameter and of what it stands in, with its bounds and why it is ignored."""
+    """Return the docstrings of a parameter and its parents, its bounds, and why it is ignored."""
     said = [text for kind, attribute in _path(parameters, name) if (text := _attributes(kind).get(attribute))]
     lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
     if choices is not None:
@@ -103,7 +102,7 @@ def _meaning(parameters: type, name: str, item: "dataclasses.Field[Any]") -> str
 
 
 def _path(parameters: type, name: str) -> Iterator[tuple[type, str]]:
-    """The class and attribute of each part of a parameter's name."""
+    """Yield the class and attribute of each part of a parameter's name."""
     kind: Any = parameters
     for part in name.split("."):
         if part == "<joint>":
@@ -119,7 +118,7 @@ def _path(parameters: type, name: str) -> Iterator[tuple[type, str]]:
 
 
 def _attributes(kind: type) -> dict[str, str]:
-    """Attribute → what the docstrings of a class and of those it derives from say of it."""
+    """Return the texts of attributes in the docstrings of a class and its bases."""
     found: dict[str, str] = {}
     for each in reversed(kind.__mro__):
         _, _, section = (each.__doc__ or "").partition("Attributes:\n")

@@ -1,6 +1,6 @@
-"""What the controllers of wheeled bases share: a commanded twist in, odometry and its transform out."""
+"""The base of the controllers of wheeled bases: a commanded twist in, odometry and its transform out."""
 
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
 from math import atan2, cos, isinf, isnan, nan, sin
 from typing import Any
@@ -23,14 +23,14 @@ _NANOSECONDS = 1e9
 @saved("TwistCommand")
 @dataclass(frozen=True)
 class TwistCommand:
-    """A commanded velocity of the base, as its port carries it.
+    """A commanded velocity of the base, the value of its port.
 
     Attributes:
-        id: 1 for the first message after another one was used, counted on from there.
-        time: its stamp, at most the present time (s).
-        linear_x: forwards (m/s).
-        linear_y: to the left (m/s).
-        angular_z: about z (rad/s).
+        id: A number, higher than that of the command used last.
+        time: Its stamp, at most the present time (s).
+        linear_x: The forward velocity (m/s).
+        linear_y: The velocity to the left (m/s).
+        angular_z: The angular velocity about z (rad/s).
     """
 
     id: int
@@ -46,16 +46,16 @@ class DriveMemory:
     """What a drive keeps from one update to the next.
 
     Attributes:
-        odometry: where the base is reckoned to be.
-        start: the time of the activation (s).
-        wheels: positions of the wheels at the odometry's time (rad), where it is reckoned from positions.
-        used: the id of the last command that was used up.
-        last: what was commanded in the last update, after its limits.
-        second_to_last: what was commanded in the update before it.
-        limited: what was commanded in this update, None when nothing was.
-        published: the odometry that stands on the ports, None before the first.
-        next_publication: when the next one is due (ns), None: with the next update.
-        state: what else stands on a port.
+        odometry: The estimated pose of the base.
+        start: The time of the activation (s).
+        wheels: The positions of the wheels at the odometry's time (rad), if the odometry uses positions.
+        used: The id of the last command that was used up.
+        last: The command of the last update, within its limits.
+        second_to_last: The command of the update before it.
+        limited: The command of this update; None without one.
+        published: The odometry on the ports; None before the first.
+        next_publication: When the next one is due (ns); None for the next update.
+        state: The values of the port ``controller_state``.
     """
 
     odometry: WheelOdometry
@@ -71,34 +71,34 @@ class DriveMemory:
 
 
 class DriveController(PeriodicController):
-    """The base of the drives' controllers. A subclass declares its ports and gives ``update``.
+    """Drive a base; a subclass declares the ports and implements ``update``.
 
-    Odometry is reckoned and published from the first update on, whether or not a command has come (upstream's
-    diff_drive_controller waits for a command or its timeout), and wheels may stand at any angle at its beginning. When
-    a controller is activated again its odometry goes on where it was, as upstream, and its last commands are forgotten.
+    Odometry is calculated and published from the first update, also before a command has come (upstream's
+    diff_drive_controller waits for a command or its time-out), and wheels may start at any angle. When a controller is
+    activated again, its odometry continues as upstream, and its last commands are forgotten.
     """
 
+    _components: tuple[str, ...] = ("linear_x", "angular_z")  # those of `TwistCommand` that the base follows
     _odometry_wheels: tuple[str, ...]
     _limiters: tuple[Any, ...] = ()
-    _nan_stops = False  # whether a command that is not a number stops the base instead of being refused
+    _nan_stops = False  # whether a NaN command stops the base instead of being refused
 
     def get_command_input_port(self) -> InputPort:
-        """The port of the commanded twist: ``cmd_vel`` or ``reference``, or with ``_unstamped`` behind it."""
+        """Return the port of the commanded twist: ``cmd_vel`` or ``reference``, or ``cmd_vel_unstamped`` and so on."""
         return self._command
 
     def get_odometry_output_port(self) -> OutputPort:
-        """The port of the odometry: ``odom`` or ``odometry``."""
+        """Return the port of the odometry: ``odom`` or ``odometry``."""
         return self._odometry
 
     def reset_odometry(self, context: Context) -> None:
-        """Puts the base at the origin of its odometry frame; upstream's service ``~/reset_odometry``."""
+        """Set the odometry to the origin of its frame; upstream's service ``~/reset_odometry``."""
         sample = self.sample(context)
         if sample.memory is not None:
-            memory = replace(sample.memory, odometry=sample.memory.odometry.reset())
-            self.set_sample(context, replace(sample, memory=memory))
+            self.set_memory(context, replace(sample.memory, odometry=sample.memory.odometry.reset()))
 
     def start(self, context: Context) -> DriveMemory:
-        """Without commands; the odometry goes on from the last activation."""
+        """Return a memory without commands; the odometry continues from the last activation."""
         time = context.get_time()
         before: DriveMemory | None = self.sample(context).memory
         if before is not None:
@@ -107,13 +107,12 @@ class DriveController(PeriodicController):
         return DriveMemory(WheelOdometry(time=time), time, wheels)
 
     def read(self, topic: str, message: Any, context: Context) -> TwistCommand:
-        """The message as a `TwistCommand`; a stamp of zero, or one in the future, means now.
+        """Convert a message; a stamp of zero or in the future means now.
 
-        Upstream takes a stamp in the future as it is, and a program that stamps with the wall's time is never timed
-        out.
+        Upstream accepts a stamp in the future as it is: a program that stamps with the wall's time is never timed out.
 
         Raises:
-            CommandError: the message is older than the timeout allows, or not finite. The command before it stays.
+            CommandError: If the message has timed out or is not finite; the previous command stays.
         """
         now = context.get_time()
         stamped = self.subscribed[topic].endswith("Stamped")
@@ -121,26 +120,28 @@ class DriveController(PeriodicController):
         stamp = now
         if stamped and (message.header.stamp.sec or message.header.stamp.nanosec):
             stamp = min(message.header.stamp.sec + message.header.stamp.nanosec / _NANOSECONDS, now)
-        memory = self.sample(context).memory
         command = TwistCommand(
-            id=1 if memory is None else memory.used + 1,
+            id=self.newest_id(context) + 1,
             time=stamp,
             linear_x=float(twist.linear.x),
             linear_y=float(twist.linear.y),
             angular_z=float(twist.angular.z),
         )
-        timeout = self._command_timeout
-        if timeout and is_older(now, stamp, timeout):
+        if self._is_expired(now, stamp):
             raise CommandError(
-                f"the command's stamp is {now - stamp:g} s old, and a command holds for {timeout:g} s only"
+                f"the command's stamp is {now - stamp:g} s old, but a command expires after {self._command_timeout:g} s"
             )
         refusal = self._refusal(command)
         if refusal:
             raise CommandError(refusal)
         return command
 
+    def used_id(self, memory: DriveMemory) -> int:
+        """Return the id of the last command that was used up."""
+        return memory.used
+
     def _refusal(self, command: TwistCommand) -> str | None:
-        """Why a command is refused; None when it is not."""
+        """Return why a command is refused; None if it is accepted."""
         for name in ("linear_x", "linear_y", "angular_z"):
             value = getattr(command, name)
             if isinf(value) or (isnan(value) and not self._nan_stops):
@@ -148,7 +149,7 @@ class DriveController(PeriodicController):
         return None
 
     def _declare_command(self, topic: str, *, stamped: bool, timeout: float) -> None:
-        """The port of the commanded twist, and how long a command holds (s; 0 for ever)."""
+        """Declare the port of the commanded twist, which expires after a time-out (s; 0 for never)."""
         self._command_timeout = timeout
         self._command = (
             self.declare_topic_input(topic, "geometry_msgs/msg/TwistStamped")
@@ -157,7 +158,7 @@ class DriveController(PeriodicController):
         )
 
     def _declare_odometry(self, topic: str, *, with_pose: bool = True) -> None:
-        """The ports of the odometry and, where it is enabled, of its transform ``tf_odometry``."""
+        """Declare the ports of the odometry and, if enabled, of its transform ``tf_odometry``."""
         parameters = self.setup.parameters
         self._frames = odometry_frames(
             self.setup,
@@ -180,7 +181,7 @@ class DriveController(PeriodicController):
     def _feedback(
         self, context: Context, memory: DriveMemory, time: float, *, from_positions: bool
     ) -> tuple[tuple[float, ...], DriveMemory]:
-        """Velocities of the wheels (rad/s), measured or reckoned from their positions at the last step."""
+        """Return the wheels' velocities (rad/s), measured or calculated from their positions at the last step."""
         if not from_positions:
             return tuple(map(float, self.velocities(context, self._odometry_wheels))), memory
         if not memory.odometry.is_due(time):
@@ -191,7 +192,7 @@ class DriveController(PeriodicController):
         return velocities, replace(memory, wheels=positions)
 
     def _limited(self, values: Sequence[float], memory: DriveMemory) -> tuple[float, ...]:
-        """A command within its limits, given what was commanded at the last two updates."""
+        """Return a command within its limits, given the commands of the last two updates."""
         period = self.setup.update_period
         return tuple(
             limiter.limited(value, last, before, period)
@@ -200,24 +201,68 @@ class DriveController(PeriodicController):
             )
         )
 
-    def _present_command(
-        self, context: Context, time: float, memory: DriveMemory
-    ) -> tuple[TwistCommand | None, DriveMemory]:
-        """The command that holds, for the controllers that use one up in an update when their timeout is zero."""
-        command: TwistCommand | None = self._command.Eval(context)
-        if command is None:
-            return None, memory
-        if self._command_timeout:
-            return (None if is_older(time, command.time, self._command_timeout) else command), memory
-        if command.id <= memory.used:
-            return None, memory
-        return command, replace(memory, used=command.id)
+    def _is_expired(self, now: float, stamp: float) -> bool:
+        """Return whether a command with this stamp has timed out (s); a time-out of zero never does."""
+        return bool(self._command_timeout) and is_older(now, stamp, self._command_timeout)
 
-    def _seen_odometry(self, context: Context, published: WheelOdometry) -> WheelOdometry:
-        return self.true_odometry(context, published.time) if self.setup.true_odometry else published
+    def _valid_command(self, context: Context, time: float) -> TwistCommand | None:
+        """Return the last command; None before the first and after it has timed out."""
+        command: TwistCommand | None = self.received(self._command, context)
+        return None if command is None or self._is_expired(time, command.time) else command
+
+    def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[tuple[float, ...], DriveMemory]:
+        """Return other controllers' references, else the command; NaN without one.
+
+        With a time-out of zero a command is valid for one update.
+        """
+        chained = self.references(context)
+        if chained is not None:
+            return tuple(map(float, chained)), memory
+        if self._command_timeout:
+            command = self._valid_command(context, time)
+        else:
+            command = self.pending(context, self._command)
+            memory = memory if command is None else replace(memory, used=command.id)
+        if command is None:
+            return (nan,) * len(self._components), memory
+        return tuple(getattr(command, name) for name in self._components), memory
+
+    def _with_odometry(
+        self,
+        context: Context,
+        time: float,
+        memory: DriveMemory,
+        commanded: tuple[float, float],
+        base_velocity: Callable[[tuple[float, ...]], tuple[float, float]],
+        *,
+        from_positions: bool,
+    ) -> DriveMemory:
+        """Return the memory with the odometry at the present time.
+
+        Args:
+            context: The controller's own context.
+            time: The present time (s).
+            memory: The memory.
+            commanded: The base's commanded velocity (m/s, rad/s), for ``open_loop``.
+            base_velocity: Calculates the base's velocity from those of the wheels (rad/s).
+            from_positions: Whether the wheels' velocities are calculated from their positions.
+        """
+        parameters = self.setup.parameters
+        if parameters.open_loop:
+            return replace(memory, odometry=memory.odometry.moved_open_loop(*commanded, time))
+        wheels, memory = self._feedback(context, memory, time, from_positions=from_positions)
+        window = parameters.velocity_rolling_window_size
+        return replace(memory, odometry=memory.odometry.moved(*base_velocity(wheels), time, window))
+
+    def _seen_odometry(self, context: Context) -> WheelOdometry | None:
+        """Return the published odometry, the true one with `ControllerSetup.true_odometry`; None before it."""
+        memory: DriveMemory | None = self.sample(context).memory
+        if memory is None or memory.published is None:
+            return None
+        return self.true_odometry(context, memory.published.time) if self.setup.true_odometry else memory.published
 
     def true_odometry(self, context: Context, time: float) -> WheelOdometry:
-        """The true pose of the root link in the world, seen from above, and its velocity in its own axes."""
+        """Return the true planar pose of the root link in the world, and its velocity in its own axes."""
         layout = self.setup.layout
         if not layout.has_moving_base:
             return WheelOdometry(time=time)
@@ -230,11 +275,10 @@ class DriveController(PeriodicController):
         return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)
 
     def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
-        memory = self.sample(context).memory
-        if memory is None or memory.published is None:
+        odometry = self._seen_odometry(context)
+        if odometry is None:
             output.set_value(None)
             return
-        odometry = self._seen_odometry(context, memory.published)
         seen = odometry if self._with_pose else odometry.reset()
         pose_covariance, twist_covariance = self._covariances
         odom_frame, base_frame = self._frames
@@ -252,11 +296,10 @@ class DriveController(PeriodicController):
         )
 
     def _calc_tf_odometry(self, context: Context, output: AbstractValue) -> None:
-        memory = self.sample(context).memory
-        if memory is None or memory.published is None:
+        odometry = self._seen_odometry(context)
+        if odometry is None:
             output.set_value(None)
             return
-        odometry = self._seen_odometry(context, memory.published)
         odom_frame, base_frame = self._frames
         transform = messages.TransformStamped(
             header=messages.header(odometry.time, odom_frame),
@@ -269,14 +312,14 @@ class DriveController(PeriodicController):
 
 
 def is_older(now: float, stamp: float, timeout: float) -> bool:
-    """Whether a stamp is more than a timeout ago, to the nanosecond, as ROS compares times (all in s)."""
+    """Return whether a stamp is older than a time-out, to the nanosecond, as ROS compares times (all in s)."""
     return not isinf(timeout) and round(now * _NANOSECONDS) - round(stamp * _NANOSECONDS) > round(
         timeout * _NANOSECONDS
     )
 
 
 def publication(memory: DriveMemory, time: float, rate: float) -> DriveMemory:
-    """The memory with its odometry published if that is due at a rate (Hz), as diff_drive_controller counts it."""
+    """Return the memory with its odometry published if due at a rate (Hz), as diff_drive_controller does."""
     now = round(time * _NANOSECONDS)
     due = memory.next_publication
     if due is None:
@@ -288,19 +331,23 @@ def publication(memory: DriveMemory, time: float, rate: float) -> DriveMemory:
 
 
 def state_joint(wheel: str, joints: Container[str]) -> str:
-    """The joint whose state belongs to a wheel's name, which may be a reference: ``pid_controller/left_wheel``."""
+    """Return the joint of a wheel's name, which may be a reference: ``pid_controller/left_wheel``."""
     return wheel if wheel in joints else wheel.partition("/")[2]
 
 
 def check_covariances(parameters: Any) -> None:
-    """Refuses diagonals that do not have six elements."""
+    """Check that covariance diagonals have six elements.
+
+    Raises:
+        ParameterError: If one has more or fewer.
+    """
     for name in ("pose_covariance_diagonal", "twist_covariance_diagonal"):
         if len(getattr(parameters, name)) != 6:
             raise ParameterError(f"{name} has {len(getattr(parameters, name))} elements; it needs six", name)
 
 
 def twist_message(linear_x: float = nan, linear_y: float = nan, angular_z: float = nan) -> Any:
-    """A ``geometry_msgs/msg/Twist`` in the plane (m/s, rad/s)."""
+    """Return a planar ``geometry_msgs/msg/Twist`` (m/s, rad/s)."""
     return messages.Twist(
         linear=messages.Vector3(x=linear_x, y=linear_y, z=0.0), angular=messages.Vector3(x=0.0, y=0.0, z=angular_z)
     )

@@ -19,7 +19,7 @@ from drake_twin.description.robot_description import RobotDescription
 
 @controller("effort_controllers/JointGroupEffortController")
 class JointGroupEffortController(JointGroupController):
-    """``effort_controllers/JointGroupEffortController``."""
+    """Implement ``effort_controllers/JointGroupEffortController``."""
 
     interface = "effort"
 
@@ -29,10 +29,10 @@ class GripperGains:
     """The gains from a gripper's position error to its effort.
 
     Attributes:
-        p: proportional gain (N·m/rad or N/m).
-        i: integral gain (per second).
-        d: derivative gain (times second).
-        i_clamp: the largest integral term, either way (N·m or N); 0 for none at all.
+        p: Proportional gain (N·m/rad or N/m).
+        i: Integral gain (per second).
+        d: Derivative gain (times second).
+        i_clamp: The largest integral term in both directions (N·m or N); with 0 it stays zero.
     """
 
     p: float = 0.0
@@ -46,8 +46,9 @@ class EffortGripperActionParameters(GripperActionParameters):
     """Parameters of ``effort_controllers/GripperActionController``.
 
     Attributes:
-        max_effort: the largest effort until a goal brings its own (N·m or N): with 0 the gripper is limp until then.
-        gains: the gains of the joint.
+        max_effort: The largest effort before the first goal, which has its own (N·m or N); with 0 the gripper is limp
+            until then.
+        gains: The gains of the joint.
     """
 
     gains: Mapping[str, GripperGains] = field(default_factory=dict)
@@ -55,9 +56,9 @@ class EffortGripperActionParameters(GripperActionParameters):
 
 @controller("effort_controllers/GripperActionController")
 class EffortGripperActionController(GripperActionController):
-    """``effort_controllers/GripperActionController``: a PID on the position error drives the joint's effort interface.
+    """Implement ``effort_controllers/GripperActionController``: a PID on the position error writes the joint's effort.
 
-    The effort stays within the goal's ``max_effort``, either way.
+    The effort stays within the goal's ``max_effort`` in both directions.
     """
 
     Parameters: ClassVar[type] = EffortGripperActionParameters
@@ -66,7 +67,7 @@ class EffortGripperActionController(GripperActionController):
     def claimed_interfaces(
         cls, parameters: EffortGripperActionParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The joint's effort."""
+        """Return the joint's effort."""
         return (Interface(parameters.joint, "effort"),)
 
     def __init__(self, setup: ControllerSetup):
@@ -77,7 +78,7 @@ class EffortGripperActionController(GripperActionController):
         )
 
     def _effort(self, context: Context, goal: GripperGoal) -> float:
-        (command,) = self.sample(context).commands  # upstream too reports the effort of the update before
+        (command,) = self.sample(context).commands  # upstream also reports the effort of the previous update
         return command if isfinite(command) else 0.0
 
     def _commands(

@@ -23,12 +23,12 @@ _AXES = tuple((vector, axis) for vector in ("force", "torque") for axis in "xyz"
 
 @dataclass(frozen=True)
 class AxisNames:
-    """The full name of a state interface for each axis, ``sensor/force.x``; empty for an axis without one.
+    """The full name of each axis's state interface, for example ``sensor/force.x``; empty for an axis without one.
 
     Attributes:
-        x: about or along x.
-        y: about or along y.
-        z: about or along z.
+        x: The component about or along x.
+        y: The component about or along y.
+        z: The component about or along z.
     """
 
     x: str = ""
@@ -38,7 +38,7 @@ class AxisNames:
 
 @dataclass(frozen=True)
 class WrenchInterfaceNames:
-    """The state interfaces of a sensor that has not all six, or other names for them."""
+    """The state interfaces of a sensor that lacks some or has other names for them."""
 
     force: AxisNames = AxisNames()
     torque: AxisNames = AxisNames()
@@ -46,12 +46,12 @@ class WrenchInterfaceNames:
 
 @dataclass(frozen=True)
 class AxisOffsets:
-    """What is added to each axis (N or N·m).
+    """The offset of each axis (N or N·m).
 
     Attributes:
-        x: about or along x.
-        y: about or along y.
-        z: about or along z.
+        x: The component about or along x.
+        y: The component about or along y.
+        z: The component about or along z.
     """
 
     x: float = 0.0
@@ -61,7 +61,7 @@ class AxisOffsets:
 
 @dataclass(frozen=True)
 class WrenchOffsets:
-    """What is added to a wrench."""
+    """The offset of a wrench."""
 
     force: AxisOffsets = AxisOffsets()
     torque: AxisOffsets = AxisOffsets()
@@ -69,12 +69,12 @@ class WrenchOffsets:
 
 @dataclass(frozen=True)
 class AxisMultipliers:
-    """What each axis is multiplied with, after the offset.
+    """The factor of each axis, applied after the offset.
 
     Attributes:
-        x: about or along x.
-        y: about or along y.
-        z: about or along z.
+        x: The component about or along x.
+        y: The component about or along y.
+        z: The component about or along z.
     """
 
     x: float = 1.0
@@ -84,7 +84,7 @@ class AxisMultipliers:
 
 @dataclass(frozen=True)
 class WrenchMultipliers:
-    """What a wrench is multiplied with."""
+    """The factors of a wrench."""
 
     force: AxisMultipliers = AxisMultipliers()
     torque: AxisMultipliers = AxisMultipliers()
@@ -95,9 +95,9 @@ class WrenchFilterParameters:
     """The parameters of ``control_filters/LowPassFilterWrench``.
 
     Attributes:
-        sampling_frequency: how often a value comes (Hz): the controller's update rate.
-        damping_frequency: the cut-off frequency (Hz).
-        damping_intensity: the intensity (dB).
+        sampling_frequency: The rate of the values (Hz): the controller's update rate.
+        damping_frequency: The cut-off frequency (Hz).
+        damping_intensity: The intensity (dB).
     """
 
     sampling_frequency: float
@@ -110,9 +110,9 @@ class WrenchFilter:
     """A filter of the chain, ``filter1``, ``filter2``, …
 
     Attributes:
-        type: the filter's plugin.
-        name: what the filter is called.
-        params: its parameters.
+        type: The filter's plugin.
+        name: The filter's name.
+        params: Its parameters.
     """
 
     type: str = field(metadata={"choices": ("control_filters/LowPassFilterWrench",)})
@@ -125,12 +125,12 @@ class ForceTorqueSensorBroadcasterParameters:
     """Parameters of ``force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster``.
 
     Attributes:
-        frame_id: the frame of the values.
-        sensor_name: the sensor in ``<ros2_control>``; either this or ``interface_names``.
-        interface_names: the state interface of each axis.
-        offset: what is added to each axis.
-        multiplier: what each axis is multiplied with, after the offset.
-        sensor_filter_chain: the filters of ``~/wrench_filtered``.
+        frame_id: The frame of the values.
+        sensor_name: The sensor in ``<ros2_control>``; either this or ``interface_names``.
+        interface_names: The state interface of each axis.
+        offset: The offset of each axis.
+        multiplier: The factor of each axis, applied after the offset.
+        sensor_filter_chain: The filters of ``~/wrench_filtered``.
     """
 
     frame_id: str
@@ -151,7 +151,7 @@ class ForceTorqueSensorBroadcasterParameters:
 @saved("FilteredWrench")
 @dataclass(frozen=True)
 class FilteredWrench:
-    """What a filter chain keeps: what came out of it last, and each filter's memory."""
+    """The memory of a filter chain: its last output and each filter's memory."""
 
     wrench: tuple[float, ...]
     filters: tuple[LowPassMemory, ...]
@@ -159,10 +159,10 @@ class FilteredWrench:
 
 @controller("force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster")
 class ForceTorqueSensorBroadcaster(SensorBroadcaster):
-    """Puts a force/torque sensor's values into ``WrenchStamped`` messages.
+    """Publish a force/torque sensor's values as ``WrenchStamped`` messages.
 
     Behaves as ``force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster`` in ROS 2 Jazzy: an axis without a state
-    interface is NaN, and the filtered wrench is there when there are filters. Only then has it an event, at the
+    interface is NaN, and there is a filtered wrench if there are filters. Only then the system has an event, at the
     controller's update rate.
 
     .. pydrake_system::
@@ -174,7 +174,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         - wrench
         - wrench_filtered
 
-    - ``wrench`` (input): vector ``[fx fy fz, tx ty tz]`` (N, N·m), as `ForceTorqueSensor` gives it.
+    - ``wrench`` (input): vector ``[fx fy fz, tx ty tz]`` (N, N·m), as from `ForceTorqueSensor`.
     - ``wrench``: ``geometry_msgs/msg/WrenchStamped`` of the present time, ``None`` while inactive; topic ``~/wrench``.
     - ``wrench_filtered``: the same of the last update, ``None`` without filters; topic ``~/wrench_filtered``.
     """
@@ -184,7 +184,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
 
     @classmethod
     def sensor_name(cls, parameters: ForceTorqueSensorBroadcasterParameters) -> str:
-        """The name of the sensor in ``<ros2_control>`` whose values it needs."""
+        """Return the name of the sensor in ``<ros2_control>`` that the controller reads."""
         return next((name.rpartition("/")[0] for name in parameters.interfaces if name), "")
 
     def __init__(self, setup: ControllerSetup):
@@ -192,7 +192,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         parameters: ForceTorqueSensorBroadcasterParameters = setup.parameters
         names = [name for name in _of_axes(parameters.interface_names) if name]
         if bool(parameters.sensor_name) == bool(names):
-            what = "and not both" if names else "and there is neither"
+            what = "and not both" if names else "and neither is given"
             raise InputError(f"controller {setup.name!r}: sensor_name or interface_names is needed, {what}")
         self._elements = _elements(parameters.interfaces, setup.name)
         self._offset = np.array(list(_of_axes(parameters.offset)))
@@ -211,15 +211,15 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
             )
 
     def get_wrench_input_port(self) -> InputPort:
-        """The input port ``wrench``."""
+        """Return the input port ``wrench``."""
         return self.get_sensor_input_port()
 
     def get_wrench_output_port(self) -> OutputPort:
-        """The output port ``wrench``."""
+        """Return the output port ``wrench``."""
         return self.GetOutputPort("wrench")
 
     def get_wrench_filtered_output_port(self) -> OutputPort:
-        """The output port ``wrench_filtered``."""
+        """Return the output port ``wrench_filtered``."""
         return self.GetOutputPort("wrench_filtered")
 
     def _wrench(self, context: Context) -> np.ndarray:
@@ -233,7 +233,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         try:
             filtered = self._filtered(self._wrench(context), sample.memory)
             sample = replace(sample, time=context.get_time(), memory=filtered)
-        except Exception as error:  # whatever a controller raises concerns that controller alone
+        except Exception as error:  # an error concerns this controller alone
             sample = replace(sample, fault=f"{type(error).__name__}: {error}")
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
         return (
@@ -270,14 +270,14 @@ def _of_axes(wrench: Any) -> list[Any]:
 
 
 def _elements(interfaces: tuple[str, ...], controller: str) -> np.ndarray:
-    """For each axis the element of the sensor's port; 6 where it has no interface."""
+    """Return for each axis the element of the sensor's port; 6 for an axis without an interface."""
     known = [f"{vector}.{axis}" for vector, axis in _AXES]
     elements = []
     for name in interfaces:
         interface = name.rpartition("/")[2]
         if name and interface not in known:
             raise InputError(
-                f"controller {controller!r}: {name!r} is no interface of a force/torque sensor",
+                f"controller {controller!r}: {name!r} is not an interface of a force/torque sensor",
                 valid=known,
                 value=interface,
             )
@@ -286,6 +286,6 @@ def _elements(interfaces: tuple[str, ...], controller: str) -> np.ndarray:
 
 
 def _number(key: str) -> int:
-    """``filter10`` comes after ``filter9``."""
+    """Return the number of a filter, so that ``filter10`` comes after ``filter9``."""
     digits = re.search(r"\d+$", key)
     return int(digits[0]) if digits else 0

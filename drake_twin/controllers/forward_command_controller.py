@@ -1,4 +1,4 @@
-"""Joint commands from a topic, as ros2_controllers' forward command controllers take them."""
+"""Joint commands from a topic, as ros2_controllers' forward command controllers write them."""
 
 from dataclasses import dataclass, field
 from math import isfinite, nan
@@ -14,39 +14,47 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 
 
+@dataclass(frozen=True, kw_only=True)
+class CommandTimeoutParameters:
+    """The parameter that the twin adds to all forward command controllers.
+
+    Attributes:
+        command_timeout: The time after which a command expires (s); 0 for never. ros2_controllers has no such
+            parameter.
+    """
+
+    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
+
+
 @dataclass(frozen=True)
-class ForwardCommandParameters:
+class ForwardCommandParameters(CommandTimeoutParameters):
     """Parameters of ``forward_command_controller/ForwardCommandController``.
 
     Attributes:
-        joints: the joints, in the order of a command's elements.
-        interface_name: the command interface of all of them.
-        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+        joints: The joints, in the order of a command's elements.
+        interface_name: The command interface of all joints.
     """
 
     joints: tuple[str, ...]
     interface_name: str
-    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
 
 
 @dataclass(frozen=True)
-class MultiInterfaceForwardCommandParameters:
+class MultiInterfaceForwardCommandParameters(CommandTimeoutParameters):
     """Parameters of ``forward_command_controller/MultiInterfaceForwardCommandController``.
 
     Attributes:
-        joint: the joint.
-        interface_names: its command interfaces, in the order of a command's elements.
-        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+        joint: The joint.
+        interface_names: Its command interfaces, in the order of a command's elements.
     """
 
     joint: str
     interface_names: tuple[str, ...]
-    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
 
 
 @controller("forward_command_controller/ForwardCommandController")
 class ForwardCommandController(Controller):
-    """Forwards commands to command interfaces as they come.
+    """Forward commands to command interfaces as they arrive.
 
     Behaves as ``forward_command_controller/ForwardCommandController`` does in ROS 2 Jazzy. It has no state and no
     events: its output is computed once a message.
@@ -59,9 +67,9 @@ class ForwardCommandController(Controller):
         output_ports:
         - command_interfaces
 
-    - ``commands``: `messages.Numbers`, those of a ``std_msgs/msg/Float64MultiArray``, one for each claim (rad, rad/s,
-      N·m, or m, m/s, N); topic ``~/commands``. ``None`` before the first message.
-    - ``command_interfaces``: the same as a vector; NaN before the first message: nothing is written.
+    - ``commands``: `messages.Numbers` from ``std_msgs/msg/Float64MultiArray``, one for each claim (rad, rad/s, N·m, or
+      m, m/s, N); topic ``~/commands``. None before the first message.
+    - ``command_interfaces``: the same as a vector; NaN before the first message.
     """
 
     Parameters: ClassVar[type] = ForwardCommandParameters
@@ -70,7 +78,7 @@ class ForwardCommandController(Controller):
     def claimed_interfaces(
         cls, parameters: ForwardCommandParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The interface of each joint."""
+        """Return the interface of each joint."""
         return tuple(Interface(joint, parameters.interface_name) for joint in parameters.joints)
 
     def __init__(self, setup: ControllerSetup):
@@ -82,19 +90,19 @@ class ForwardCommandController(Controller):
         )
 
     def get_commands_input_port(self) -> InputPort:
-        """The port ``commands``."""
+        """Return the port ``commands``."""
         return self._commands
 
     def timeout(self, topic: str) -> float | None:
-        """The parameter ``command_timeout``."""
+        """Return the parameter ``command_timeout``."""
         return self.setup.parameters.command_timeout or None
 
     def read(self, topic: str, message: Any, context: Context) -> messages.Numbers:
-        """The message's numbers, one for each claim.
+        """Convert a message to numbers, one for each claim.
 
         Raises:
-            CommandError: a wrong number of elements, which ros2_control answers by deactivating the controller; or an
-                element that is not a finite number: the message is dropped.
+            CommandError: If the number of elements is wrong, for which ros2_control deactivates the controller, or an
+                element is not finite, for which the message is dropped.
         """
         data = tuple(map(float, message.data))
         if len(data) != len(self.claims):
@@ -109,7 +117,7 @@ class ForwardCommandController(Controller):
         return messages.Numbers(data)
 
     def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
-        """A new position may be far away, and a velocity of zero brakes."""
+        """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes."""
         if before is None or now is None:
             return True
         if self._has_positions:
@@ -119,17 +127,18 @@ class ForwardCommandController(Controller):
         return [*map(bool, before.data)] != [*map(bool, now.data)]
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
-        numbers = self._commands.Eval(context)
+        # Not `received`: this call is on the shortest path from a message to a joint.
+        numbers = self._commands.Eval(context) if self._commands.HasValue(context) else None
         output.SetFromVector([nan] * len(self.claims) if numbers is None else numbers.data)
 
 
 @controller("forward_command_controller/MultiInterfaceForwardCommandController")
 class MultiInterfaceForwardCommandController(ForwardCommandController):
-    """The same for several command interfaces of one joint."""
+    """Forward commands to several command interfaces of one joint."""
 
     Parameters: ClassVar[type] = MultiInterfaceForwardCommandParameters
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """Each interface of the joint."""
+        """Return each interface of the joint."""
         return tuple(Interface(parameters.joint, name) for name in parameters.interface_names)

@@ -1,20 +1,26 @@
-"""What has become of an action's goal."""
+"""The state of an action's goal."""
 
 from dataclasses import dataclass
 
 from drake_twin.saved import saved
 
+# Metadata of the parameter action_monitor_rate.
+ACTION_MONITOR_RATE = {
+    "lower": 0.1,
+    "unsupported": "the end of a goal is reported at once",
+}
+
 
 @saved("GoalState")
 @dataclass(frozen=True)
 class GoalState:
-    """The state of a goal that a controller was given.
+    """The state of a goal of a controller's action.
 
     Attributes:
-        id: the number that the controller gave it.
+        id: The number that the controller assigned to it.
         status: ``accepted``, ``executing``, ``succeeded``, ``aborted`` or ``canceled``.
-        error_code: of the action's result.
-        error_string: of the action's result.
+        error_code: The error code of the action's result.
+        error_string: The error text of the action's result.
     """
 
     id: int
@@ -24,5 +30,5 @@ class GoalState:
 
     @property
     def is_done(self) -> bool:
-        """Whether it has come to its end."""
+        """Whether the goal has ended."""
         return self.status in ("succeeded", "aborted", "canceled")

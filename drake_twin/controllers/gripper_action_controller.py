@@ -9,16 +9,12 @@ from pydrake.systems.framework import Context, InputPort
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal, GripperRun, StallRule, judged
 from drake_twin.control.pid import PidMemory
+from drake_twin.controllers.action_controller import ActionController
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.goal_state import GoalState
-from drake_twin.controllers.periodic_controller import PeriodicController, Update
+from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE, GoalState
+from drake_twin.controllers.periodic_controller import Update
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
-
-NOT_MONITORED = {
-    "lower": 0.1,
-    "unsupported": "the end of a goal is delivered at the very update that finds it",
-}
 
 
 @dataclass(frozen=True)
@@ -26,17 +22,18 @@ class GripperActionParameters:
     """Parameters of ``position_controllers/GripperActionController``.
 
     Attributes:
-        joint: the gripper's joint.
-        action_monitor_rate: how often the action's state is looked at (Hz).
-        goal_tolerance: how near the goal is near enough (rad or m).
-        max_effort: the largest effort until a goal brings its own (N·m or N). A position interface makes no use of it.
-        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
-        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
-        stall_timeout: how long it stands still before it has stalled (s).
+        joint: The gripper's joint.
+        action_monitor_rate: The rate at which the goal's state is checked (Hz).
+        goal_tolerance: The largest position error at which a goal is reached (rad or m).
+        max_effort: The largest effort before the first goal, which has its own (N·m or N). Unused with a position
+            interface.
+        allow_stalling: Whether a goal succeeds if the gripper stalls before it.
+        stall_velocity_threshold: The largest speed of a gripper at rest (rad/s or m/s).
+        stall_timeout: The time at rest after which the gripper has stalled (s).
     """
 
     joint: str
-    action_monitor_rate: float = field(default=20.0, metadata=NOT_MONITORED)
+    action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
     max_effort: float = field(default=0.0, metadata={"lower": 0.0})
     allow_stalling: bool = False
@@ -47,21 +44,21 @@ class GripperActionParameters:
 @saved("GripperMemory")
 @dataclass(frozen=True)
 class GripperMemory:
-    """What a gripper controller keeps: what it was told last, how that is getting on, and its PID."""
+    """The memory of a gripper controller: the goal or hold position, the goal's progress, and the PID."""
 
     goal: GripperGoal
     run: GripperRun
     pid: PidMemory
 
 
-class GripperActionController(PeriodicController):
-    """Moves a gripper to the position of an action's goal; the base of the three controllers of this file.
+class GripperActionController(ActionController):
+    """Move a gripper to the position of an action's goal; the base of the gripper controllers.
 
-    Behaves as gripper_controllers and parallel_gripper_controller in ROS 2 Jazzy: on activation and when a goal is
-    cancelled it holds where it is, a newer goal takes the place of an older one, a goal ends within the tolerance or
-    with a stall, and its position stays commanded afterwards. Here a goal that is not a finite number is refused, one
-    that runs when the controller is deactivated ends as cancelled, and the feedback, which upstream never sends, is
-    the present state.
+    Behaves as gripper_controllers and parallel_gripper_controller in ROS 2 Jazzy: the gripper is held at its position
+    on activation and when a goal is canceled, a newer goal replaces an older one, a goal ends within the tolerance or
+    with a stall, and its position stays commanded afterwards. Unlike upstream, a goal that is not finite is refused, a
+    goal that is executed at a deactivation ends as canceled, and the feedback, which upstream never sends, is the
+    present state.
 
     .. pydrake_system::
 
@@ -73,8 +70,8 @@ class GripperActionController(PeriodicController):
         - command_interfaces
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s).
-    - ``gripper_cmd``: the goal as `GripperGoal`, ``None`` before the first; action ``~/gripper_cmd``.
-    - ``command_interfaces``: what the claims say (rad or m, N·m or N).
+    - ``gripper_cmd``: the goal as `GripperGoal`, None before the first; action ``~/gripper_cmd``.
+    - ``command_interfaces``: the command of each claim (rad or m, N·m or N).
     """
 
     Parameters: ClassVar[type] = GripperActionParameters
@@ -89,37 +86,35 @@ class GripperActionController(PeriodicController):
             stall_timeout=parameters.stall_timeout,
             allow_stalling=parameters.allow_stalling,
         )
-        self._goal = self.declare_action_input("gripper_cmd", self.action)
+        self._goal_port = self.declare_action_input("gripper_cmd", self.action)
 
     def get_gripper_cmd_input_port(self) -> InputPort:
-        """The port ``gripper_cmd``."""
-        return self._goal
+        """Return the port ``gripper_cmd``."""
+        return self._goal_port
 
     def read(self, topic: str, message: Any, context: Context) -> GripperGoal:
-        """The goal as plain numbers, with the next number.
+        """Convert a goal to plain numbers and assign it the next id.
 
         Raises:
-            CommandError: a position, effort or velocity that is not finite, or not one position.
+            CommandError: If there is not one position, or a position, effort or velocity is not finite.
         """
         position, effort, velocity = self._wanted(message)
         for what, value in (("position", position), ("effort", effort), ("velocity", velocity)):
             if not isfinite(value):
                 raise CommandError(f"the {what} of the goal is {value}, which is not a finite number")
-        waiting = self._goal.Eval(context)
-        memory = self.sample(context).memory
-        last = max(0 if memory is None else memory.run.id, 0 if waiting is None else waiting.id)
-        return GripperGoal(last + 1, position, effort, velocity, context.get_time())
+        id = self.newest_id(context, self._goal_port) + 1
+        return GripperGoal(id, position, effort, velocity, context.get_time())
 
     def start(self, context: Context) -> GripperMemory:
-        """Holds where it is; goals are counted on."""
+        """Hold the gripper at its position, and keep the count of goals."""
         memory = self.sample(context).memory
         run = GripperRun() if memory is None else memory.run
         return GripperMemory(self._hold(context, run.id), run, PidMemory())
 
     def update(self, context: Context, time: float, memory: GripperMemory) -> Update:
-        """Takes a new goal, judges how the present one is getting on, and commands it."""
-        goal: GripperGoal | None = self._goal.Eval(context)
-        if goal is not None and goal.id > memory.run.id:
+        """Execute a new goal, judge its progress, and command it."""
+        goal: GripperGoal | None = self.pending(context, self._goal_port)
+        if goal is not None:
             run = GripperRun(goal.id, "executing", last_movement=goal.time)
             memory = replace(memory, goal=goal, run=run)
         (position,) = self.positions(context, [self.setup.parameters.joint]).tolist()
@@ -130,48 +125,32 @@ class GripperActionController(PeriodicController):
         commands, pid = self._commands(memory.goal, memory.pid, position, velocity, time - self.sample(context).time)
         return Update(GripperMemory(memory.goal, run, pid), commands, was_executing and not run.is_executing)
 
-    def deactivate(self, context: Context) -> None:
-        """Ends a goal that runs, as cancelled, and writes nothing from now on."""
-        self._end(context)
-        super().deactivate(context)
+    def used_id(self, memory: GripperMemory) -> int:
+        """Return the id of the last executed goal."""
+        return memory.run.id
 
-    def cancel(self, context: Context) -> None:
-        """Cancels the goal that waits or runs, and holds where the gripper is."""
-        if self._end(context):
-            sample = self.sample(context)
-            hold = self._hold(context, sample.memory.run.id)
-            sample = replace(sample, memory=replace(sample.memory, goal=hold))
-            self.set_sample(context, sample)
+    def last_goal(self, memory: GripperMemory) -> GoalState | None:
+        """Return the state of the last executed goal; None before the first."""
+        return GoalState(memory.run.id, memory.run.status) if memory.run.id else None
 
-    def goal_state(self, context: Context, id: int | None = None) -> GoalState | None:
-        """The state of a goal.
+    def with_canceled_goal(self, context: Context, goal: GoalState) -> GripperMemory:
+        """Return the memory with the goal canceled and the gripper held at its position."""
+        return replace(self.with_interrupted_goal(context, goal), goal=self._hold(context, goal.id))
 
-        Args:
-            context: the controller's own context.
-            id: the goal's number; None for the last one. A goal that had not ended when a newer one came is cancelled.
-
-        Returns:
-            None when there has been no goal.
-        """
-        waiting: GripperGoal | None = self._goal.Eval(context)
-        run = self._run(context)
-        newest = GoalState(run.id, run.status) if run.id else None
-        if waiting is not None and waiting.id > run.id:
-            newest = GoalState(waiting.id, "accepted")
-        if newest is None or id is None or id == newest.id:
-            return newest
-        has_ended = id == run.id and not run.is_executing
-        return GoalState(id, run.status if has_ended else "canceled")
+    def with_interrupted_goal(self, context: Context, goal: GoalState) -> GripperMemory:
+        """Return the memory with the goal canceled."""
+        memory: GripperMemory = self.sample(context).memory
+        return replace(memory, run=GripperRun(goal.id, "canceled"))
 
     def feedback(self, context: Context) -> Any:
-        """The present goal's feedback message."""
+        """Return the present goal's feedback message."""
         run = self._run(context)
         return messages.GripperCommand_Feedback(
             position=run.position, effort=run.effort, stalled=run.stalled, reached_goal=run.reached_goal
         )
 
     def result(self, context: Context) -> Any:
-        """The last goal's result message; all zero for one that was cancelled."""
+        """Return the last goal's result message; all zero for one that was canceled."""
         run = self._run(context)
         return messages.GripperCommand_Result(
             position=run.position, effort=run.effort, stalled=run.stalled, reached_goal=run.reached_goal
@@ -186,26 +165,16 @@ class GripperActionController(PeriodicController):
         effort, velocity = self._default_limits()
         return GripperGoal(last, position, effort, velocity, context.get_time())
 
-    def _end(self, context: Context) -> bool:
-        """Marks the goal that waits or runs as cancelled; false when there is none."""
-        state = self.goal_state(context)
-        sample = self.sample(context)
-        if state is None or state.is_done or sample.memory is None:
-            return False
-        memory = replace(sample.memory, run=GripperRun(state.id, "canceled"))
-        self.set_sample(context, replace(sample, memory=memory))
-        return True
-
     def _default_limits(self) -> tuple[float, float]:
-        """The largest effort and velocity while no goal gives its own."""
+        """Return the largest effort and velocity before the first goal."""
         return self.setup.parameters.max_effort, 0.0
 
     def _wanted(self, message: Any) -> tuple[float, float, float]:
-        """Position, effort and velocity of a goal message."""
+        """Return position, effort and velocity of a goal message."""
         return float(message.command.position), float(message.command.max_effort), 0.0
 
     def _effort(self, context: Context, goal: GripperGoal) -> float:
-        """The effort that a result reports."""
+        """Return the effort that a result reports."""
         return goal.effort
 
     def _commands(

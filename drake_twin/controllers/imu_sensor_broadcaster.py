@@ -26,11 +26,11 @@ class IMUSensorBroadcasterParameters:
     """Parameters of ``imu_sensor_broadcaster/IMUSensorBroadcaster``.
 
     Attributes:
-        sensor_name: the sensor in ``<ros2_control>``.
-        frame_id: the frame of the values.
-        static_covariance_orientation: nine numbers, row by row (rad²).
-        static_covariance_angular_velocity: nine numbers, row by row (rad²/s²).
-        static_covariance_linear_acceleration: nine numbers, row by row (m²/s⁴).
+        sensor_name: The sensor in ``<ros2_control>``.
+        frame_id: The frame of the values.
+        static_covariance_orientation: Nine numbers, row by row (rad²).
+        static_covariance_angular_velocity: Nine numbers, row by row (rad²/s²).
+        static_covariance_linear_acceleration: Nine numbers, row by row (m²/s⁴).
     """
 
     sensor_name: str
@@ -42,7 +42,7 @@ class IMUSensorBroadcasterParameters:
 
 @controller("imu_sensor_broadcaster/IMUSensorBroadcaster")
 class IMUSensorBroadcaster(SensorBroadcaster):
-    """Puts an IMU's values into ``Imu`` messages.
+    """Publish an IMU's values as ``Imu`` messages.
 
     Behaves as ``imu_sensor_broadcaster/IMUSensorBroadcaster`` in ROS 2 Jazzy.
 
@@ -54,8 +54,8 @@ class IMUSensorBroadcaster(SensorBroadcaster):
         output_ports:
         - imu
 
-    - ``spatial``: vector ``[qw qx qy qz, wx wy wz, ax ay az]`` (rad/s, m/s²), as `ImuSensor` gives it.
-    - ``imu``: ``sensor_msgs/msg/Imu`` of the present time, ``None`` while inactive; topic ``~/imu``.
+    - ``spatial``: vector ``[qw qx qy qz, wx wy wz, ax ay az]`` (rad/s, m/s²), as from `ImuSensor`.
+    - ``imu``: ``sensor_msgs/msg/Imu`` of the present time, None while inactive; topic ``~/imu``.
     """
 
     Parameters: ClassVar[type] = IMUSensorBroadcasterParameters
@@ -70,11 +70,11 @@ class IMUSensorBroadcaster(SensorBroadcaster):
         self.declare_topic_output("imu", "sensor_msgs/msg/Imu", self._calc_imu, self._present())
 
     def get_spatial_input_port(self) -> InputPort:
-        """The port ``spatial``."""
+        """Return the port ``spatial``."""
         return self.get_sensor_input_port()
 
     def get_imu_output_port(self) -> OutputPort:
-        """The port ``imu``."""
+        """Return the port ``imu``."""
         return self.GetOutputPort("imu")
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:

@@ -1,28 +1,27 @@
-"""The forward command controllers that are named after their one interface."""
+"""Forward command controllers that are named after their interface."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
-from drake_twin.controllers.forward_command_controller import ForwardCommandController
+from drake_twin.controllers.forward_command_controller import CommandTimeoutParameters, ForwardCommandController
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import RobotDescription
 
 
 @dataclass(frozen=True)
-class JointGroupParameters:
-    """Parameters of the ``velocity_controllers``, ``position_controllers`` and ``effort_controllers`` JointGroups.
+class JointGroupParameters(CommandTimeoutParameters):
+    """Parameters of the JointGroup controllers of ``velocity_controllers``, ``position_controllers`` and
+    ``effort_controllers``.
 
     Attributes:
-        joints: the joints, in the order of a command's elements.
-        command_timeout: how long a command holds (s); 0 for ever. The twin's own, as ros2_controllers has none.
+        joints: The joints, in the order of a command's elements.
     """
 
     joints: tuple[str, ...]
-    command_timeout: float = field(default=0.0, metadata={"lower": 0.0})
 
 
 class JointGroupController(ForwardCommandController):
-    """Forwards commands to one interface of each joint.
+    """Forward commands to one interface of each joint.
 
     Attributes:
         interface: ``position``, ``velocity`` or ``effort``.

@@ -24,9 +24,9 @@ class JointStateInterfaceMap:
     """The state interface that each field of ``JointState`` is taken from.
 
     Attributes:
-        position: for positions.
-        velocity: for velocities.
-        effort: for efforts.
+        position: The interface for positions.
+        velocity: The interface for velocities.
+        effort: The interface for efforts.
     """
 
     position: str = "position"
@@ -39,14 +39,14 @@ class JointStateBroadcasterParameters:
     """Parameters of ``joint_state_broadcaster/JointStateBroadcaster``.
 
     Attributes:
-        use_local_topics: whether the topics stand below the controller's name.
-        joints: the joints, in order; all when this or ``interfaces`` is empty.
-        extra_joints: joints that the robot lacks, which are published as 0.
-        interfaces: the state interfaces; all when this or ``joints`` is empty.
-        map_interface_to_joint_state: state interfaces of other names.
-        use_urdf_to_filter: whether only joints of the robot's description are published.
-        frame_id: the frame in the messages' headers.
-        publish_dynamic_joint_states: whether ``dynamic_joint_states`` is published.
+        use_local_topics: Whether the topics have the controller's name as prefix.
+        joints: The joints, in order; all if this or ``interfaces`` is empty.
+        extra_joints: Joints that the robot does not have, published as 0.
+        interfaces: The state interfaces; all if this or ``joints`` is empty.
+        map_interface_to_joint_state: The state interfaces with other names.
+        use_urdf_to_filter: Whether only joints of the robot's description are published.
+        frame_id: The frame in the messages' headers.
+        publish_dynamic_joint_states: Whether ``dynamic_joint_states`` is published.
     """
 
     use_local_topics: bool = False
@@ -55,23 +55,23 @@ class JointStateBroadcasterParameters:
     interfaces: tuple[str, ...] = ()
     map_interface_to_joint_state: JointStateInterfaceMap = JointStateInterfaceMap()
     use_urdf_to_filter: bool = field(
-        default=True, metadata={"unsupported": "whatever has a state is a joint of the description"}
+        default=True, metadata={"unsupported": "everything that has a state is a joint of the description"}
     )
     frame_id: str = "base_link"
     publish_dynamic_joint_states: bool = True
 
     def select(self, interfaces: Mapping[str, Sequence[str]]) -> dict[str, tuple[str, ...]]:
-        """The joints and the state interfaces of each that are broadcast, in order.
+        """Return the joints to broadcast and the state interfaces of each, in order.
 
         Args:
-            interfaces: joint name → its state interfaces.
+            interfaces: Joint name → its state interfaces.
         """
         if not self.joints or not self.interfaces:
             return {joint: tuple(names) for joint, names in interfaces.items()}
         return dict.fromkeys(self.joints, self.interfaces)
 
     def field_of(self, interface: str) -> str:
-        """What a state interface is called in the messages."""
+        """Return the name of a state interface in the messages."""
         for name in _INTERFACES:
             if interface == getattr(self.map_interface_to_joint_state, name) and not (
                 name in self.interfaces and self.joints
@@ -82,12 +82,11 @@ class JointStateBroadcasterParameters:
 
 @controller(JOINT_STATE_BROADCASTER)
 class JointStateBroadcaster(Controller):
-    """Publishes a robot's state as ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
+    """Publish a robot's state as ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
-    Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN for what a joint has no state
-    interface for, 0 for extra joints. Joints stand in the order of the parameter ``joints`` or else of
-    ``<ros2_control>``, where upstream sorts them by name. A robot without ``<ros2_control>`` has all interfaces at all
-    its movable joints.
+    Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN where a joint has no state
+    interface, 0 for extra joints. Joints are in the order of the parameter ``joints``, else of ``<ros2_control>``;
+    upstream sorts them by name. Without ``<ros2_control>`` all movable joints have all interfaces.
 
     .. pydrake_system::
 
@@ -103,7 +102,7 @@ class JointStateBroadcaster(Controller):
     - ``state``: vector ``[q; v]`` of the model instance (rad, rad/s, or m, m/s).
     - ``net_actuation``: vector of the efforts that its actuators apply (N·m or N).
     - ``joint_states``: ``sensor_msgs/msg/JointState``; topic ``joint_states``.
-    - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``, ``None`` when parameters turn it off; topic
+    - ``dynamic_joint_states``: ``control_msgs/msg/DynamicJointState``, None if parameters turn it off; topic
       ``dynamic_joint_states``.
     - ``state_estimated``: vector of the positions, then the velocities, of all movable joints in file order (rad,
       rad/s, or m, m/s); it depends on ``state`` alone, and needs no activation.
@@ -113,7 +112,7 @@ class JointStateBroadcaster(Controller):
 
     @classmethod
     def topic_name(cls, name: str, parameters: JointStateBroadcasterParameters | None, topic: str) -> str:
-        """Return the topic's name itself, or below the controller's name with ``use_local_topics``."""
+        """Return the topic's name, with the controller's name as prefix if ``use_local_topics`` is set."""
         return f"{name}/{topic}" if parameters is not None and parameters.use_local_topics else topic
 
     def __init__(self, setup: ControllerSetup):
@@ -122,9 +121,9 @@ class JointStateBroadcaster(Controller):
         layout, interfaces = setup.layout, _state_interfaces(setup.description)
         self._frame_id = setup.frame(parameters.frame_id)
         self._with_dynamic = parameters.publish_dynamic_joint_states
-        # Behind the last value stand NaN for what is missing and 0 for extra joints.
+        # After the last value come NaN for missing values and 0 for extra joints.
         missing = layout.size + layout.num_actuators
-        # Joint → what it is called in the messages → where the value stands.
+        # Joint → name in the messages → index of the value.
         places: dict[str, dict[str, int]] = {}
         for joint, names in parameters.select(interfaces).items():
             places[joint] = {}
@@ -175,19 +174,19 @@ class JointStateBroadcaster(Controller):
         return self.GetOutputPort("state_estimated")
 
     def get_state_input_port(self) -> InputPort:
-        """The port ``state``."""
+        """Return the port ``state``."""
         return self._state
 
     def get_net_actuation_input_port(self) -> InputPort:
-        """The port ``net_actuation``."""
+        """Return the port ``net_actuation``."""
         return self._net_actuation
 
     def get_joint_states_output_port(self) -> OutputPort:
-        """The port ``joint_states``."""
+        """Return the port ``joint_states``."""
         return self.GetOutputPort("joint_states")
 
     def get_dynamic_joint_states_output_port(self) -> OutputPort:
-        """The port ``dynamic_joint_states``."""
+        """Return the port ``dynamic_joint_states``."""
         return self.GetOutputPort("dynamic_joint_states")
 
     def efforts(self, context: Context) -> np.ndarray:
@@ -204,7 +203,7 @@ class JointStateBroadcaster(Controller):
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
         values = self._values(context)[self._gather]
-        values.setflags(write=False)  # the port hands the same message to everybody
+        values.setflags(write=False)  # all subscribers get the same message
         header = messages.header(context.get_time(), self._frame_id)
         output.set_value(messages.JointState(header, list(self.joints), *values))
 
@@ -226,7 +225,7 @@ class JointStateBroadcaster(Controller):
 
 
 def _place(layout: StateLayout, joint: str, interface: str) -> int:
-    """Where a value stands behind each other in state, efforts and NaN."""
+    """Return the index of a value in the concatenation of state, efforts and NaN."""
     missing = layout.size + layout.num_actuators
     if interface == "position":
         return layout.positions[joint]

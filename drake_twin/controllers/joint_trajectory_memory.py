@@ -1,4 +1,4 @@
-"""What a joint trajectory controller remembers, as plain frozen values."""
+"""The memory of a joint trajectory controller, as frozen values."""
 
 from dataclasses import dataclass
 
@@ -13,12 +13,12 @@ from drake_twin.saved import saved
 @saved("TrajectoryCommand")
 @dataclass(frozen=True)
 class TrajectoryCommand(Frozen):
-    """What stands on the ports ``joint_trajectory`` and ``follow_joint_trajectory``.
+    """The value of the ports ``joint_trajectory`` and ``follow_joint_trajectory``.
 
     Attributes:
-        id: its number; a later command has a higher one, whichever of the two ports it is on.
-        trajectory: what to follow.
-        tolerances: how closely.
+        id: A number; a later command on either port has a higher one.
+        trajectory: The trajectory to follow.
+        tolerances: Its tolerances.
     """
 
     id: int
@@ -32,18 +32,18 @@ class JointTrajectoryMemory:
     """What a joint trajectory controller keeps from one update to the next.
 
     Attributes:
-        running: the trajectory.
-        tolerances: its tolerances.
-        is_holding: whether it is there to hold the joints after a trajectory, so that no tolerance matters.
-        delay: simulation time minus the trajectory's own, which speed scaling draws apart (s).
-        last_id: the number of the last command that was taken up.
-        goal: the present or last goal of the action.
-        reference: the trajectory's state at the last update.
-        feedback: the measured state then.
-        error: reference minus feedback.
-        output: what was commanded; of interfaces that it does not have, empty.
-        speed_scaling_factor: how fast the trajectory ran.
-        pids: the memory of each commanded joint's PID.
+        running: The trajectory.
+        tolerances: Its tolerances.
+        is_holding: Whether the trajectory holds the joints after another one, so that tolerances do not apply.
+        delay: Simulation time minus the trajectory's own time, which differ by speed scaling (s).
+        last_id: The id of the last executed command.
+        goal: The last executed goal of the action.
+        reference: The trajectory's state at the last update.
+        feedback: The measured state at the last update.
+        error: Reference minus feedback.
+        output: The commands; empty for interfaces that the controller does not have.
+        speed_scaling_factor: The factor of the trajectory's speed.
+        pids: The memory of each commanded joint's PID.
     """
 
     running: RunningTrajectory

@@ -1,4 +1,4 @@
-"""The messages of joint_trajectory_controller as plain values, and the other way round."""
+"""Conversion between the messages of joint_trajectory_controller and plain values."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ from drake_twin.controllers.joint_trajectory_memory import JointTrajectoryMemory
 
 
 def points_of(trajectory: Any) -> tuple[tuple[TrajectoryPoint, ...], tuple[float, ...], float | None]:
-    """Points, their times (s) and the start time (s; None for a stamp of zero) of a ``JointTrajectory``."""
+    """Return points, their times (s) and the start time (s; None for a stamp of zero) of a ``JointTrajectory``."""
     points = tuple(
         TrajectoryPoint(
             _floats(point.positions), _floats(point.velocities), _floats(point.accelerations), _floats(point.effort)
@@ -25,7 +25,7 @@ def points_of(trajectory: Any) -> tuple[tuple[TrajectoryPoint, ...], tuple[float
 
 
 def joint_tolerances_of(tolerances: Sequence[Any]) -> Mapping[str, StateTolerance]:
-    """``control_msgs/msg/JointTolerance`` messages by joint."""
+    """Return ``control_msgs/msg/JointTolerance`` messages by joint."""
     return {
         each.name: StateTolerance(float(each.position), float(each.velocity), float(each.acceleration))
         for each in tolerances
@@ -33,12 +33,12 @@ def joint_tolerances_of(tolerances: Sequence[Any]) -> Mapping[str, StateToleranc
 
 
 def seconds_of(time: Any) -> float:
-    """A ``Time`` or ``Duration`` (s)."""
+    """Convert a ``Time`` or ``Duration`` to seconds."""
     return (int(time.sec) * 1_000_000_000 + int(time.nanosec)) / 1e9
 
 
 def state_message(joints: Sequence[str], time: float, memory: JointTrajectoryMemory) -> Any:
-    """The ``JointTrajectoryControllerState`` of an update at a time (s)."""
+    """Return the ``JointTrajectoryControllerState`` of an update at a time (s)."""
     elapsed = time - memory.running.start
     return messages.JointTrajectoryControllerState(
         header=messages.header(time),
@@ -53,7 +53,7 @@ def state_message(joints: Sequence[str], time: float, memory: JointTrajectoryMem
 
 
 def feedback_message(joints: Sequence[str], time: float, memory: JointTrajectoryMemory) -> Any:
-    """The ``FollowJointTrajectory_Feedback`` of an update at a time (s)."""
+    """Return the ``FollowJointTrajectory_Feedback`` of an update at a time (s)."""
     elapsed = time - memory.running.start
     return messages.FollowJointTrajectory_Feedback(
         header=messages.header(time),
@@ -66,7 +66,7 @@ def feedback_message(joints: Sequence[str], time: float, memory: JointTrajectory
 
 
 def _point_message(point: TrajectoryPoint, time_from_start: float = 0.0) -> Any:
-    """A ``JointTrajectoryPoint``."""
+    """Return a ``JointTrajectoryPoint``."""
     return messages.JointTrajectoryPoint(
         positions=np.array(point.positions),
         velocities=np.array(point.velocities),
@@ -77,7 +77,7 @@ def _point_message(point: TrajectoryPoint, time_from_start: float = 0.0) -> Any:
 
 
 def _no_multi_dof(*fields: str) -> dict[str, Any]:
-    """The fields for joints with several degrees of freedom, of which the controller has none."""
+    """Return empty fields for joints with several degrees of freedom, which the controller does not have."""
     empty = messages.MultiDOFJointTrajectoryPoint(
         transforms=[], velocities=[], accelerations=[], time_from_start=messages.duration_message(0.0)
     )

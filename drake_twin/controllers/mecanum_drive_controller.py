@@ -1,8 +1,8 @@
-"""A base with four mecanum wheels."""
+"""Mecanum drive: a base with four mecanum wheels that moves in any direction."""
 
 from collections.abc import Container
 from dataclasses import dataclass, field, replace
-from math import isnan, nan
+from math import isnan
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -32,12 +32,12 @@ _WHEELS = ("front_left", "front_right", "rear_right", "rear_left")
 
 @dataclass(frozen=True)
 class BaseFrameOffset:
-    """The base frame in the robot's centre.
+    """The pose of the base frame relative to the robot's center.
 
     Attributes:
-        x: forwards (m).
-        y: to the left (m).
-        theta: about z (rad).
+        x: The forward offset (m).
+        y: The offset to the left (m).
+        theta: The angle about z (rad).
     """
 
     x: float = 0.0
@@ -50,9 +50,10 @@ class MecanumKinematics:
     """The geometry of a mecanum base.
 
     Attributes:
-        base_frame_offset: the base frame in the robot's centre.
-        wheels_radius: radius of the wheels (m).
-        sum_of_robot_center_projection_on_X_Y_axis: distance from the centre to a wheel along x, plus along y (m).
+        base_frame_offset: The pose of the base frame relative to the robot's center.
+        wheels_radius: The radius of the wheels (m).
+        sum_of_robot_center_projection_on_X_Y_axis: The distance from the center to a wheel along x, plus that along y
+            (m).
     """
 
     base_frame_offset: BaseFrameOffset = BaseFrameOffset()
@@ -62,38 +63,39 @@ class MecanumKinematics:
 
 @dataclass(frozen=True, kw_only=True)
 class HusarionMecanumDriveParameters:
-    """The same type's parameters in Husarion's fork, which has its own names, defaults and topics.
+    """Parameters of the same controller type in Husarion's fork, which has its own names, defaults and topics.
 
-    A file that has one of the wheels' names here is read with these; the controller is `MecanumDriveController` all
-    the same. A limit counts without its flag; the fork's flags are off by default.
+    A file with one of these wheel names is read with this class; the controller is the same `MecanumDriveController`.
+    Limits apply without their flags, which are off by default in the fork.
 
     Attributes:
-        front_left_wheel_name: a wheel's joint, or a reference of another controller.
-        front_right_wheel_name: likewise.
-        rear_left_wheel_name: likewise.
-        rear_right_wheel_name: likewise.
-        wheel_separation_x: the distance between the front and rear wheels (m).
-        wheel_separation_y: the distance between the left and right wheels (m).
-        wheel_radius: their radius (m).
-        wheel_separation_x_multiplier: corrects the separation.
-        wheel_separation_y_multiplier: likewise.
-        wheel_radius_multiplier: corrects the radius.
-        tf_frame_prefix_enable: whether a prefix is put before the frames' names.
-        tf_frame_prefix: the prefix; empty: the namespace.
-        base_frame_id: the base's frame.
-        odom_frame_id: the odometry's frame.
-        enable_odom_tf: whether the odometry's transform is published.
-        twist_covariance_diagonal: goes into the odometry as it is.
-        pose_covariance_diagonal: goes into the odometry as it is.
-        cmd_vel_timeout: how long a command holds (s).
-        use_stamped_vel: whether ``~/cmd_vel`` takes ``TwistStamped``; false: ``~/cmd_vel_unstamped`` takes ``Twist``.
-        linear: limits of the velocity in the plane.
-        angular: limits of the velocity about z.
-        open_loop: odometry from the commands instead of the wheels.
-        position_feedback: odometry from the wheels' positions instead of their velocities.
-        publish_limited_velocity: whether ``~/cmd_vel_out`` is published.
-        publish_rate: rate of the odometry (Hz).
-        velocity_rolling_window_size: how many velocities are averaged in the odometry.
+        front_left_wheel_name: The joint of the front left wheel, or a reference of another controller.
+        front_right_wheel_name: The same for the front right wheel.
+        rear_left_wheel_name: The same for the rear left wheel.
+        rear_right_wheel_name: The same for the rear right wheel.
+        wheel_separation_x: The distance between the front and rear wheels (m).
+        wheel_separation_y: The distance between the left and right wheels (m).
+        wheel_radius: The radius of the wheels (m).
+        wheel_separation_x_multiplier: A correction factor of the separation.
+        wheel_separation_y_multiplier: A correction factor of the separation.
+        wheel_radius_multiplier: A correction factor of the radius.
+        tf_frame_prefix_enable: Whether the frames' names get a prefix.
+        tf_frame_prefix: The prefix; empty for the namespace.
+        base_frame_id: The frame of the base.
+        odom_frame_id: The frame of the odometry.
+        enable_odom_tf: Whether the odometry's transform is published.
+        twist_covariance_diagonal: The diagonal of the covariance of the odometry's twist.
+        pose_covariance_diagonal: The diagonal of the covariance of the odometry's pose.
+        cmd_vel_timeout: The time after which a command expires (s).
+        use_stamped_vel: Whether ``~/cmd_vel`` takes ``TwistStamped``; if false, ``~/cmd_vel_unstamped`` takes
+            ``Twist``.
+        linear: The limits of the velocity in the plane.
+        angular: The limits of the velocity about z.
+        open_loop: Whether the odometry follows the commands instead of the wheels.
+        position_feedback: Whether the odometry uses the wheels' positions instead of their velocities.
+        publish_limited_velocity: Whether ``~/cmd_vel_out`` is published.
+        publish_rate: The rate of the odometry (Hz).
+        velocity_rolling_window_size: The number of velocities that the odometry averages.
     """
 
     signs: ClassVar[frozenset[str]] = frozenset(f"{wheel}_wheel_name" for wheel in _WHEELS)
@@ -119,12 +121,13 @@ class HusarionMecanumDriveParameters:
     use_stamped_vel: bool = True
     linear: LimitsXY = field(default_factory=LimitsXY)
     angular: LimitsZ = field(default_factory=LimitsZ)
-    open_loop: bool = field(default=False, metadata={"unsupported": "the odometry is always the wheels'"})
+    open_loop: bool = field(default=False, metadata={"unsupported": "the odometry always uses the wheels"})
     position_feedback: bool = field(
-        default=False, metadata={"unsupported": "the odometry is reckoned from velocities, as the type's own does"}
+        default=False,
+        metadata={"unsupported": "the odometry uses velocities, as that of mecanum_drive_controller does"},
     )
-    publish_limited_velocity: bool = field(default=False, metadata={"unsupported": "there is no such topic"})
-    publish_rate: float = field(default=50.0, metadata={"unsupported": "the odometry comes with every update"})
+    publish_limited_velocity: bool = field(default=False, metadata={"unsupported": "the topic does not exist"})
+    publish_rate: float = field(default=50.0, metadata={"unsupported": "the odometry is published at every update"})
     velocity_rolling_window_size: int = field(default=10, metadata={"unsupported": "velocities are not averaged"})
 
     def __post_init__(self) -> None:
@@ -134,7 +137,7 @@ class HusarionMecanumDriveParameters:
         check_covariances(self)
 
     def translated(self) -> "MecanumDriveParameters":
-        """The same with the names of ros2_controllers."""
+        """Return the parameters with the names of ros2_controllers."""
         across = self.wheel_separation_x_multiplier * self.wheel_separation_x
         across += self.wheel_separation_y_multiplier * self.wheel_separation_y
         return MecanumDriveParameters(
@@ -167,29 +170,29 @@ class MecanumDriveParameters:
     """Parameters of ``mecanum_drive_controller/MecanumDriveController``.
 
     Attributes:
-        reference_timeout: how long a command holds (s); 0: for one update.
-        front_left_wheel_command_joint_name: a wheel's joint, or a reference of another controller.
-        front_right_wheel_command_joint_name: likewise.
-        rear_right_wheel_command_joint_name: likewise.
-        rear_left_wheel_command_joint_name: likewise.
-        front_left_wheel_state_joint_name: the joint whose velocity is measured; empty: the same.
-        front_right_wheel_state_joint_name: likewise.
-        rear_right_wheel_state_joint_name: likewise.
-        rear_left_wheel_state_joint_name: likewise.
-        kinematics: the geometry.
-        tf_frame_prefix_enable: whether a prefix is put before the frames' names.
-        tf_frame_prefix: the prefix; empty: the namespace.
-        base_frame_id: the base's frame.
-        odom_frame_id: the odometry's frame.
-        enable_odom_tf: whether the odometry's transform is published.
-        twist_covariance_diagonal: goes into the odometry as it is.
-        pose_covariance_diagonal: goes into the odometry as it is.
-        linear: limits of the velocity in the plane.
-        angular: limits of the velocity about z.
-        use_stamped_vel: the twin's own; false: ``~/reference_unstamped`` with ``Twist`` takes the place of
-            ``~/reference``, as with the steering controllers of Humble.
-        command_topic: the twin's own; the command's topic below the controller's name.
-        odometry_topic: the twin's own; the odometry's topic below the controller's name.
+        reference_timeout: The time after which a command expires (s); with 0 it is valid for one update.
+        front_left_wheel_command_joint_name: The joint of the front left wheel, or a reference of another controller.
+        front_right_wheel_command_joint_name: The same for the front right wheel.
+        rear_right_wheel_command_joint_name: The same for the rear right wheel.
+        rear_left_wheel_command_joint_name: The same for the rear left wheel.
+        front_left_wheel_state_joint_name: The joint whose velocity is measured; empty for the commanded one.
+        front_right_wheel_state_joint_name: The same for the front right wheel.
+        rear_right_wheel_state_joint_name: The same for the rear right wheel.
+        rear_left_wheel_state_joint_name: The same for the rear left wheel.
+        kinematics: The geometry.
+        tf_frame_prefix_enable: Whether the frames' names get a prefix.
+        tf_frame_prefix: The prefix; empty for the namespace.
+        base_frame_id: The frame of the base.
+        odom_frame_id: The frame of the odometry.
+        enable_odom_tf: Whether the odometry's transform is published.
+        twist_covariance_diagonal: The diagonal of the covariance of the odometry's twist.
+        pose_covariance_diagonal: The diagonal of the covariance of the odometry's pose.
+        linear: The limits of the velocity in the plane.
+        angular: The limits of the velocity about z.
+        use_stamped_vel: The twin's own; false replaces ``~/reference`` by ``~/reference_unstamped`` of type ``Twist``,
+            as Humble's steering controllers do.
+        command_topic: The twin's own: the command's topic below the controller's name.
+        odometry_topic: The twin's own: the odometry's topic below the controller's name.
     """
 
     dialects: ClassVar[tuple[type, ...]] = (HusarionMecanumDriveParameters,)
@@ -226,11 +229,11 @@ class MecanumDriveParameters:
 
     @property
     def command_joints(self) -> tuple[str, ...]:
-        """Front left, front right, rear right, rear left."""
+        """The commanded joints: front left, front right, rear right, rear left."""
         return tuple(getattr(self, f"{wheel}_wheel_command_joint_name") for wheel in _WHEELS)
 
     def state_joints(self, joints: Container[str]) -> tuple[str, ...]:
-        """Which of the robot's joints are measured, in the same order."""
+        """Return the robot's joints that are measured, in the same order."""
         measured = (getattr(self, f"{wheel}_wheel_state_joint_name") for wheel in _WHEELS)
         return tuple(
             state_joint(name or command, joints) for name, command in zip(measured, self.command_joints, strict=True)
@@ -239,11 +242,11 @@ class MecanumDriveParameters:
 
 @controller("mecanum_drive_controller/MecanumDriveController")
 class MecanumDriveController(DriveController):
-    """Drives a base on mecanum wheels in any direction by a commanded twist, and reckons where it is.
+    """Drive a base on mecanum wheels at a commanded twist, and publish its odometry.
 
     Behaves as ``mecanum_drive_controller/MecanumDriveController`` does in ROS 2 Jazzy: the wheels are commanded zero
-    before the first command, after one that is not a number, and from ``reference_timeout`` on; with a timeout of zero,
-    which is the default, a command holds for one update.
+    before the first command, after a NaN command, and after ``reference_timeout``. With a time-out of zero, the
+    default, a command is valid for one update.
 
     .. pydrake_system::
 
@@ -271,18 +274,19 @@ class MecanumDriveController(DriveController):
     """
 
     Parameters: ClassVar[type] = MecanumDriveParameters
+    _components = ("linear_x", "linear_y", "angular_z")
     _nan_stops = True
 
     @classmethod
     def claimed_interfaces(
         cls, parameters: MecanumDriveParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The velocities of the wheels front left, front right, rear right, rear left."""
+        """Return the velocities of the wheels front left, front right, rear right, rear left."""
         return tuple(Interface(joint, "velocity") for joint in parameters.command_joints)
 
     @classmethod
     def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """The base's velocity."""
+        """Return the base's velocity as references."""
         return tuple(Interface(name, "velocity") for name in ("linear/x", "linear/y", "angular/z"))
 
     def __init__(self, setup: ControllerSetup):
@@ -310,7 +314,7 @@ class MecanumDriveController(DriveController):
         )
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
-        """Reckons the odometry, limits the command and turns the wheels."""
+        """Update the odometry, limit the command and drive the wheels."""
         wheels, memory = self._feedback(context, memory, time, from_positions=False)
         odometry = memory.odometry.moved_sideways_too(*self._drive.base_velocity(*wheels), time)
         memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
@@ -321,18 +325,6 @@ class MecanumDriveController(DriveController):
         limited = self._limited(reference, memory)
         memory = replace(memory, last=limited, second_to_last=memory.last, limited=limited)
         return Update(memory, self._drive.wheel_velocities(*limited))
-
-    def _reference(
-        self, context: Context, time: float, memory: DriveMemory
-    ) -> tuple[tuple[float, float, float], DriveMemory]:
-        chained = self.references(context)
-        if chained is not None:
-            x, y, z = map(float, chained)
-            return (x, y, z), memory
-        command, memory = self._present_command(context, time, memory)
-        if command is None:
-            return (nan, nan, nan), memory
-        return (command.linear_x, command.linear_y, command.angular_z), memory
 
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

@@ -1,4 +1,4 @@
-"""The names of the two frames that a drive's odometry connects."""
+"""The names of the two frames of a drive's odometry."""
 
 from drake_twin.controllers.base_controller import ControllerSetup
 
@@ -6,20 +6,20 @@ from drake_twin.controllers.base_controller import ControllerSetup
 def odometry_frames(
     setup: ControllerSetup, odom_frame_id: str, base_frame_id: str, *, prefix_enable: bool = False, prefix: str = ""
 ) -> tuple[str, str]:
-    """The odometry frame and the base's frame, as they are called on ``/tf``.
+    """Return the odometry frame and the base's frame, as named on ``/tf``.
 
-    ros2_controllers puts the prefix, or the namespace where there is none, before both names. It cannot know what
-    robot_state_publisher calls the links, so in a namespace the two often differ and the tree falls apart. Here the
-    base's frame is the one that the robot's link has in the twin's ``/tf``, whatever the prefix, as long as there is
-    such a link. The odometry frame is upstream's; where the twin itself put a prefix before the robot's frames to keep
-    robots apart, that is before the odometry frame as well.
+    ros2_controllers prepends the prefix, or without one the namespace, to both names. It does not know how
+    robot_state_publisher names the links, so in a namespace the two often differ and the tree is broken. Here the
+    base's frame is the one of the robot's link in the twin's ``/tf``, whatever the prefix, if the link exists. The
+    odometry frame is upstream's; if the twin prefixes the robot's frames to keep robots apart, it prefixes the odometry
+    frame as well.
 
     Args:
-        setup: whose namespace, frame prefix and robot count.
-        odom_frame_id: the odometry frame's name in the parameters.
-        base_frame_id: the base link's name in the parameters.
+        setup: The controller's setup: namespace, frame prefix and links.
+        odom_frame_id: The odometry frame's name in the parameters.
+        base_frame_id: The base link's name in the parameters.
         prefix_enable: ``tf_frame_prefix_enable``.
-        prefix: ``tf_frame_prefix``; ``~`` in it stands for the namespace.
+        prefix: ``tf_frame_prefix``; a ``~`` in it stands for the namespace.
     """
     namespace = setup.namespace.strip("/")
     before = ""

@@ -10,7 +10,8 @@ from pydrake.systems.framework import Context
 from drake_twin import messages
 from drake_twin.control.gripper import GripperGoal
 from drake_twin.control.pid import PidMemory
-from drake_twin.controllers.gripper_action_controller import NOT_MONITORED, GripperActionController
+from drake_twin.controllers.goal_state import ACTION_MONITOR_RATE
+from drake_twin.controllers.gripper_action_controller import GripperActionController
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
@@ -22,21 +23,21 @@ class ParallelGripperActionParameters:
     """Parameters of ``parallel_gripper_action_controller/GripperActionController``.
 
     Attributes:
-        joint: the gripper's joint.
-        action_monitor_rate: how often the action's state is looked at (Hz).
-        state_interfaces: the joint's state interfaces.
-        goal_tolerance: how near the goal is near enough (rad or m).
-        allow_stalling: whether a goal succeeds when the gripper stalls on the way.
-        stall_velocity_threshold: what is no faster stands still (rad/s or m/s).
-        stall_timeout: how long it stands still before it has stalled (s).
-        max_effort_interface: the full name of a command interface that takes the largest effort; empty for none.
-        max_effort: the largest effort where a goal gives none (N·m or N).
-        max_velocity_interface: the full name of a command interface that takes the largest velocity; empty for none.
-        max_velocity: the largest velocity where a goal gives none (rad/s or m/s).
+        joint: The gripper's joint.
+        action_monitor_rate: The rate at which the goal's state is checked (Hz).
+        state_interfaces: The joint's state interfaces.
+        goal_tolerance: The largest position error at which a goal is reached (rad or m).
+        allow_stalling: Whether a goal succeeds if the gripper stalls before it.
+        stall_velocity_threshold: The largest speed of a gripper at rest (rad/s or m/s).
+        stall_timeout: The time at rest after which the gripper has stalled (s).
+        max_effort_interface: The full name of a command interface that takes the largest effort; empty for none.
+        max_effort: The largest effort of a goal without one (N·m or N).
+        max_velocity_interface: The full name of a command interface that takes the largest velocity; empty for none.
+        max_velocity: The largest velocity of a goal without one (rad/s or m/s).
     """
 
     joint: str
-    action_monitor_rate: float = field(default=20.0, metadata=NOT_MONITORED)
+    action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     state_interfaces: tuple[str, ...] = field(
         default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}
     )
@@ -52,10 +53,10 @@ class ParallelGripperActionParameters:
 
 @controller("parallel_gripper_action_controller/GripperActionController")
 class ParallelGripperActionController(GripperActionController):
-    """``parallel_gripper_action_controller/GripperActionController``: position, and the limits where they are claimed.
+    """Implement ``parallel_gripper_action_controller/GripperActionController``: a position and the claimed limits.
 
-    Its claims are the joint's position, then ``max_effort_interface`` and ``max_velocity_interface`` where they are
-    given; these take the goal's limits as they are.
+    Its claims are the joint's position, then ``max_effort_interface`` and ``max_velocity_interface`` if given, which
+    take the goal's limits unchanged.
     """
 
     Parameters: ClassVar[type] = ParallelGripperActionParameters
@@ -65,17 +66,17 @@ class ParallelGripperActionController(GripperActionController):
     def claimed_interfaces(
         cls, parameters: ParallelGripperActionParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The joint's position, and the interfaces of the limits."""
+        """Return the joint's position and the interfaces of the limits."""
         names = (parameters.max_effort_interface, parameters.max_velocity_interface)
         limits = [Interface(*name.rpartition("/")[::2]) for name in names if name]
         return (Interface(parameters.joint, "position"), *limits)
 
     def feedback(self, context: Context) -> Any:
-        """The present goal's feedback message."""
+        """Return the present goal's feedback message."""
         return messages.ParallelGripperCommand_Feedback(state=self._joint_state(context))
 
     def result(self, context: Context) -> Any:
-        """The last goal's result message; all zero for one that was cancelled."""
+        """Return the last goal's result message; all zero for one that was canceled."""
         run = self._run(context)
         return messages.ParallelGripperCommand_Result(
             state=self._joint_state(context), stalled=run.stalled, reached_goal=run.reached_goal
@@ -97,7 +98,7 @@ class ParallelGripperActionController(GripperActionController):
     def _wanted(self, message: Any) -> tuple[float, float, float]:
         command, parameters = message.command, self.setup.parameters
         if len(command.position) != 1:
-            raise CommandError(f"the goal has {len(command.position)} positions, and the gripper has one joint")
+            raise CommandError(f"the goal has {len(command.position)} positions, but the gripper has one joint")
         effort, velocity = parameters.max_effort, parameters.max_velocity
         if parameters.max_effort_interface and len(command.effort):
             effort = float(command.effort[0])

@@ -1,4 +1,4 @@
-"""Controllers that are updated at a rate of their own, as the controller manager's loop does."""
+"""The base of controllers that are updated at their own rate, as in the controller manager's loop."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,11 +17,11 @@ from drake_twin.systems.weak_callback import weakly
 
 @dataclass(frozen=True)
 class Update:
-    """What an update returns.
+    """The result of an update.
 
     Attributes:
         memory: The new frozen memory.
-        commands: One element for each claim and hint; NaN where nothing is written.
+        commands: One element for each of `Controller.interfaces`; NaN where nothing is written.
         notice: Whether to end the advance at this step, for example because a goal has ended.
     """
 
@@ -31,23 +31,24 @@ class Update:
 
 
 class PeriodicController(StatefulController):
-    """A controller that is updated at its rate.
+    """Update at a rate.
 
-    It samples its inputs at an update and holds its output until the next. What it writes acts in the physics step
-    that starts there: Drake makes unrestricted updates before the discrete plant's. Its memory is one frozen value in
-    the Context. After an update that raises it writes nothing, and the advance ends so that the controller can be
-    deactivated. With ``tells_of_motion`` an update that starts or stops a joint ends the advance, too.
+    The controller samples its inputs at an update and holds its output until the next. Its output acts in the physics
+    step that starts at the update: Drake makes unrestricted updates before the discrete plant's. Its memory is one
+    frozen value in the Context. After an update that raises, it writes nothing, and the advance ends so that the
+    controller can be deactivated. With ``tells_of_motion`` an update that starts or stops a joint ends the advance as
+    well.
 
-    A position that it writes is no farther from the joint than the joint's servo approaches within the velocity limit;
+    A commanded position is not farther from the joint than the joint's servo approaches within the velocity limit;
     `drake_twin.diagram.servo_modes` describes what Gazebo does.
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
     """
 
-    def __init__(self, setup: ControllerSetup, hints: Sequence[Interface] = ()):
-        self._nothing = (float("nan"),) * (len(setup.claims) + len(hints))
-        super().__init__(setup, tuple(hints), Sample(commands=self._nothing))
+    def __init__(self, setup: ControllerSetup, feedforward: Sequence[Interface] = ()):
+        self._nothing = (float("nan"),) * (len(setup.claims) + len(feedforward))
+        super().__init__(setup, tuple(feedforward), Sample(commands=self._nothing))
         self._reaches = self._position_reaches()
         self._velocities = [
             index
@@ -80,20 +81,36 @@ class PeriodicController(StatefulController):
         """
         return Update(memory, self._nothing)
 
+    def used_id(self, memory: Any) -> int:
+        """Return the id of the newest command that an update has used; a controller with numbered commands implements
+        this.
+        """
+        return 0
+
+    def pending(self, context: Context, port: InputPort) -> Any:
+        """Return the numbered command on a port if no update has used it; else None."""
+        command = self.received(port, context)
+        return command if command is not None and command.id > self._used_id(context) else None
+
+    def newest_id(self, context: Context, *ports: InputPort) -> int:
+        """Return the highest id of the commands that were used or are pending on some ports."""
+        pending: list[int] = [command.id for port in ports if (command := self.pending(context, port)) is not None]
+        return max((self._used_id(context), *pending))
+
     def starts_or_stops(self, before: Any, now: Any) -> bool:
-        """Return False: how joints are driven changes at the next update, which ends the advance if it does."""
+        """Return False: an update changes how joints are driven, and ends the advance if it starts or stops one."""
         return False
 
     def get_state_input_port(self) -> InputPort:
-        """The port ``state``."""
+        """Return the port ``state``."""
         return self._state_port
 
     def get_upstream_input_port(self, controller: str) -> InputPort:
-        """The port of a controller that may write this controller's references."""
+        """Return the port of a controller that may write this controller's references."""
         return self._upstream_ports[controller]
 
     def activate(self, context: Context) -> None:
-        """Start at the present time from the memory that `start` returns."""
+        """Start at the present time with the memory that `start` returns."""
         self.set_sample(context, Sample(True, context.get_time(), self.start(context), self._nothing))
 
     def deactivate(self, context: Context) -> None:
@@ -111,12 +128,16 @@ class PeriodicController(StatefulController):
         return np.array([state[self.setup.layout.velocities[joint]] for joint in joints])
 
     def references(self, context: Context) -> np.ndarray | None:
-        """Return what upstream controllers write to the references, NaN where nothing; None if all are NaN."""
+        """Return the references that upstream controllers write, NaN where nothing is written; None if all are."""
         for name, upstream in self.setup.upstream.items():
             values = np.append(self._upstream_ports[name].Eval(context), np.nan)[list(upstream.indices)]
             if np.isfinite(values).any():
                 return np.asarray(values)
         return None
+
+    def _used_id(self, context: Context) -> int:
+        memory = self.sample(context).memory
+        return 0 if memory is None else self.used_id(memory)
 
     def _update_sample(self, context: Context, state: State) -> EventStatus:
         sample = self.sample(context)
@@ -131,7 +152,7 @@ class PeriodicController(StatefulController):
                 commands = self._within_reach(context, commands)
             notice = update.notice or (bool(self._velocities) and self._starts_or_stops(sample.commands, commands))
             sample = Sample(True, time, update.memory, commands)
-        except Exception as error:  # concerns this controller alone
+        except Exception as error:  # an error concerns this controller alone
             sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
             notice = True
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
@@ -139,16 +160,16 @@ class PeriodicController(StatefulController):
 
     def _position_reaches(self) -> tuple[PositionReach, ...]:
         """Return the reach of each position that is written to a joint with a velocity limit."""
-        setup, interfaces = self.setup, (*self.claims, *self.hints)
+        setup, interfaces = self.setup, self.interfaces
         reaches = []
         for index, (name, interface) in enumerate(interfaces):
             joint = setup.description.joints_by_name.get(name)  # None for a reference of another controller
             if interface == "position" and joint is not None and 0 < joint.limits.velocity < inf:
-                hint = Interface(name, "velocity")
+                feedforward = Interface(name, "velocity")
                 reaches.append(
                     PositionReach.of_joint(
                         position=index,
-                        velocity=interfaces.index(hint) if hint in interfaces else None,
+                        velocity=interfaces.index(feedforward) if feedforward in interfaces else None,
                         joint=setup.layout.positions[name],
                         velocity_limit=joint.limits.velocity,
                         time_constant=setup.position_time_constant,
@@ -165,7 +186,7 @@ class PeriodicController(StatefulController):
         return tuple(limited)
 
     def _starts_or_stops(self, before: Sequence[float], now: Sequence[float]) -> bool:
-        """Return whether a commanded velocity changes between zero (or none) and nonzero."""
+        """Return whether a commanded velocity changes between zero or NaN and nonzero."""
         return any(is_motion(before[index]) != is_motion(now[index]) for index in self._velocities)
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
@@ -173,5 +194,5 @@ class PeriodicController(StatefulController):
 
 
 def is_motion(velocity: float) -> bool:
-    """Return whether a commanded velocity, NaN for none, moves a joint."""
+    """Return whether a commanded velocity moves a joint; NaN stands for no command."""
     return velocity != 0.0 and not isnan(velocity)

@@ -1,4 +1,4 @@
-"""A PID for each degree of freedom, as ros2_controllers' pid_controller closes its loops."""
+"""PID control of each degree of freedom, as in ros2_controllers' pid_controller."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -25,22 +25,22 @@ class PidControllerGains:
     """The gains of one degree of freedom.
 
     Attributes:
-        p: proportional gain.
-        i: integral gain (per second).
-        d: derivative gain (times second).
-        u_clamp_max: the highest command of the PID, before the feed-forward is added.
-        u_clamp_min: the lowest command of the PID.
-        antiwindup: deprecated; changes nothing, upstream neither, as the integral term is clamped either way.
-        i_clamp_max: the highest integral term.
-        i_clamp_min: the lowest integral term.
-        antiwindup_strategy: how the integral term is kept from winding up.
-        tracking_time_constant: of ``back_calculation`` (s); 0 for one that follows from the gains.
-        error_deadband: an error of at most this is not integrated.
-        feedforward_gain: what of the reference (of its derivative, when there are two interfaces) is added to the
-            command, with ``enable_feedforward``.
-        angle_wraparound: whether the error of an angle is taken the short way round.
-        save_i_term: whether the integral term outlives a deactivation.
-        activate_state_publisher: whether each PID publishes its own state.
+        p: Proportional gain.
+        i: Integral gain (per second).
+        d: Derivative gain (times second).
+        u_clamp_max: The highest command of the PID without the feedforward.
+        u_clamp_min: The lowest command of the PID.
+        antiwindup: Deprecated; without effect, as upstream: the integral term is always clamped.
+        i_clamp_max: The highest integral term.
+        i_clamp_min: The lowest integral term.
+        antiwindup_strategy: The strategy against windup of the integral term.
+        tracking_time_constant: The time constant of ``back_calculation`` (s); 0 to derive it from the gains.
+        error_deadband: An error of at most this is not integrated.
+        feedforward_gain: The factor with which the reference (its derivative if there are two interfaces) is added to
+            the command; with ``enable_feedforward``.
+        angle_wraparound: Whether the error of an angle is the shortest one.
+        save_i_term: Whether the integral term is kept over a deactivation.
+        activate_state_publisher: Whether each PID publishes its own state.
     """
 
     p: float = 0.0
@@ -67,15 +67,15 @@ class PidControllerParameters:
     """Parameters of ``pid_controller/PidController``.
 
     Attributes:
-        dof_names: the joints that are commanded.
-        command_interface: the command interface of all of them.
-        reference_and_state_interfaces: the state interfaces that are measured and referred to: one, or one and its
+        dof_names: The joints that are commanded.
+        command_interface: The command interface of all joints.
+        reference_and_state_interfaces: The state interfaces of measurements and references: one, or one and its
             derivative.
-        reference_and_state_dof_names: the joints that are measured, where they are others than ``dof_names``.
-        set_current_state_as_first_setpoint: whether the state at activation is the first reference.
-        use_external_measured_states: whether the state comes from a topic.
-        enable_feedforward: whether ``feedforward_gain`` is made use of.
-        gains: the gains of each of ``dof_names``.
+        reference_and_state_dof_names: The joints that are measured, if they are not ``dof_names``.
+        set_current_state_as_first_setpoint: Whether the state at activation is the first reference.
+        use_external_measured_states: Whether the state comes from a topic.
+        enable_feedforward: Whether ``feedforward_gain`` is used.
+        gains: The gains of each of ``dof_names``.
     """
 
     dof_names: tuple[str, ...]
@@ -84,7 +84,7 @@ class PidControllerParameters:
     reference_and_state_dof_names: tuple[str, ...] = ()
     set_current_state_as_first_setpoint: bool = True
     use_external_measured_states: bool = field(
-        default=False, metadata={"unsupported": "the state is that of the simulated joints"}
+        default=False, metadata={"unsupported": "the state comes from the simulated joints"}
     )
     enable_feedforward: bool = False
     gains: Mapping[str, PidControllerGains] = field(default_factory=dict)
@@ -98,7 +98,7 @@ class PidControllerParameters:
 @saved("PidReference")
 @dataclass(frozen=True)
 class PidReference:
-    """A reference message with its elements in the controller's order; NaN for what it does not change."""
+    """A reference message with its elements in the controller's order; NaN for elements that stay as they are."""
 
     id: int
     values: tuple[float, ...]
@@ -108,15 +108,15 @@ class PidReference:
 @saved("PidControllerMemory")
 @dataclass(frozen=True)
 class PidControllerMemory:
-    """What the controller keeps; tuples have an element for each degree of freedom.
+    """The memory of the controller; tuples have an element for each degree of freedom.
 
     Attributes:
-        reference_id: the last reference message that was made use of.
-        references: for each interface the references, NaN where there is none.
-        measured: for each interface what was measured at the last update.
-        commands: what is written, NaN before the first finite reference.
-        pids: what each PID keeps.
-        time_step: the time between the last two updates (s).
+        reference_id: The id of the last reference message that was used.
+        references: The references of each interface; NaN without one.
+        measured: The measurements of each interface at the last update.
+        commands: The commands; NaN before the first finite reference.
+        pids: The memory of each PID.
+        time_step: The time between the last two updates (s).
     """
 
     reference_id: int
@@ -129,11 +129,11 @@ class PidControllerMemory:
 
 @controller("pid_controller/PidController")
 class PidController(PeriodicController):
-    """Commands each degree of freedom by a PID on the difference between its reference and its state.
+    """Command each degree of freedom by a PID on the difference between its reference and its state.
 
-    Behaves as ``pid_controller/PidController`` in ROS 2 Jazzy. A reference that is not a finite number leaves the
-    command as it is. Elements of a message go by their names, where upstream, against its own intention, takes them in
-    the order of its parameters. The service ``~/set_feedforward_control`` is not there: ``enable_feedforward`` says it.
+    Behaves as ``pid_controller/PidController`` in ROS 2 Jazzy. A reference that is not finite does not change the
+    command. Elements of a message are matched by name; upstream, against its own intention, takes them in the order of
+    its parameters. The service ``~/set_feedforward_control`` does not exist: use ``enable_feedforward``.
 
     .. pydrake_system::
 
@@ -147,8 +147,8 @@ class PidController(PeriodicController):
         - controller_state
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s).
-    - ``<controller>``: what an upstream controller writes to the references; while one does, messages are ignored.
-    - ``reference``: a message as `PidReference`, ``None`` before the first; ``control_msgs/msg/MultiDOFCommand``, topic
+    - ``<controller>``: the references that an upstream controller writes; while it does, messages are ignored.
+    - ``reference``: a message as `PidReference`, None before the first; ``control_msgs/msg/MultiDOFCommand``, topic
       ``~/reference`` (rad, rad/s, or m, m/s).
     - ``command_interfaces``: a command for each of ``dof_names`` (rad, rad/s, N·m, or m, m/s, N).
     - ``controller_state``: ``control_msgs/msg/MultiDOFStateStamped``, of the last update; topic ``~/controller_state``.
@@ -160,14 +160,14 @@ class PidController(PeriodicController):
     def claimed_interfaces(
         cls, parameters: PidControllerParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The command interface of each degree of freedom."""
+        """Return the command interface of each degree of freedom."""
         return tuple(Interface(name, parameters.command_interface) for name in parameters.dof_names)
 
     @classmethod
     def reference_interfaces(
         cls, parameters: PidControllerParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """For each interface one of each measured degree of freedom."""
+        """Return one reference for each interface of each measured degree of freedom."""
         return tuple(
             Interface(name, interface)
             for interface in parameters.reference_and_state_interfaces
@@ -200,18 +200,18 @@ class PidController(PeriodicController):
         )
 
     def get_reference_input_port(self) -> InputPort:
-        """The port ``reference``."""
+        """Return the port ``reference``."""
         return self._reference
 
     def get_controller_state_output_port(self) -> OutputPort:
-        """The port ``controller_state``."""
+        """Return the port ``controller_state``."""
         return self.GetOutputPort("controller_state")
 
     def read(self, topic: str, message: Any, context: Context) -> PidReference:
-        """The message with its elements in the controller's order.
+        """Convert a message: its elements in the controller's order.
 
         Raises:
-            CommandError: a number of elements other than that of the degrees of freedom, or a name that is none.
+            CommandError: If the number of elements is not that of the degrees of freedom, or a name is missing.
         """
         names = tuple(message.dof_names) or self._dofs
         values, values_dot = np.asarray(message.values, dtype=float), np.asarray(message.values_dot, dtype=float)
@@ -226,12 +226,17 @@ class PidController(PeriodicController):
             if name not in names:
                 raise CommandError(f"the reference lacks {name!r}; it has {', '.join(names)}")
         order = [names.index(name) for name in self._dofs]
-        waiting, memory = self._reference.Eval(context), self.sample(context).memory
-        last = max(0 if waiting is None else waiting.id, 0 if memory is None else memory.reference_id)
-        return PidReference(last + 1, tuple(values[order].tolist()), tuple(values_dot[order].tolist()))
+        id = self.newest_id(context, self._reference) + 1
+        return PidReference(id, tuple(values[order].tolist()), tuple(values_dot[order].tolist()))
+
+    def used_id(self, memory: PidControllerMemory) -> int:
+        """Return the id of the last reference message that was used."""
+        return memory.reference_id
 
     def start(self, context: Context) -> PidControllerMemory:
-        """The state as first reference, when parameters say so; PIDs at rest, but for integral terms that are kept."""
+        """Return the memory with the state as first reference, if so configured, and PIDs at rest except for saved
+        integrals.
+        """
         last: PidControllerMemory | None = self.sample(context).memory
         measured = self._measured(context)
         nothing = (nan,) * len(self._dofs)
@@ -248,7 +253,7 @@ class PidController(PeriodicController):
         )
 
     def update(self, context: Context, time: float, memory: PidControllerMemory) -> Update:
-        """One step of every PID."""
+        """Update every PID."""
         reference_id, references = self._references(context, memory)
         measured = self._measured(context)
         dt = time - self.sample(context).time
@@ -261,13 +266,13 @@ class PidController(PeriodicController):
         return Update(new, commands)
 
     def _references(self, context: Context, memory: PidControllerMemory) -> tuple[int, tuple[tuple[float, ...], ...]]:
-        """The references, each as it was where nothing new and finite came."""
-        message: PidReference | None = self._reference.Eval(context)
+        """Return the references; those without a new finite value stay."""
+        message: PidReference | None = self.pending(context, self._reference)
         reference_id = memory.reference_id if message is None else message.id
         upstream = self.references(context)
         if upstream is not None:
             new = upstream.reshape(len(self._interfaces), len(self._dofs))
-        elif message is not None and message.id > memory.reference_id:
+        elif message is not None:
             new = np.array([message.values, message.values_dot][: len(self._interfaces)])
             new[:, np.isnan(new[0])] = nan  # a derivative alone changes nothing
         else:
@@ -282,7 +287,7 @@ class PidController(PeriodicController):
     def _step(
         self, index: int, reference: list[float], measured: list[float], dt: float, memory: PidMemory
     ) -> tuple[float | None, PidMemory]:
-        """A degree of freedom's command, None without a finite reference, and what its PID keeps."""
+        """Return a degree of freedom's command, None without a finite reference, and its PID's memory."""
         if not (isfinite(reference[0]) and isfinite(measured[0])):
             return None, memory
         gains = self._gains[index]

@@ -1,4 +1,4 @@
-"""A base without driven wheels, moved over the plane by a commanded twist, as Gazebo's planar_move plugin does."""
+"""A base without driven wheels that follows a commanded planar twist, as in Gazebo's planar_move plugin."""
 
 from dataclasses import dataclass, field, replace
 from math import cos, nan, sin
@@ -20,16 +20,16 @@ _COVARIANCE = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
 
 @dataclass(frozen=True, kw_only=True)
 class PlanarMoveParameters:
-    """Parameters of ``gazebo_ros/PlanarMove``, after those of ``libgazebo_ros_planar_move.so``.
+    """Parameters of ``gazebo_ros/PlanarMove``, named after those of ``libgazebo_ros_planar_move.so``.
 
     Attributes:
-        odom_frame_id: the odometry's frame; ``<odometry_frame>``.
-        base_frame_id: the base's frame; ``<robot_base_frame>``.
-        pose_covariance_diagonal: goes into the odometry as it is.
-        twist_covariance_diagonal: goes into the odometry as it is.
-        enable_odom_tf: whether the odometry's transform is published; ``<publish_odom_tf>``.
-        publish_rate: rate of the odometry (Hz).
-        use_stamped_vel: whether commands come as ``TwistStamped`` on ``~/cmd_vel`` instead of ``Twist`` on
+        odom_frame_id: The frame of the odometry; ``<odometry_frame>``.
+        base_frame_id: The frame of the base; ``<robot_base_frame>``.
+        pose_covariance_diagonal: The diagonal of the covariance of the odometry's pose.
+        twist_covariance_diagonal: The diagonal of the covariance of the odometry's twist.
+        enable_odom_tf: Whether the odometry's transform is published; ``<publish_odom_tf>``.
+        publish_rate: The rate of the odometry (Hz).
+        use_stamped_vel: Whether commands come as ``TwistStamped`` on ``~/cmd_vel`` instead of ``Twist`` on
             ``~/cmd_vel_unstamped``.
     """
 
@@ -47,9 +47,9 @@ class PlanarMoveParameters:
 
 @controller("gazebo_ros/PlanarMove")
 class PlanarMoveController(DriveController):
-    """Commands a base's velocity in the plane; its odometry is the true pose in the world, as the plugin's.
+    """Command a base's planar velocity; the odometry is its true pose in the world, as with the plugin.
 
-    A command holds until the next one, as with the plugin; one that is not finite is refused.
+    A command is valid until the next one, as with the plugin; one that is not finite is refused.
 
     .. pydrake_system::
 
@@ -64,8 +64,8 @@ class PlanarMoveController(DriveController):
 
     - ``cmd_vel_unstamped``: ``geometry_msgs/msg/Twist`` (m/s, rad/s), or ``cmd_vel``,
       ``geometry_msgs/msg/TwistStamped``, with ``use_stamped_vel``.
-    - ``command_interfaces``: the velocities of the joints that the base moves on: along x and y of its start (m/s), and
-      about z (rad/s); NaN before the first command.
+    - ``command_interfaces``: the velocities of the joints that move the base: along x and y of its start pose (m/s),
+      and about z (rad/s); NaN before the first command.
     - ``odom``: ``nav_msgs/msg/Odometry`` at ``publish_rate``; None before the first update.
     - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
     """
@@ -74,7 +74,7 @@ class PlanarMoveController(DriveController):
 
     @classmethod
     def claimed_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """The velocities of the joints that the base moves on."""
+        """Return the velocities of the joints that move the base."""
         return tuple(Interface(*interface) for interface in PLANAR_INTERFACES)
 
     def __init__(self, setup: ControllerSetup):
@@ -85,13 +85,13 @@ class PlanarMoveController(DriveController):
         self._declare_odometry("odom")
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
-        """Passes the command on and looks where the base is."""
+        """Forward the command and measure the base's pose."""
         memory = replace(memory, odometry=self.true_odometry(context, time))
         memory = publication(memory, time, self.setup.parameters.publish_rate)
-        command = self.get_command_input_port().Eval(context)
+        command = self.received(self.get_command_input_port(), context)
         if command is None:
             return Update(memory, (nan, nan, nan))
-        # Until the next update the base goes straight on while it turns: in the direction it has half-way.
+        # Until the next update the base moves straight while it turns: in the direction that it has halfway.
         (turned,) = self.positions(context, [ANGULAR_Z])
         heading = turned + 0.5 * self.setup.update_period * command.angular_z
         along_x = cos(heading) * command.linear_x - sin(heading) * command.linear_y

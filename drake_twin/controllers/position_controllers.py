@@ -9,18 +9,20 @@ from drake_twin.description.robot_description import RobotDescription
 
 @controller("position_controllers/JointGroupPositionController")
 class JointGroupPositionController(JointGroupController):
-    """``position_controllers/JointGroupPositionController``."""
+    """Implement ``position_controllers/JointGroupPositionController``."""
 
     interface = "position"
 
 
 @controller("position_controllers/GripperActionController")
 class PositionGripperActionController(GripperActionController):
-    """``position_controllers/GripperActionController``: the goal's position goes to the joint's position interface."""
+    """Implement ``position_controllers/GripperActionController``: the goal's position is the joint's commanded
+    position.
+    """
 
     @classmethod
     def claimed_interfaces(
         cls, parameters: GripperActionParameters, description: RobotDescription
     ) -> tuple[Interface, ...]:
-        """The joint's position."""
+        """Return the joint's position."""
         return (Interface(parameters.joint, "position"),)

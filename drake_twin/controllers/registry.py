@@ -1,4 +1,4 @@
-"""Which controller types there are: each class registers itself, the modules are imported when a type is asked for."""
+"""The controller types: each class registers itself, and its module is imported when the type is asked for."""
 
 from collections.abc import Callable
 from functools import cache
@@ -61,7 +61,7 @@ def controller_class(kind: str) -> "type[Controller] | None":
 
 
 def controller_types() -> tuple[str, ...]:
-    """Return all controller types in alphabetical order, of third parties too."""
+    """Return all controller types in alphabetical order, with those of third parties."""
     _import_own()
     load_extensions(ENTRY_POINTS)
     return tuple(sorted(_classes))

@@ -1,4 +1,4 @@
-"""What the broadcasters of sensors share: the port that carries the sensor's values, and whether they are active."""
+"""The base of the broadcasters of sensors: the port of the sensor's values, and activation."""
 
 from dataclasses import replace
 from typing import Any, ClassVar
@@ -11,26 +11,26 @@ from drake_twin.description.robot_description import RobotDescription
 
 
 class SensorBroadcaster(StatefulController):
-    """A broadcaster of one sensor's values: it claims nothing, and has no events unless a subclass adds one.
+    """Publish the values of one sensor; it claims nothing, and has no events unless a subclass adds one.
 
-    A message is computed when it is asked for and has the present time, so one that is asked for at the controller's
-    update rate is what ros2_control publishes. While the broadcaster is not active there is no message.
+    A message is computed on demand and has the present time, so that one computed at the controller's update rate is
+    what ros2_control publishes. An inactive broadcaster has no message.
 
     Attributes:
-        kind: The kind of the sensor, as `drake_twin.description.robot_description.Sensor` has it.
+        kind: The sensor's kind, as in `drake_twin.description.robot_description.Sensor`.
     """
 
     kind: ClassVar[str]
 
     @classmethod
     def sensor_name(cls, parameters: Any) -> str:
-        """Return the name of the sensor in ``<ros2_control>`` whose values it needs."""
+        """Return the name of the sensor in ``<ros2_control>`` that the controller reads."""
         name: str = parameters.sensor_name
         return name
 
     @classmethod
     def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
-        """Return why the robot's sensor cannot be broadcast; None when it can."""
+        """Return why the robot's sensor cannot be broadcast; None if it can."""
         name = cls.sensor_name(parameters)
         if description.sensor(name, cls.kind) is not None or name in description.hardware_sensors:
             return None
@@ -42,7 +42,7 @@ class SensorBroadcaster(StatefulController):
         self._sensor = self.DeclareVectorInputPort(port, size)
 
     def get_sensor_input_port(self) -> InputPort:
-        """The port that carries the sensor's values."""
+        """Return the port of the sensor's values."""
         return self._sensor
 
     def activate(self, context: Context) -> None:

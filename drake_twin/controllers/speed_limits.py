@@ -1,4 +1,4 @@
-"""Limits of a commanded speed, as the drives' parameters say them."""
+"""Limits of a commanded speed, as parameters of drives."""
 
 from dataclasses import dataclass, field
 from math import nan
@@ -12,21 +12,21 @@ _AT_MOST_ZERO = {"upper": 0.0}
 
 @dataclass(frozen=True)
 class SpeedLimits:
-    """Limits of one component of a commanded velocity; NaN switches one off, a NaN minimum is the maximum's opposite.
+    """Limits of one component of a commanded velocity; NaN for no limit, and a NaN minimum is minus the maximum.
 
     Attributes:
-        has_velocity_limits: false switches the velocity limits off; deprecated upstream.
-        has_acceleration_limits: false switches the acceleration limits off; deprecated upstream.
-        has_jerk_limits: false switches the jerk limits off; deprecated upstream.
-        max_velocity: m/s or rad/s.
-        min_velocity: at most zero (m/s or rad/s).
-        max_acceleration: forwards (m/s² or rad/s²).
-        max_deceleration: braking a forward motion, at most zero.
-        min_acceleration: Humble's; see its metadata.
-        max_acceleration_reverse: backwards, at most zero.
-        max_deceleration_reverse: braking a backward motion.
-        max_jerk: m/s³ or rad/s³; only while the speed grows in amount.
-        min_jerk: at most zero.
+        has_velocity_limits: False switches the velocity limits off; deprecated upstream.
+        has_acceleration_limits: False switches the acceleration limits off; deprecated upstream.
+        has_jerk_limits: False switches the jerk limits off; deprecated upstream.
+        max_velocity: The highest velocity (m/s or rad/s).
+        min_velocity: The lowest velocity, at most zero (m/s or rad/s).
+        max_acceleration: The acceleration of a forward motion (m/s² or rad/s²).
+        max_deceleration: The deceleration of a forward motion, at most zero (m/s² or rad/s²).
+        min_acceleration: A parameter of Humble.
+        max_acceleration_reverse: The acceleration of a backward motion, at most zero (m/s² or rad/s²).
+        max_deceleration_reverse: The deceleration of a backward motion (m/s² or rad/s²).
+        max_jerk: The highest jerk while the speed increases in magnitude (m/s³ or rad/s³).
+        min_jerk: The lowest jerk, at most zero (m/s³ or rad/s³).
     """
 
     has_velocity_limits: bool = True
@@ -52,7 +52,7 @@ class SpeedLimits:
             raise ParameterError(str(error)) from None
 
     def limiter(self) -> SpeedLimiter:
-        """What applies these limits."""
+        """Return the limiter that applies these limits."""
         limits: dict[str, float] = {}
         if self.has_velocity_limits:
             limits |= {"min_velocity": self.min_velocity, "max_velocity": self.max_velocity}
@@ -73,7 +73,7 @@ class LimitsX:
     """Limits of a velocity along x.
 
     Attributes:
-        x: forwards.
+        x: The forward limits.
     """
 
     x: SpeedLimits = SpeedLimits()
@@ -84,8 +84,8 @@ class LimitsXY:
     """Limits of a velocity in the plane.
 
     Attributes:
-        x: forwards.
-        y: to the left.
+        x: The forward limits.
+        y: The limits to the left.
     """
 
     x: SpeedLimits = SpeedLimits()
@@ -97,7 +97,7 @@ class LimitsZ:
     """Limits of a velocity about z.
 
     Attributes:
-        z: counterclockwise, seen from above.
+        z: The limits, counterclockwise seen from above.
     """
 
     z: SpeedLimits = SpeedLimits()

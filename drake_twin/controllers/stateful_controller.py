@@ -1,4 +1,4 @@
-"""Controllers that keep something from one moment to the next."""
+"""The base of controllers with a memory."""
 
 from dataclasses import dataclass, replace
 from math import isnan, nan
@@ -17,7 +17,7 @@ from drake_twin.systems.weak_callback import weakly
 @saved("Sample")
 @dataclass(frozen=True)
 class Sample(Frozen):
-    """What a stateful controller keeps: its one abstract state.
+    """The one abstract state of a stateful controller.
 
     Attributes:
         active: Whether the controller is updated.
@@ -35,10 +35,10 @@ class Sample(Frozen):
 
 
 class StatefulController(Controller):
-    """A controller whose state is one `Sample` in the Context, so that a saved Context is a saved controller."""
+    """Keep all state in one `Sample` in the Context: a saved Context is a saved controller."""
 
-    def __init__(self, setup: ControllerSetup, hints: tuple[Interface, ...] = (), initial: Sample | None = None):
-        super().__init__(setup, hints)
+    def __init__(self, setup: ControllerSetup, feedforward: tuple[Interface, ...] = (), initial: Sample | None = None):
+        super().__init__(setup, feedforward)
         initial = initial or Sample()
         if setup.active_at_start:
             initial = replace(initial, active=True, time=nan)
@@ -51,8 +51,12 @@ class StatefulController(Controller):
         return sample
 
     def set_sample(self, context: Context, sample: Sample) -> None:
-        """Set the state, of a saved run for example."""
+        """Set the state, for example that of a saved run."""
         context.SetAbstractState(int(self._sample_index), sample)
+
+    def set_memory(self, context: Context, memory: Any) -> None:
+        """Set the memory, and leave the rest of the state as it is."""
+        self.set_sample(context, replace(self.sample(context), memory=memory))
 
     def sample_ticket(self) -> Any:
         """Return the dependency ticket of an output port that follows from the last update."""

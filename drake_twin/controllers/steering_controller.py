@@ -1,4 +1,4 @@
-"""What the controllers of bases with steered wheels share."""
+"""The base of the controllers of bases with steered wheels."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
@@ -33,31 +33,34 @@ class SteeringParameters(ABC):
     """Parameters that ros2_controllers' steering_controllers_library reads for each of its controllers.
 
     Attributes:
-        reference_timeout: how long a command holds (s); 0: for one update.
-        front_steering: deprecated; which of the deprecated front and rear names are the steered ones.
-        rear_wheels_names: deprecated.
-        traction_joints_names: the joints of the driven wheels; of two the right one first.
-        front_wheels_names: deprecated.
-        steering_joints_names: the joints that steer; of two the right one first.
-        traction_joints_state_names: where they are measured; empty: the same.
-        rear_wheels_state_names: deprecated.
-        steering_joints_state_names: where they are measured; empty: the same.
-        front_wheels_state_names: deprecated.
-        open_loop: odometry and wheel speeds from the commands instead of the joints.
-        reduce_wheel_speed_until_steering_reached: the wheels turn slower while the angle is more than 30° off.
-        velocity_rolling_window_size: how many velocities are averaged in the odometry.
-        base_frame_id: the base's frame.
-        odom_frame_id: the odometry's frame.
-        enable_odom_tf: whether the odometry's transform is published.
-        twist_covariance_diagonal: goes into the odometry as it is.
-        pose_covariance_diagonal: goes into the odometry as it is.
-        position_feedback: odometry from the driven wheels' positions instead of their velocities.
-        use_stamped_vel: Humble's; false: ``~/reference_unstamped`` with ``Twist`` takes the place of ``~/reference``.
-        linear: limits of the velocity forwards; the twin's own, for robots that Gazebo's plugins drive.
-        angular: limits of the velocity about z; the twin's own.
-        largest_steering_angle: in the middle of the steered axle (rad); the twin's own.
-        angular_is_steering_angle: a command's ``angular.z`` is that angle (rad), as classic Gazebo's plugin for
-            Ackermann's steering takes it; the twin's own.
+        reference_timeout: The time after which a command expires (s); with 0 it is valid for one update.
+        front_steering: Deprecated; whether the deprecated front names, not the rear ones, are those of the steered
+            wheels.
+        rear_wheels_names: Deprecated.
+        traction_joints_names: The joints of the driven wheels; of two, the right one first.
+        front_wheels_names: Deprecated.
+        steering_joints_names: The steering joints; of two, the right one first.
+        traction_joints_state_names: The joints that are measured; empty for the commanded ones.
+        rear_wheels_state_names: Deprecated.
+        steering_joints_state_names: The joints that are measured; empty for the commanded ones.
+        front_wheels_state_names: Deprecated.
+        open_loop: Whether the odometry and the wheels' speeds follow the commands instead of the joints.
+        reduce_wheel_speed_until_steering_reached: Whether the wheels turn slower while the steering error is more than
+            30°.
+        velocity_rolling_window_size: The number of velocities that the odometry averages.
+        base_frame_id: The frame of the base.
+        odom_frame_id: The frame of the odometry.
+        enable_odom_tf: Whether the odometry's transform is published.
+        twist_covariance_diagonal: The diagonal of the covariance of the odometry's twist.
+        pose_covariance_diagonal: The diagonal of the covariance of the odometry's pose.
+        position_feedback: Whether the odometry uses the driven wheels' positions instead of their velocities.
+        use_stamped_vel: A parameter of Humble; false replaces ``~/reference`` by ``~/reference_unstamped`` of type
+            ``Twist``.
+        linear: The limits of the forward velocity; the twin's own, for robots that Gazebo's plugins drive.
+        angular: The limits of the velocity about z; the twin's own.
+        largest_steering_angle: The largest angle in the middle of the steered axle (rad); the twin's own.
+        angular_is_steering_angle: Whether a command's ``angular.z`` is that angle (rad), as in classic Gazebo's
+            Ackermann plugin; the twin's own.
     """
 
     reference_timeout: float = field(default=1.0, metadata={"lower": 0.0})
@@ -97,19 +100,19 @@ class SteeringParameters(ABC):
                         *([name] if getattr(self, name) else []),
                     )
                 if len(set(found)) != len(found):
-                    raise ParameterError(f"{name} has a name twice: [{', '.join(found)}]", name)
+                    raise ParameterError(f"{name} has a duplicate name: [{', '.join(found)}]", name)
         if not drive.wheel_radius > 0.0:
-            raise ParameterError("the radius of the traction wheels is missing or not above zero")
+            raise ParameterError("the radius of the traction wheels is missing or not positive")
         if drive.driven == 2 and not drive.driven_track > 0.0:
-            raise ParameterError("the track width of the traction wheels is missing or not above zero")
+            raise ParameterError("the track width of the traction wheels is missing or not positive")
         check_covariances(self)
 
     @abstractmethod
     def kinematics(self) -> SteeringDrive:
-        """The drive."""
+        """Return the drive."""
 
     def joints(self, name: str) -> tuple[str, ...]:
-        """A list of joints, ``traction_joints_names`` for example, with the deprecated names taken into account."""
+        """Return a list of joints, for example ``traction_joints_names``, with the deprecated names applied."""
         kind, _, suffix = name.partition("_joints_")
         axle = "front" if (kind == "steering") == self.front_steering else "rear"
         deprecated: tuple[str, ...] = getattr(self, f"{axle}_wheels_{suffix}")
@@ -117,16 +120,16 @@ class SteeringParameters(ABC):
         return deprecated or given
 
     def by_axle(self, front: float, rear: float, kind: str) -> float:
-        """The value for the ``traction`` or ``steering`` axle, of deprecated ones for front and rear."""
+        """Return the value of the ``traction`` or ``steering`` axle from deprecated ones of front and rear."""
         return front if (kind == "steering") == self.front_steering else rear
 
 
 class SteeringController(DriveController):
-    """Drives a base with driven and steered wheels by a commanded twist, and reckons where it is.
+    """Drive a base with driven and steered wheels at a commanded twist, and publish its odometry.
 
-    Behaves as the controllers made of ros2_controllers' steering_controllers_library do in ROS 2 Jazzy: the driven
-    wheels are commanded zero before the first command, after one that is not a number, and from ``reference_timeout``
-    on, while the steered ones keep their last command; with a timeout of zero a command holds for one update.
+    Behaves as the controllers of ros2_controllers' steering_controllers_library do in ROS 2 Jazzy: the driven wheels
+    are commanded zero before the first command, after a NaN command, and after ``reference_timeout``, while the steered
+    ones keep their last command. With a time-out of zero a command is valid for one update.
 
     .. pydrake_system::
 
@@ -155,7 +158,7 @@ class SteeringController(DriveController):
 
     @classmethod
     def claimed_interfaces(cls, parameters: SteeringParameters, description: RobotDescription) -> tuple[Interface, ...]:
-        """The velocities of the driven wheels, then the positions of the steering joints."""
+        """Return the velocities of the driven wheels, then the positions of the steering joints."""
         return (
             *(Interface(joint, "velocity") for joint in parameters.joints("traction_joints_names")),
             *(Interface(joint, "position") for joint in parameters.joints("steering_joints_names")),
@@ -163,7 +166,7 @@ class SteeringController(DriveController):
 
     @classmethod
     def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
-        """The base's velocity."""
+        """Return the base's velocity as references."""
         return Interface("linear", "velocity"), Interface("angular", "velocity")
 
     def __init__(self, setup: ControllerSetup):
@@ -188,7 +191,7 @@ class SteeringController(DriveController):
         )
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
-        """Reckons the odometry, turns the driven wheels and steers the others."""
+        """Update the odometry, drive the driven wheels and steer the others."""
         parameters: SteeringParameters = self.setup.parameters
         (linear, angular), memory = self._limited_reference(context, time, memory)
         angles = tuple(map(float, self.positions(context, self._steering_joints)))
@@ -198,16 +201,17 @@ class SteeringController(DriveController):
             angular = tan(angle) * linear / self._drive.wheelbase
         else:
             angle = self._drive.steering_angle(linear, angular)
-        if parameters.open_loop:
-            velocity = (0.0 if isnan(linear) else linear, 0.0 if isnan(angular) else angular)
-            odometry = memory.odometry.moved_open_loop(*velocity, time)
-        else:
-            wheels, memory = self._feedback(context, memory, time, from_positions=parameters.position_feedback)
-            velocity = self._drive.base_velocity(wheels, measured)
-            odometry = memory.odometry.moved(*velocity, time, parameters.velocity_rolling_window_size)
+        memory = self._with_odometry(
+            context,
+            time,
+            memory,
+            (0.0 if isnan(linear) else linear, 0.0 if isnan(angular) else angular),
+            lambda wheels: self._drive.base_velocity(wheels, measured),
+            from_positions=parameters.position_feedback,
+        )
         measure = self.positions if parameters.position_feedback else self.velocities
         state = (*map(float, measure(context, self._odometry_wheels)), *angles)
-        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time), state=state)
+        memory = replace(memory, published=replace(memory.odometry, time=time), state=state)
         if isnan(linear) or isnan(angular):
             held = self.sample(context).commands[self._drive.driven :]
             return Update(memory, (0.0,) * self._drive.driven + held)
@@ -227,14 +231,6 @@ class SteeringController(DriveController):
             return (nan, nan), replace(memory, last=(0.0, 0.0), second_to_last=(0.0, 0.0))
         linear, angular = self._limited((linear, angular), memory)
         return (linear, angular), replace(memory, last=(linear, angular), second_to_last=memory.last)
-
-    def _reference(self, context: Context, time: float, memory: DriveMemory) -> tuple[tuple[float, float], DriveMemory]:
-        chained = self.references(context)
-        if chained is not None:
-            linear, angular = map(float, chained)
-            return (linear, angular), memory
-        command, memory = self._present_command(context, time, memory)
-        return ((nan, nan) if command is None else (command.linear_x, command.angular_z)), memory
 
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

@@ -1,4 +1,4 @@
-"""A base with one wheel in front that is driven and steered."""
+"""A base with one front wheel that is driven and steered."""
 
 from dataclasses import dataclass, field, replace
 from math import cos, nan, pi
@@ -15,7 +15,6 @@ from drake_twin.controllers.drive_controller import (
     DriveController,
     DriveMemory,
     check_covariances,
-    is_older,
     state_joint,
 )
 from drake_twin.controllers.interface import Interface
@@ -29,17 +28,17 @@ _ZEROS = (0.0,) * 6
 
 @dataclass(frozen=True)
 class TractionLimits:
-    """Limits of the wheel's speed, each for both directions; NaN: none.
+    """Limits of the wheel's speed, each for both directions; NaN for no limit.
 
     Attributes:
-        max_velocity: rad/s.
-        min_velocity: rad/s.
-        max_acceleration: rad/s².
-        min_acceleration: rad/s².
-        max_deceleration: rad/s².
-        min_deceleration: rad/s².
-        max_jerk: rad/s³.
-        min_jerk: rad/s³.
+        max_velocity: The highest speed (rad/s).
+        min_velocity: The lowest speed (rad/s).
+        max_acceleration: The highest acceleration (rad/s²).
+        min_acceleration: The lowest acceleration (rad/s²).
+        max_deceleration: The highest deceleration (rad/s²).
+        min_deceleration: The lowest deceleration (rad/s²).
+        max_jerk: The highest jerk (rad/s³).
+        min_jerk: The lowest jerk (rad/s³).
     """
 
     max_velocity: float = nan
@@ -55,21 +54,21 @@ class TractionLimits:
         _checked(self.limiter)
 
     def limiter(self) -> TractionLimiter:
-        """What applies these limits."""
+        """Return the limiter that applies these limits."""
         return TractionLimiter(**vars(self))
 
 
 @dataclass(frozen=True)
 class SteeringLimits:
-    """Limits of the steering angle; NaN: none.
+    """Limits of the steering angle; NaN for no limit.
 
     Attributes:
-        max_position: rad.
-        min_position: rad.
-        max_velocity: rad/s, in both directions.
-        min_velocity: rad/s, in both directions.
-        max_acceleration: rad/s², in both directions.
-        min_acceleration: rad/s², in both directions.
+        max_position: The highest angle (rad).
+        min_position: The lowest angle (rad).
+        max_velocity: The highest speed in both directions (rad/s).
+        min_velocity: The lowest speed in both directions (rad/s).
+        max_acceleration: The highest acceleration in both directions (rad/s²).
+        min_acceleration: The lowest acceleration in both directions (rad/s²).
     """
 
     max_position: float = nan
@@ -83,7 +82,7 @@ class SteeringLimits:
         _checked(self.limiter)
 
     def limiter(self) -> SteeringLimiter:
-        """What applies these limits."""
+        """Return the limiter that applies these limits."""
         return SteeringLimiter(**vars(self))
 
 
@@ -99,23 +98,24 @@ class TricycleParameters:
     """Parameters of ``tricycle_controller/TricycleController``.
 
     Attributes:
-        traction_joint_name: the joint of the front wheel.
-        steering_joint_name: the joint that steers it.
-        wheelbase: the distance from the front wheel to the rear axle (m).
-        wheel_radius: radius of the front wheel (m).
-        odom_frame_id: the odometry's frame.
-        base_frame_id: the base's frame.
-        pose_covariance_diagonal: goes into the odometry as it is.
-        twist_covariance_diagonal: goes into the odometry as it is.
-        open_loop: odometry from the commands instead of the joints.
-        enable_odom_tf: whether the odometry's transform is published.
-        odom_only_twist: the odometry's pose stays zero.
-        cmd_vel_timeout: how long a command holds (ms).
-        publish_ackermann_command: whether ``~/cmd_ackermann`` is published.
-        velocity_rolling_window_size: how many velocities are averaged in the odometry.
-        traction: limits of the wheel's speed.
-        steering: limits of the steering angle.
-        use_stamped_vel: Humble's; false: ``~/cmd_vel_unstamped`` with ``Twist`` takes the place of ``~/cmd_vel``.
+        traction_joint_name: The joint of the front wheel.
+        steering_joint_name: The joint that steers it.
+        wheelbase: The distance from the front wheel to the rear axle (m).
+        wheel_radius: The radius of the front wheel (m).
+        odom_frame_id: The frame of the odometry.
+        base_frame_id: The frame of the base.
+        pose_covariance_diagonal: The diagonal of the covariance of the odometry's pose.
+        twist_covariance_diagonal: The diagonal of the covariance of the odometry's twist.
+        open_loop: Whether the odometry follows the commands instead of the joints.
+        enable_odom_tf: Whether the odometry's transform is published.
+        odom_only_twist: Whether the odometry's pose stays zero.
+        cmd_vel_timeout: The time after which a command expires (ms); 0 for never.
+        publish_ackermann_command: Whether ``~/cmd_ackermann`` is published.
+        velocity_rolling_window_size: The number of velocities that the odometry averages.
+        traction: The limits of the wheel's speed.
+        steering: The limits of the steering angle.
+        use_stamped_vel: A parameter of Humble; false replaces ``~/cmd_vel`` by ``~/cmd_vel_unstamped`` of type
+            ``Twist``.
     """
 
     traction_joint_name: str
@@ -145,12 +145,12 @@ class TricycleParameters:
 
 @controller("tricycle_controller/TricycleController")
 class TricycleController(DriveController):
-    """Drives a base whose front wheel is driven and steered by a commanded twist, and reckons where it is.
+    """Drive a base with a driven and steered front wheel at a commanded twist, and publish its odometry.
 
-    Behaves as ``tricycle_controller/TricycleController`` does in ROS 2 Jazzy: before the first command and from
-    ``cmd_vel_timeout`` on the command is zero, which the limits follow; the wheel turns slower while its angle is more
-    than 30° off. Safer than upstream: a command that is not finite is refused, and a timeout of zero means that a
-    command holds for ever, as it does with the other drives.
+    Behaves as ``tricycle_controller/TricycleController`` does in ROS 2 Jazzy: before the first command and after
+    ``cmd_vel_timeout`` the command is zero, approached within the limits. The wheel turns slower while its steering
+    error is more than 30°. Unlike upstream, a command that is not finite is refused, and with a time-out of zero a
+    command is valid for ever, as with the other drives.
 
     .. pydrake_system::
 
@@ -169,15 +169,15 @@ class TricycleController(DriveController):
     - ``command_interfaces``: velocity of the wheel (rad/s), position of the steering joint (rad).
     - ``odom``: ``nav_msgs/msg/Odometry`` at every update; None before the first.
     - ``tf_odometry``: ``tf2_msgs/msg/TFMessage``, the same as a transform, for ``/tf``; with ``enable_odom_tf`` only.
-    - ``cmd_ackermann``: ``ackermann_msgs/msg/AckermannDrive``, what is written, its ``speed`` in rad/s as
-      upstream; with ``publish_ackermann_command`` only.
+    - ``cmd_ackermann``: ``ackermann_msgs/msg/AckermannDrive``, the commands, with ``speed`` in rad/s as upstream; with
+      ``publish_ackermann_command`` only.
     """
 
     Parameters: ClassVar[type] = TricycleParameters
 
     @classmethod
     def claimed_interfaces(cls, parameters: TricycleParameters, description: RobotDescription) -> tuple[Interface, ...]:
-        """The velocity of the wheel and the position of its steering joint."""
+        """Return the velocity of the wheel and the position of its steering joint."""
         return (
             Interface(parameters.traction_joint_name, "velocity"),
             Interface(parameters.steering_joint_name, "position"),
@@ -199,20 +199,19 @@ class TricycleController(DriveController):
             )
 
     def update(self, context: Context, time: float, memory: DriveMemory) -> Update:
-        """Reckons the odometry, and turns and steers the wheel."""
-        parameters: TricycleParameters = self.setup.parameters
-        command = self.get_command_input_port().Eval(context)
-        linear, angular = 0.0, 0.0
-        if command is not None and not (self._command_timeout and is_older(time, command.time, self._command_timeout)):
-            linear, angular = command.linear_x, command.angular_z
+        """Update the odometry, and drive and steer the wheel."""
+        command = self._valid_command(context, time)
+        linear, angular = (0.0, 0.0) if command is None else (command.linear_x, command.angular_z)
         (measured,) = map(float, self.positions(context, self._steering_joint))
-        if parameters.open_loop:
-            odometry = memory.odometry.moved_open_loop(linear, angular, time)
-        else:
-            (wheel,), memory = self._feedback(context, memory, time, from_positions=False)
-            velocity = self._drive.base_velocity(wheel, measured)
-            odometry = memory.odometry.moved(*velocity, time, parameters.velocity_rolling_window_size)
-        memory = replace(memory, odometry=odometry, published=replace(odometry, time=time))
+        memory = self._with_odometry(
+            context,
+            time,
+            memory,
+            (linear, angular),
+            lambda wheels: self._drive.base_velocity(wheels[0], measured),
+            from_positions=False,
+        )
+        memory = replace(memory, published=replace(memory.odometry, time=time))
         speed, angle = self._drive.wheel_command(linear, angular)
         speed *= _share_of_speed(abs(angle - measured))
         limited = self._limited((speed, angle), memory)
@@ -232,7 +231,7 @@ class TricycleController(DriveController):
 
 
 def _share_of_speed(off: float) -> float:
-    """How fast the wheel turns while its angle is off (rad), as a share of the commanded speed."""
+    """Return the wheel's speed at a steering error (rad), relative to the commanded speed."""
     if off < pi / 6.0:
         return 1.0
     return 0.01 if off > 0.5 * pi else cos(off)

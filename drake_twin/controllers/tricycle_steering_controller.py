@@ -1,4 +1,4 @@
-"""A base with two driven wheels and one steered one."""
+"""Steering of a base with two driven wheels and one steered wheel."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar
@@ -13,12 +13,12 @@ class TricycleSteeringParameters(SteeringParameters):
     """Parameters of ``tricycle_steering_controller/TricycleSteeringController``.
 
     Attributes:
-        wheel_track: deprecated.
-        traction_track_width: the distance between the driven wheels (m).
-        wheelbase: the distance between the axles (m).
-        traction_wheels_radius: radius of the driven wheels (m).
-        front_wheels_radius: deprecated.
-        rear_wheels_radius: deprecated.
+        wheel_track: Deprecated.
+        traction_track_width: The distance between the driven wheels (m).
+        wheelbase: The distance between the axles (m).
+        traction_wheels_radius: The radius of the driven wheels (m).
+        front_wheels_radius: Deprecated.
+        rear_wheels_radius: Deprecated.
     """
 
     wheel_track: float = 0.0
@@ -29,7 +29,7 @@ class TricycleSteeringParameters(SteeringParameters):
     rear_wheels_radius: float = 0.0
 
     def kinematics(self) -> SteeringDrive:
-        """The drive, with the deprecated names taken into account as upstream does."""
+        """Return the drive; the deprecated names are applied as upstream does."""
         return SteeringDrive(
             wheelbase=self.wheelbase,
             wheel_radius=self.rear_wheels_radius or self.front_wheels_radius or self.traction_wheels_radius,
@@ -40,6 +40,6 @@ class TricycleSteeringParameters(SteeringParameters):
 
 @controller("tricycle_steering_controller/TricycleSteeringController")
 class TricycleSteeringController(SteeringController):
-    """``tricycle_steering_controller/TricycleSteeringController``; see `SteeringController`."""
+    """Implement ``tricycle_steering_controller/TricycleSteeringController``; see `SteeringController`."""
 
     Parameters: ClassVar[type] = TricycleSteeringParameters

@@ -6,6 +6,6 @@ from drake_twin.controllers.registry import controller
 
 @controller("velocity_controllers/JointGroupVelocityController")
 class JointGroupVelocityController(JointGroupController):
-    """``velocity_controllers/JointGroupVelocityController``."""
+    """Implement ``velocity_controllers/JointGroupVelocityController``."""
 
     interface = "velocity"

@@ -23,20 +23,20 @@ _ON_PARENT = ".on_parent"
 
 
 def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]:
-    """Parses SDF into a plant, as Drake's parser does except for ball joints.
+    """Parse SDF into a plant, as Drake's parser does except for ball joints.
 
     A plant that has constraints lets no joint be removed. So each ball joint is taken out of the text, and stays as two
     frames that say where it is.
 
     Args:
-        plant: the plant, not yet finalized; it is changed.
-        text: the document.
+        plant: The plant, not yet finalized; it is changed.
+        text: The document.
 
     Returns:
         The model instances of the outermost models.
 
     Raises:
-        InputError: the engine is ``cenic``, and there is a ball joint: the error's ``value`` is its name.
+        InputError: If the engine is ``cenic``, and there is a ball joint: the error's ``value`` is its name.
         RuntimeError: Drake refuses the text.
     """
     root = etree.fromstring(text.encode())
@@ -59,7 +59,7 @@ def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]
 
 
 def _scope(joint: etree._Element) -> str:
-    """The name of the model that a joint belongs to, as Drake has it."""
+    """Return the name of the model that a joint belongs to, as Drake has it."""
     return "::".join([model.get("name", "") for model in joint.iterancestors("model")][::-1])
 
 
@@ -68,7 +68,7 @@ def _damping(joint: etree._Element) -> float:
 
 
 def _leave_frames(joint: etree._Element) -> None:
-    """Changes a joint to a frame on its child link, and one at the same place on its parent link."""
+    """Change a joint to a frame on its child link, and one at the same place on its parent link."""
     model, name = joint.getparent(), joint.get("name", "")
     assert model is not None
     child, parent = ((joint.findtext(end) or "").strip() for end in ("child", "parent"))

@@ -29,13 +29,13 @@ class TouchingShape:
     """How a collision shape touches.
 
     Attributes:
-        model: the robot or the model of the world; empty for what does not move in the world.
-        body: the body B in the plant.
-        name: the shape's name in the scene graph.
-        shape: what contact takes it for: a mesh's convex hull, a wheel's ellipsoid.
-        X_BG: where that is on the body.
+        model: The robot or the model of the world; empty for what does not move in the world.
+        body: The body B in the plant.
+        name: The shape's name in the scene graph.
+        shape: What contact takes it for: a mesh's convex hull, a wheel's ellipsoid.
+        X_BG: Where that is on the body.
         touches: `FACES`, `IN_A_POINT`, or `WHEEL` for a point of an ellipsoid in place of a cylinder.
-        friction: its coefficient of friction.
+        friction: Its coefficient of friction.
     """
 
     model: str
@@ -54,14 +54,14 @@ def give_contact(
     world_contact: str,
     warnings: list[str],
 ) -> tuple[TouchingShape, ...]:
-    """Decides how every collision shape of a plant touches.
+    """Decide how every collision shape of a plant touches.
 
     Args:
-        plant: the plant, with all shapes, not yet finalized; it is changed.
-        scene_graph: its scene graph; it is changed.
-        models: the robots, and what moves in the world.
+        plant: The plant, with all shapes, not yet finalized; it is changed.
+        scene_graph: Its scene graph; it is changed.
+        models: The robots, and what moves in the world.
         world_contact: ``hydroelastic`` or ``point``, for what does not move in the world.
-        warnings: is extended by shapes that cannot touch with their faces.
+        warnings: Is extended by shapes that cannot touch with their faces.
 
     Returns:
         How each shape touches, in the order of registration.

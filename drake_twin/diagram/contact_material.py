@@ -45,13 +45,14 @@ _THINNEST = 1e-6  # m
 def candidates(
     shape: ContactShape, friction: float, *, is_soft: bool, is_rigid: bool
 ) -> Iterator[tuple[bool, ProximityProperties]]:
-    """What a shape's properties can be, the best first; whether each has faces. The last is what Drake always takes.
+    """Yield what a shape's properties can be, the best first; whether each has faces. The last is what Drake always
+    takes.
 
     Args:
-        shape: the shape.
-        friction: the coefficient of friction.
-        is_soft: whether its faces yield.
-        is_rigid: whether it has faces that do not.
+        shape: The shape.
+        friction: The coefficient of friction.
+        is_soft: Whether its faces yield.
+        is_rigid: Whether it has faces that do not.
     """
     if is_soft:
         modulus, hint = _modulus(shape), _resolution(shape.shape)
@@ -87,7 +88,7 @@ def _margin(shape: Shape) -> float:
 
 
 def _modulus(shape: ContactShape) -> float:
-    """The modulus with which a shape's largest face is a spring of `_FACE_STIFFNESS` (Pa).
+    """Return the modulus with which a shape's largest face is a spring of `_FACE_STIFFNESS` (Pa).
 
     In Drake's pressure field the pressure rises from a face to half the smallest depth below it.
     """
@@ -96,12 +97,12 @@ def _modulus(shape: ContactShape) -> float:
 
 
 def _resolution(shape: Shape) -> float:
-    """How long the edges of a cylinder's facets are (m); boxes and hulls have their own."""
+    """Return how long the edges of a cylinder's facets are (m); boxes and hulls have their own."""
     return shape.radius() / 3 if isinstance(shape, Cylinder) else 1.0
 
 
 def _extent(shape: Shape) -> np.ndarray:
-    """The sides of a shape's bounding box (m)."""
+    """Return the sides of a shape's bounding box (m)."""
     assert not isinstance(shape, HalfSpace)
     if isinstance(shape, Box):
         return np.array(shape.size())

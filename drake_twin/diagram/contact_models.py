@@ -12,11 +12,11 @@ class ContactModel:
     """A robot, or something that moves in the world.
 
     Attributes:
-        name: its name.
-        instances: its model instances.
+        name: Its name.
+        instances: Its model instances.
         contact: ``hydroelastic`` or ``point``.
-        root_pose: its root body in the world at the start; None for the default pose that the plant has of it.
-        colliding: the bodies that collide with others of the same model; None for all of them.
+        root_pose: Its root body in the world at the start; None for the default pose that the plant has of it.
+        colliding: The bodies that collide with others of the same model; None for all of them.
     """
 
     name: str

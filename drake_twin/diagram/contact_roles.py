@@ -45,9 +45,9 @@ class Variant:
     """A shape towards some of its partners.
 
     Attributes:
-        level: shapes of one level can meet: the coefficient of friction that both have, or `_ONE_FOR_ALL`.
+        level: Shapes of one level can meet: the coefficient of friction that both have, or `_ONE_FOR_ALL`.
         role: `STATIC`, `SOFT`, `HARD` or `POINTED`.
-        friction: the coefficient of friction.
+        friction: The coefficient of friction.
     """
 
     level: float
@@ -56,18 +56,18 @@ class Variant:
 
 
 def usual_role(shape: ContactShape) -> str:
-    """What a shape is towards most partners."""
+    """Return what a shape is towards most partners."""
     if not shape.is_flat:
         return POINTED
     return STATIC if shape.is_static else SOFT
 
 
 def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[Variant]]:
-    """The variants in which each shape meets others, its usual one first where it has that.
+    """Return the variants in which each shape meets others, its usual one first where it has that.
 
     Args:
-        shapes: all shapes.
-        warnings: is extended by the pairs whose friction is not the smaller one.
+        shapes: All shapes.
+        warnings: Is extended by the pairs whose friction is not the smaller one.
     """
     static = Counter(shape.friction for shape in shapes if shape.is_static)
     planes = sum(isinstance(shape.shape, HalfSpace) for shape in shapes) * len({shape.friction for shape in shapes})
@@ -102,7 +102,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
 
 
 def _towards(partner: float, friction: float) -> float:
-    """The coefficient that gives the smaller one of two together with a partner's, as Drake combines them."""
+    """Return the coefficient that gives the smaller one of two together with a partner's, as Drake combines them."""
     if friction >= partner:
         return partner
     return friction * partner / (2 * partner - friction)
@@ -121,7 +121,7 @@ def _inexact(common: float, static: Collection[float], moving: Collection[float]
 
 
 def _meet(one: Group | None, other: Group | None) -> bool:
-    """Whether shapes of two groups meet; bodies of one model do so where both are groups of their own."""
+    """Return whether shapes of two groups meet; bodies of one model do so where both are groups of their own."""
     if one is None or other is None or one.model != other.model:
         return True
     return one != other and min(one.body, other.body) >= 0
@@ -138,7 +138,7 @@ class Registry:
     """Registers shapes in their variants, and lets each pair of shapes meet once.
 
     Attributes:
-        without_faces: the shapes that were to touch with their faces and cannot.
+        without_faces: The shapes that were to touch with their faces and cannot.
     """
 
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph):
@@ -148,7 +148,7 @@ class Registry:
         self.without_faces: set[GeometryId] = set()
 
     def add(self, shape: ContactShape, wanted: Sequence[Variant]) -> None:
-        """Makes a shape's geometry the first variant, and registers the others beside it."""
+        """Make a shape's geometry the first variant, and registers the others beside it."""
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
             is_soft, is_rigid = variant.role == SOFT, variant.role in (STATIC, HARD)
@@ -170,7 +170,7 @@ class Registry:
             self._registered.append(_Registered(geometry, shape, variant))
 
     def filter(self) -> None:
-        """Lets each pair of shapes meet at the smoother one's level, and the lighter one yield."""
+        """Let each pair of shapes meet at the smoother one's level, and the lighter one yield."""
         levels: dict[float, list[_Registered]] = defaultdict(list)
         roles: dict[str, list[_Registered]] = defaultdict(list)
         soft: dict[Group, list[_Registered]] = defaultdict(list)
@@ -214,7 +214,7 @@ class Registry:
 
 
 def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models: Sequence[ContactModel]) -> None:
-    """Lets links of one model pass through each other, as in Gazebo, but for those that are said to collide."""
+    """Let links of one model pass through each other, as in Gazebo, but for those that are said to collide."""
     manager = scene_graph.collision_filter_manager()
     for model in models:
         if model.colliding is None:

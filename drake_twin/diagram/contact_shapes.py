@@ -22,9 +22,9 @@ class Group:
     """Shapes that do not meet each other; groups are ordered by their mass.
 
     Attributes:
-        mass: of the whole model (kg).
-        model: its name.
-        body: the body's index where the model's own bodies collide with each other; else -1.
+        mass: Of the whole model (kg).
+        model: Its name.
+        body: The body's index where the model's own bodies collide with each other; else -1.
     """
 
     mass: float
@@ -37,18 +37,18 @@ class ContactShape:
     """A collision shape.
 
     Attributes:
-        geometry: its geometry.
-        body: its body.
-        name: its name in the scene graph.
-        shape: what contact takes it for.
-        X_BG: where that is on the body.
-        friction: its coefficient of friction.
-        group: whose it is; None for what does not move in the world.
-        is_static: whether it never moves.
-        is_flat: whether it touches with its faces.
-        is_wheel: whether it is an ellipsoid in place of a wheel's cylinder.
-        is_loose: whether its whole model is one rigid body that moves, such as a crate.
-        mass: what it is to bear (kg).
+        geometry: Its geometry.
+        body: Its body.
+        name: Its name in the scene graph.
+        shape: What contact takes it for.
+        X_BG: Where that is on the body.
+        friction: Its coefficient of friction.
+        group: Whose it is; None for what does not move in the world.
+        is_static: Whether it never moves.
+        is_flat: Whether it touches with its faces.
+        is_wheel: Whether it is an ellipsoid in place of a wheel's cylinder.
+        is_loose: Whether its whole model is one rigid body that moves, such as a crate.
+        mass: What it is to bear (kg).
     """
 
     geometry: GeometryId
@@ -69,8 +69,8 @@ class ShapeReader:
     """Tells what a shape is, and whose.
 
     Args:
-        plant: the plant, not yet finalized.
-        models: the robots, and what moves in the world.
+        plant: The plant, not yet finalized.
+        models: The robots, and what moves in the world.
         world_contact: ``hydroelastic`` or ``point``, for what does not move in the world.
     """
 
@@ -86,7 +86,7 @@ class ShapeReader:
     def read(
         self, geometry: GeometryId, body: RigidBody, name: str, shape: Shape, X_BG: RigidTransform, friction: float
     ) -> ContactShape:
-        """A geometry of the plant as contact takes it."""
+        """Return a geometry of the plant as contact takes it."""
         model = self._models.get(body.model_instance())
         is_static = body.index() in self._static
         contact = self._world_contact if model is None else model.contact

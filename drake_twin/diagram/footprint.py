@@ -34,7 +34,7 @@ class Footprint:
 
 
 def footprint(plan: RobotPlan) -> Footprint:
-    """The box around a robot's collision shapes, or around what is drawn of it when it has none."""
+    """Return the box around a robot's collision shapes, or around what is drawn of it when it has none."""
     builder = DiagramBuilder()
     plan = replace(plan, robot=replace(plan.robot, contact=POINT))  # Drake makes no meshes for that
     scenario = Scenario(robots=(plan.robot,), world=World(ground=False))
@@ -59,7 +59,7 @@ def footprint(plan: RobotPlan) -> Footprint:
 
 
 def _reach(query: QueryObject, geometry: GeometryId, direction: np.ndarray) -> float:
-    """How far a shape reaches from its own origin in a direction of its own frame (its support function)."""
+    """Return how far a shape reaches from its own origin in a direction of its own frame (its support function)."""
     shape = query.inspector().GetShape(geometry)
     across = float(np.hypot(direction[0], direction[1]))
     along = abs(float(direction[2]))

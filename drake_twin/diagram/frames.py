@@ -96,7 +96,7 @@ def add_frames(
 
 
 def _posed_links(parts: PlantOfTwin, plan: RobotPlan) -> Iterator[LinkFrame]:
-    """The links at joints whose positions do not say where they are."""
+    """Yield the links at joints whose positions do not say where they are."""
     for joint in plan.description.joints:
         if joint.type in POSED_JOINT_TYPES:
             parent, child = (

@@ -55,16 +55,16 @@ class Brake:
 
 
 def can_have_brake(joint: Joint) -> bool:
-    """Whether a joint turns about an axis or slides along one."""
+    """Return whether a joint turns about an axis or slides along one."""
     return isinstance(joint, RevoluteJoint | PrismaticJoint)
 
 
 def add_brake(plant: MultibodyPlant, joint: Joint, friction: float) -> Brake:
-    """Brakes a joint of a continuous plant.
+    """Brake a joint of a continuous plant.
 
     Args:
-        plant: the plant, not yet finalized, whose other shapes have been dealt with.
-        joint: it turns about an axis, or slides along one.
+        plant: The plant, not yet finalized, whose other shapes have been dealt with.
+        joint: It turns about an axis, or slides along one.
         friction: N·m, or N.
     """
     if isinstance(joint, RevoluteJoint):
@@ -91,7 +91,7 @@ def add_brake(plant: MultibodyPlant, joint: Joint, friction: float) -> Brake:
 
 
 def isolate_brakes(scene_graph: SceneGraph, brakes: Iterable[Brake]) -> None:
-    """Lets the halves of each brake touch each other only, once the plant is finalized and has its own filters."""
+    """Let the halves of each brake touch each other only, once the plant is finalized and has its own filters."""
     brakes = list(brakes)
     if not brakes:
         return
@@ -104,12 +104,12 @@ def isolate_brakes(scene_graph: SceneGraph, brakes: Iterable[Brake]) -> None:
 
 
 def is_brake(inspector: SceneGraphInspector, geometry: GeometryId) -> bool:
-    """Whether a geometry is a brake's, and nothing that anyone should see."""
+    """Return whether a geometry is a brake's, and nothing that anyone should see."""
     return str(inspector.GetName(geometry)).endswith(_ENDINGS)
 
 
 def _lever(joint: Joint, friction: float) -> float:
-    """The distance of the shoe from the axis at which the brake creeps as slowly as it should (m)."""
+    """Return the distance of the shoe from the axis at which the brake creeps as slowly as it should (m)."""
     masses = [body.default_mass() for body in (joint.child_body(), joint.parent_body())]
     mobility = sum(1 / mass for mass in masses if mass > 0)
     return max(_LEAST_LEVER, sqrt(_SLIP * friction * LONGEST_STEP * mobility / CREEP))

@@ -17,7 +17,7 @@ _DOT_IN_SVG = re.compile(r"<metadata><!\[CDATA\[(.*?)\]\]></metadata>", re.DOTAL
 
 
 def dot_text(diagram: Diagram) -> str:
-    """The diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs."""
+    """Return the diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs."""
     text = diagram.GetGraphvizString(max_depth=2, options={"plant/split": "I/O"})
     numbers: dict[str, str] = {}  # Drake numbers systems by how many the process has made before
     text = _IDENTIFIER.sub(lambda match: match[1] + numbers.setdefault(match[2], str(len(numbers))), text)
@@ -25,14 +25,14 @@ def dot_text(diagram: Diagram) -> str:
 
 
 def write_picture(diagram: Diagram, file: Path) -> None:
-    """Writes a diagram's picture.
+    """Write a diagram's picture.
 
     Args:
-        diagram: the diagram.
-        file: a ``.dot`` file, or an ``.svg`` file, for which Graphviz's ``dot`` program must be installed.
+        diagram: The diagram.
+        file: A ``.dot`` file, or an ``.svg`` file, for which Graphviz's ``dot`` program must be installed.
 
     Raises:
-        InputError: another suffix, no ``dot`` program, or a file that cannot be written.
+        InputError: If another suffix, no ``dot`` program, or a file that cannot be written.
         RunError: ``dot`` failed.
     """
     text = dot_text(diagram)
@@ -47,10 +47,10 @@ def write_picture(diagram: Diagram, file: Path) -> None:
 
 
 def dot_text_of_svg(svg: str) -> str:
-    """The DOT text that an SVG of `write_picture` was drawn from.
+    """Return the DOT text that an SVG of `write_picture` was drawn from.
 
     Raises:
-        InputError: the SVG carries none.
+        InputError: If the SVG carries none.
     """
     match = _DOT_IN_SVG.search(svg)
     if match is None:

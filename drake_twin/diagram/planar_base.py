@@ -39,12 +39,12 @@ _PUSH = 30.0
 
 
 def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) -> None:
-    """Puts a robot on the joints.
+    """Put a robot on the joints.
 
     Args:
-        plant: the plant, not yet finalized.
-        root: the robot's root link.
-        spawn_pose: the root link in the world while all joints are at zero.
+        plant: The plant, not yet finalized.
+        root: The robot's root link.
+        spawn_pose: The root link in the world while all joints are at zero.
     """
     instance = root.model_instance()
     roll, pitch, yaw = spawn_pose.rpy
@@ -62,12 +62,12 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
 
 
 def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> None:
-    """Gives the drive its largest force, which follows from the robot's mass, and torque.
+    """Give the drive its largest force, which follows from the robot's mass, and torque.
 
     Args:
-        plant: the finalized plant.
-        scene_graph: has the robot's collision shapes.
-        instance: the robot.
+        plant: The finalized plant.
+        scene_graph: Has the robot's collision shapes.
+        instance: The robot.
     """
     context = plant.CreateDefaultContext()
     mass = plant.CalcTotalMass(context, [instance])
@@ -80,7 +80,7 @@ def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instanc
 
 
 def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> float:
-    """The distance of the farthest collision shape's center, a wheel's say, from the axis of the turn (m)."""
+    """Return the distance of the farthest collision shape's center, a wheel's say, from the axis of the turn (m)."""
     context = plant.CreateDefaultContext()
     inspector = scene_graph.model_inspector()
     axis = plant.GetFrameByName("base.upright", instance).CalcPoseInWorld(context).translation()
@@ -93,12 +93,12 @@ def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: Mo
 
 
 def planar_base(plant: MultibodyPlant, instance: ModelInstanceIndex, spawn_pose: Pose) -> PlanarBase:
-    """Where the joints stand in the robot's state.
+    """Return where the joints stand in the robot's state.
 
     Args:
-        plant: the finalized plant.
-        instance: the robot.
-        spawn_pose: the root link in the world while all joints are at zero.
+        plant: The finalized plant.
+        instance: The robot.
+        spawn_pose: The root link in the world while all joints are at zero.
     """
     num_positions = plant.num_positions(instance)
     positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).astype(int).tolist()

@@ -43,10 +43,10 @@ class RobotInPlant:
     """A robot in the plant.
 
     Attributes:
-        instance: its model instance.
-        layout: where its joints stand in its model instance's state.
-        layout_in_plant: where they stand in the plant's state.
-        gains: the gains of its actuators; None for one that models joint friction.
+        instance: Its model instance.
+        layout: Where its joints stand in its model instance's state.
+        layout_in_plant: Where they stand in the plant's state.
+        gains: The gains of its actuators; None for one that models joint friction.
     """
 
     instance: ModelInstanceIndex
@@ -80,21 +80,21 @@ def add_plant(
     *,
     sampled_output_ports: bool = False,
 ) -> PlantOfTwin:
-    """Adds the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
+    """Add the plant (named ``plant``) and the scene graph (named ``scene_graph``) to a diagram.
 
     Args:
-        builder: the root diagram's builder.
-        scenario: the world and the step.
-        plans: the robots, in the scenario's order.
-        world_file: what the scenario's world file says.
-        known_gains: robot → the gains of its actuators, where they were found before.
-        sampled_output_ports: whether the plant's ports keep what was at the last step, as Drake has it by default.
-            Then every step is an unrestricted update, for which Drake copies the state of all systems twice and asks
-            each for its witness functions: a tenth to a fifth of a step with 8 robots. A port that is computed from the
+        builder: The root diagram's builder.
+        scenario: The world and the step.
+        plans: The robots, in the scenario's order.
+        world_file: What the scenario's world file says.
+        known_gains: Robot → the gains of its actuators, where they were found before.
+        sampled_output_ports: Whether the plant's ports keep what was at the last step, as Drake has it by default. Then
+            every step is an unrestricted update, for which Drake copies the state of all systems twice and asks each
+            for its witness functions: a tenth to a fifth of a step with 8 robots. A port that is computed from the
             present state shares its solution with the step that follows.
 
     Raises:
-        InputError: a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
+        InputError: If a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
     """
     config = MultibodyPlantConfig(
         time_step=0.0 if scenario.engine == CENIC else scenario.time_step,
@@ -134,13 +134,13 @@ def add_plant(
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:
-    """A pose as Drake's transform."""
+    """Return a pose as Drake's transform."""
     return RigidTransform(RollPitchYaw(*pose.rpy), np.array(pose.xyz))
 
 
 @contextmanager
 def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
-    """Turns what Drake raises into an error for the user; some of its checks arrive as SystemExit."""
+    """Turn what Drake raises into an error for the user; some of its checks arrive as SystemExit."""
     try:
         yield
     except DRAKE_RAISES as error:
@@ -184,7 +184,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
 
 
 def _is_braked(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceIndex, joint: Joint) -> bool:
-    """Whether a joint with dry friction has a brake; else it has an actuator for it."""
+    """Return whether a joint with dry friction has a brake; else it has an actuator for it."""
     has_motor = joint in plan.description.actuated_joints
     return plant.time_step() == 0.0 and has_motor and can_have_brake(plant.GetJointByName(joint.name, instance))
 
@@ -211,7 +211,7 @@ def _parse(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
 
 
 def _of_ball_joints(plan: RobotPlan) -> Iterator[str]:
-    """What does not work with a robot's ball joints."""
+    """Yield what does not work with a robot's ball joints."""
     balls = [joint.name for joint in plan.description.joints if joint.type == "ball"]
     if plan.model.drake_format != "sdf":
         for name in balls:
@@ -227,7 +227,7 @@ def _contact_models(
     world: World,
     world_models: Mapping[str, tuple[ModelInstanceIndex, ...]],
 ) -> list[ContactModel]:
-    """What touches: robots, whose links collide where ``<selfCollide>`` names them, and what moves in the world."""
+    """Return the models that touch: the robots and the world's moving models."""
     robots = [
         ContactModel(
             plan.name,
@@ -244,7 +244,7 @@ def _contact_models(
 
 
 def _state_indices(plant: MultibodyPlant, instance: ModelInstanceIndex) -> list[int]:
-    """Where each element of an instance's ``[q; v]`` stands in the plant's."""
+    """Return where each element of an instance's ``[q; v]`` stands in the plant's."""
     positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions()))
     velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities()))
     return [*positions.astype(int).tolist(), *(plant.num_positions() + velocities.astype(int)).tolist()]
@@ -275,7 +275,7 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
 
 
 def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout) -> None:
-    """Makes the spawn pose and the start positions the defaults, so that every new context begins there."""
+    """Make the spawn pose and the start positions the defaults, so that every new context begins there."""
     q = plant.GetDefaultPositions(instance)
     for name, position in plan.start_positions.items():
         q[layout.positions[name]] = position

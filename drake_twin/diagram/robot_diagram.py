@@ -185,7 +185,7 @@ def _add_controllers(
 
 
 def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
-    """Warns of what is to be updated more often than there are steps: all of one rate in one sentence."""
+    """Warn of what is to be updated more often than there are steps: all of one rate in one sentence."""
     loaded = [item for item in plan.controllers if item.state != UNLOADED]
     rates = {f"controller {item.name}": item.update_rate for item in loaded}
     if loaded:
@@ -198,7 +198,8 @@ def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
 
 
 def _not_behind(steps: int, time_step: float) -> float:
-    """The time of some steps (s), rounded so that none of its multiples comes behind the step that it belongs to.
+    """Return the time of some steps (s), rounded so that none of its multiples comes behind the step that it belongs
+    to.
 
     Five steps of 5 ms are 3e-18 s more than five times that as doubles are multiplied: one update in six would come
     after the plant's step of the same time, and act a step later.
@@ -209,7 +210,7 @@ def _not_behind(steps: int, time_step: float) -> float:
 
 
 def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dict[str, tuple[int, ...]]:
-    """The controllers that claim references of this one, and which of their values goes to which reference."""
+    """Return the controllers that claim references of this one, and which of their values goes to which reference."""
     references = [Interface(f"{item.name}/{reference.joint}", reference.name) for reference in item.references]
     return {
         name: tuple(other.claims.index(reference) if reference in other.claims else -1 for reference in references)
@@ -219,7 +220,7 @@ def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dic
 
 
 def _depth(name: str, controllers: Mapping[str, ControllerPlan]) -> int:
-    """How many controllers stand above this one in a chain."""
+    """Return how many controllers stand above this one in a chain."""
     return max((1 + _depth(other, controllers) for other in _upstream(controllers[name], controllers)), default=0)
 
 
@@ -256,7 +257,7 @@ def _add_servo(
     fastest = np.array(velocity_limits(description, joints))
     still = np.zeros(len(joints)).tolist()
     own_velocities = {BRAKE: still, REST: still, UP: fastest.tolist(), DOWN: (-fastest).tolist()}
-    sizes = {name: len(item.claims) + len(item.hints) for name, item in driving.items()}
+    sizes = {name: len(item.interfaces) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
         _free_name(builder, "joint_servo"),
         JointServo(sizes, assignment, limits[..., 0], limits[..., 1], as_position, own_velocities),
@@ -265,8 +266,7 @@ def _add_servo(
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))
     builder.ExportOutput(servo.get_desired_state_output_port(), "desired_state")
     # The actuation port is left unconnected where no effort can be commanded, as reading it is not for nothing.
-    interfaces = [(*item.claims, *item.hints) for item in driving.values()]
-    if any(interface.name == "effort" for item in interfaces for interface in item):
+    if any(interface.name == "effort" for item in driving.values() for interface in item.interfaces):
         builder.ExportOutput(servo.get_actuation_output_port(), "actuation")
     return servo
 

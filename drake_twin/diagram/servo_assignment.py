@@ -20,19 +20,19 @@ def assign(
     *,
     hold_joints: bool = True,
 ) -> ServoAssignment:
-    """The assignment that follows from the active controllers' claims, as long as they write nothing.
+    """Return the assignment that follows from the active controllers' claims, as long as they write nothing.
 
     Of several controllers that claim one joint, the one that claims its velocity drives it, else the one that claims
     its position. That controller's other values for the joint go with it: a position and a velocity claimed by one
     controller are followed together.
 
     Args:
-        joints: the joint of each actuator; None for one that models friction.
-        controllers: the controllers of the robot, in the order of the servo's ports.
-        active: the names of those that are active.
-        holds: the position to hold where no controller writes one (rad or m).
-        modes: how each actuator is driven where no controller writes to it; by default all are held.
-        hold_joints: whether a joint that no controller has claimed is held; else it is limp.
+        joints: The joint of each actuator; None for one that models friction.
+        controllers: The controllers of the robot, in the order of the servo's ports.
+        active: The names of those that are active.
+        holds: The position to hold where no controller writes one (rad or m).
+        modes: How each actuator is driven where no controller writes to it; by default all are held.
+        hold_joints: Whether a joint that no controller has claimed is held; else it is limp.
     """
     claimed: dict[Interface, str] = {}
     sources: dict[tuple[str, Interface], int] = {}
@@ -40,9 +40,9 @@ def assign(
     for name, controller in controllers.items():
         if name in active:
             claimed.update(dict.fromkeys(controller.claims, name))
-            for index, interface in enumerate((*controller.claims, *controller.hints)):
+            for index, interface in enumerate(controller.interfaces):
                 sources[name, interface] = offset + index
-        offset += len(controller.claims) + len(controller.hints)
+        offset += len(controller.interfaces)
     driven, rows = [], []
     for joint, idle in zip(joints, modes or [HOLD] * len(joints), strict=True):
         kinds = [] if joint is None else [kind for kind in _PRECEDENCE if Interface(joint, kind) in claimed]

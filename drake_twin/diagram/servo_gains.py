@@ -41,10 +41,10 @@ class JointLoad:
     """What resists a joint.
 
     Attributes:
-        inertia: the largest of the joint's own (kg·m² or kg).
-        gravity: the largest gravity load, the joint's dry friction, and what a base drags along (N·m or N).
-        contact: its share of the robot's weight, where it may have to bear it (N·m or N).
-        damping: the joint's viscous damping (N·m·s/rad or N·s/m).
+        inertia: The largest of the joint's own (kg·m² or kg).
+        gravity: The largest gravity load, the joint's dry friction, and what a base drags along (N·m or N).
+        contact: Its share of the robot's weight, where it may have to bear it (N·m or N).
+        damping: The joint's viscous damping (N·m·s/rad or N·s/m).
     """
 
     inertia: float
@@ -57,8 +57,8 @@ def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdController
     """Gains of a joint that follows a velocity.
 
     Args:
-        load: what resists the joint.
-        continuous: whether the engine is ``cenic``, which takes a velocity target with the wrong sign: the velocity
+        load: What resists the joint.
+        continuous: Whether the engine is ``cenic``, which takes a velocity target with the wrong sign: the velocity
             then comes as a position far away, with a stiffness that does next to nothing itself.
     """
     damping = max(
@@ -77,7 +77,7 @@ def position_gains(load: JointLoad, time_constant: float | None = None) -> PdCon
     then moves as gz_ros2_control's does, at a velocity of error / T.
 
     Args:
-        load: what resists the joint.
+        load: What resists the joint.
         time_constant: T (s), by default one that suits most joints.
     """
     T = time_constant or SETTLING_TIME
@@ -89,7 +89,7 @@ def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
     """Gains of a joint that comes to rest.
 
     Args:
-        load: what resists the joint, which says how hard one without an effort limit brakes.
+        load: What resists the joint, which says how hard one without an effort limit brakes.
         effort_limit: N·m or N.
     """
     if np.isfinite(effort_limit):
@@ -116,10 +116,10 @@ class ServoGains:
     """The gains of one actuator in each way of driving it.
 
     Attributes:
-        position: when a position is commanded or held.
-        velocity: when a velocity is commanded, or a position is approached at the velocity limit.
-        brake: when the joint comes to rest.
-        effort_limit: what the actuator can do (N·m or N).
+        position: When a position is commanded or held.
+        velocity: When a velocity is commanded, or a position is approached at the velocity limit.
+        brake: When the joint comes to rest.
+        effort_limit: What the actuator can do (N·m or N).
     """
 
     position: PdControllerGains
@@ -128,12 +128,14 @@ class ServoGains:
     effort_limit: float
 
     def velocity_as_position(self, mode: str) -> float:
-        """How far ahead a position stands for a velocity (s): damping over stiffness; 0 where there is no stiffness."""
+        """Return how far ahead a position stands for a velocity (s): damping over stiffness; 0 where there is no
+        stiffness.
+        """
         gains = self.of(mode)
         return float(gains.d / gains.p) if gains.p > 0 else 0.0
 
     def of(self, mode: str) -> PdControllerGains:
-        """The gains for a way of driving the joint."""
+        """Return the gains for a way of driving the joint."""
         if mode in (HOLD, POSITION):
             return self.position
         if mode in (VELOCITY, UP, DOWN):
@@ -146,17 +148,17 @@ def servo_gains(
     robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
     known: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
 ) -> dict[str, tuple[ServoGains | None, ...]]:
-    """The gains of every robot's actuators, in their order; None for one that models friction.
+    """Return the gains of every robot's actuators, in their order; None for one that models friction.
 
     The friction's own gains are set once and for all; the servos' are put in force with `set_gains`.
 
     Args:
-        plant: the finalized plant.
-        robots: the robots in it.
-        known: gains that were found before.
+        plant: The finalized plant.
+        robots: The robots in it.
+        known: Gains that were found before.
 
     Raises:
-        InputError: a joint for which there are no gains, because its limits are beyond all measure.
+        InputError: If a joint for which there are no gains, because its limits are beyond all measure.
     """
     known = known or {}
     servos: list[tuple[RobotPlan, JointActuator]] = []
@@ -197,13 +199,13 @@ def set_gains(
     gains: Sequence[ServoGains | None],
     modes: Sequence[str],
 ) -> None:
-    """Puts gains in force; they are the plant's, not the Context's.
+    """Put gains in force; they are the plant's, not the Context's.
 
     Args:
-        plant: the plant.
-        instance: the robot's.
-        gains: of its actuators.
-        modes: what drives each of its actuators.
+        plant: The plant.
+        instance: The robot's.
+        gains: Of its actuators.
+        modes: What drives each of its actuators.
     """
     for index, servo, mode in zip(plant.GetJointActuatorIndices(instance), gains, modes, strict=True):
         if servo is not None:
@@ -250,7 +252,7 @@ def _friction(plan: RobotPlan, actuator: JointActuator) -> float:
 
 
 def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
-    """What wheels that slide on the ground may do to a joint that moves the base."""
+    """Return what wheels that slide on the ground may do to a joint that moves the base."""
     is_of_base = any(joint.name == actuator.joint().name() for joint in plan.description.base_joints)
     return float(actuator.effort_limit()) if is_of_base else 0.0
 
@@ -258,7 +260,7 @@ def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
 def _contact_load(
     plant: MultibodyPlant, plan: RobotPlan, actuator: JointActuator, inertia: float, weight: float
 ) -> float:
-    """The load when the joint bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
+    """Return the load when the joint bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
     if plan.model.is_fixed:
         return 0.0
     joint = actuator.joint()

@@ -52,12 +52,12 @@ class DrivenJoint:
     """What limits the joint of an actuator.
 
     Attributes:
-        stiffness: its position servo's (N·m/rad or N/m).
-        time_constant: at which that approaches a position, and comes to rest (s).
-        yields: how far it is from where it is held once all of its effort holds it (rad or m).
-        lower: the lowest position at which it is held (rad or m).
-        upper: the highest.
-        velocity_limit: the largest velocity at which it approaches a position (rad/s or m/s).
+        stiffness: Its position servo's (N·m/rad or N/m).
+        time_constant: At which that approaches a position, and comes to rest (s).
+        yields: How far it is from where it is held once all of its effort holds it (rad or m).
+        lower: The lowest position at which it is held (rad or m).
+        upper: The highest.
+        velocity_limit: The largest velocity at which it approaches a position (rad/s or m/s).
     """
 
     stiffness: float
@@ -73,11 +73,11 @@ class JointMotion:
     """How the joints of a robot's actuators move, and what is commanded of them; an element for each actuator.
 
     Attributes:
-        positions: where they are (rad or m).
-        velocities: how they move (rad/s or m/s).
-        gravity: what gravity does to them (N·m or N); needed at a check.
+        positions: Where they are (rad or m).
+        velocities: How they move (rad/s or m/s).
+        gravity: What gravity does to them (N·m or N); needed at a check.
         commanded_positions: NaN where none is commanded.
-        commanded_velocities: likewise.
+        commanded_velocities: Likewise.
     """
 
     positions: Sequence[float]
@@ -88,7 +88,7 @@ class JointMotion:
 
 
 def velocity_limits(description: RobotDescription, joints: Sequence[str | None]) -> list[float]:
-    """The velocity limit of each actuator's joint (rad/s or m/s); infinite where its file has none."""
+    """Return the velocity limit of each actuator's joint (rad/s or m/s); infinite where its file has none."""
     limits = [inf if joint is None else description.joints_by_name[joint].limits.velocity for joint in joints]
     return [limit if limit > 0 else inf for limit in limits]
 
@@ -96,7 +96,7 @@ def velocity_limits(description: RobotDescription, joints: Sequence[str | None])
 def driven_joints(
     description: RobotDescription, joints: Sequence[str | None], gains: Sequence[ServoGains | None]
 ) -> tuple[DrivenJoint | None, ...]:
-    """What limits each actuator's joint; None for an actuator that models friction."""
+    """Return what limits each actuator's joint; None for an actuator that models friction."""
     driven: list[DrivenJoint | None] = []
     for joint, servo, velocity_limit in zip(joints, gains, velocity_limits(description, joints), strict=True):
         if joint is None or servo is None:
@@ -111,13 +111,13 @@ def driven_joints(
 def next_modes(
     now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion, *, is_check: bool
 ) -> ServoAssignment:
-    """The assignment with the modes that follow from what is commanded and how the joints move.
+    """Return the assignment with the modes that follow from what is commanded and how the joints move.
 
     Args:
-        now: the present assignment.
-        joints: what limits the joints.
-        motion: how they move.
-        is_check: whether joints may come to rest or slip now, which they do at the times of `check_period` alone.
+        now: The present assignment.
+        joints: What limits the joints.
+        motion: How they move.
+        is_check: Whether joints may come to rest or slip now, which they do at the times of `check_period` alone.
     """
     modes, holds = list(now.modes), list(now.holds)
     for index, joint in enumerate(joints):
@@ -129,7 +129,7 @@ def next_modes(
 def without_commands(
     now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion
 ) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """The modes and held positions of joints that nothing is commanded of any more: none jumps, none turns back.
+    """Return the modes and held positions of joints that nothing is commanded of any more: none jumps, none turns back.
 
     A joint that rests where it was told to be stays held there. Any other one brakes.
     """
@@ -147,18 +147,19 @@ def without_commands(
 
 
 def released(now: ServoAssignment, indices: Collection[int]) -> ServoAssignment:
-    """The assignment after joints have been moved by other means: one whose velocity is commanded is not pulled back.
+    """Return the assignment after joints have been moved by other means: one whose velocity is commanded is not pulled
+    back.
 
     Args:
-        now: the present assignment.
-        indices: those of the joints' actuators.
+        now: The present assignment.
+        indices: Those of the joints' actuators.
     """
     modes = [BRAKE if i in indices and _may_slip(now, i) else mode for i, mode in enumerate(now.modes)]
     return replace(now, modes=tuple(modes))
 
 
 def check_period(assignment: ServoAssignment) -> float | None:
-    """How often `next_modes` is to be asked again while nothing is commanded anew (s); None for never."""
+    """Return how often `next_modes` is to be asked again while nothing is commanded anew (s); None for never."""
     if any(mode in (BRAKE, UP, DOWN) for mode in assignment.modes):
         return CHECK_PERIOD
     if any(_may_slip(assignment, index) for index in range(len(assignment.modes))):
@@ -169,7 +170,7 @@ def check_period(assignment: ServoAssignment) -> float | None:
 def slipping_range(
     assignment: ServoAssignment, joints: Sequence[DrivenJoint | None]
 ) -> tuple[tuple[int, float, float], ...]:
-    """The joints that slip outside of a range: the index of each one's actuator, and the lower and upper end."""
+    """Return the joints that slip outside of a range: the index of each one's actuator, and the lower and upper end."""
     return tuple(
         (index, assignment.holds[index] - joint.yields, assignment.holds[index] + joint.yields)
         for index, joint in enumerate(joints)
@@ -180,7 +181,7 @@ def slipping_range(
 def _next_mode(
     now: ServoAssignment, index: int, joint: DrivenJoint, motion: JointMotion, *, is_check: bool
 ) -> tuple[str, float]:
-    """How a joint is driven from here on, and where it is held."""
+    """Return how a joint is driven from here on, and where it is held."""
     mode, hold = now.modes[index], now.holds[index]
     position, velocity = motion.positions[index], motion.velocities[index]
     target, speed = motion.commanded_positions[index], motion.commanded_velocities[index]
@@ -207,6 +208,6 @@ def _next_mode(
 
 
 def _may_slip(assignment: ServoAssignment, index: int) -> bool:
-    """Whether a joint is held because its commanded velocity is zero."""
+    """Return whether a joint is held because its commanded velocity is zero."""
     is_velocity = assignment.velocities[index] >= 0 and assignment.positions[index] < 0
     return is_velocity and assignment.modes[index] == HOLD

@@ -72,19 +72,19 @@ class StaticShape:
 
 
 def ground_shape(friction: float) -> StaticShape:
-    """The half space z < 0."""
+    """Return the half space z < 0."""
     return StaticShape(GROUND, HalfSpace(), RigidTransform(), friction=CoulombFriction(friction, friction))
 
 
 def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list[StaticShape]:
-    """The shapes of a model that does not move.
+    """Return the shapes of a model that does not move.
 
     Drake's parser says where they are; planes and meshes, which it would take for something else, are stand-ins then.
 
     Args:
-        model: the model.
-        detail: what of a mesh is smaller need not be told apart (m); see `bearable_detail`.
-        warnings: is extended by what was left out.
+        model: The model.
+        detail: What of a mesh is smaller need not be told apart (m); see `bearable_detail`.
+        warnings: Is extended by what was left out.
 
     Raises:
         RuntimeError: Drake refuses the model.
@@ -98,7 +98,7 @@ def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list
 
 
 def bearable_detail(models: Sequence[WorldModel]) -> float:
-    """How fine the meshes of what does not move can be (m), so that the plant does not get too many solids."""
+    """Return how fine the meshes of what does not move can be (m), so that the plant does not get too many solids."""
     meshes: Counter[tuple[str, Vector3]] = Counter()
     for model in models:
         if model.is_static:
@@ -115,7 +115,7 @@ def bearable_detail(models: Sequence[WorldModel]) -> float:
 
 
 def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape]) -> None:
-    """Adds shapes to a plant that is not finalized."""
+    """Add shapes to a plant that is not finalized."""
     planes = _different_planes(item for item in shapes if item.is_plane)
     solids = [item for item in shapes if item.friction is not None and not item.is_plane]
     visuals = [item for item in shapes if item.friction is None]
@@ -170,7 +170,7 @@ class _StandIn:
     turn: RotationMatrix | None = None
 
     def shapes(self, pose: RigidTransform) -> Iterator[tuple[Shape, RigidTransform]]:
-        """The shapes and their poses in the world, for a stand-in that is there."""
+        """Yield the shapes and their poses in the world, for a stand-in that is there."""
         for points in self.solids:
             yield Convex(points, "part of a mesh"), pose
         if self.size is not None:
@@ -206,7 +206,7 @@ def _shapes(
 
 
 def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:
-    """Puts small spheres in the place of planes and meshes; returns what each stands for, by its new name."""
+    """Put small spheres in the place of planes and meshes; returns what each stands for, by its new name."""
     found: dict[str, _StandIn] = {}
     for collision in [*root.iter("collision")]:
         plane, mesh = collision.find("geometry/plane"), collision.find("geometry/mesh")

@@ -13,11 +13,11 @@ class PublishedTopic:
     """A topic that the twin publishes.
 
     Attributes:
-        type: the ROS message type.
-        port: evaluates to the message.
-        rate: how often ROS would publish it (Hz); None when it never changes, so that once is enough.
-        robot: whose topic it is; empty for the twin's own.
-        controller: the controller that publishes it, while it is active; empty where it is always there.
+        type: The ROS message type.
+        port: Evaluates to the message.
+        rate: How often ROS would publish it (Hz); None when it never changes, so that once is enough.
+        robot: Whose topic it is; empty for the twin's own.
+        controller: The controller that publishes it, while it is active; empty where it is always there.
     """
 
     type: str
@@ -32,11 +32,11 @@ class CommandTopic:
     """A topic or an action that a controller listens to.
 
     Attributes:
-        type: the ROS message or action type.
-        port: takes what the controller's ``read`` makes of a message.
-        robot: the robot.
-        controller: the controller's name.
-        name: the topic below the controller's name.
+        type: The ROS message or action type.
+        port: Takes what the controller's ``read`` makes of a message.
+        robot: The robot.
+        controller: The controller's name.
+        name: The topic below the controller's name.
     """
 
     type: str

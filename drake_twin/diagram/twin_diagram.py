@@ -22,8 +22,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames
-from drake_twin.diagram.let_go import let_go
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
+from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics
 from drake_twin.errors import InputError
@@ -45,15 +45,15 @@ class TwinDiagram:
     """A scenario's diagram and what is needed to run it.
 
     Attributes:
-        diagram: the root diagram. Each topic is one of its ports, named like the topic without the leading slash.
-        plans: the robots.
-        published: topic → what the twin publishes on it.
-        commanded: topic → what listens to it.
-        actions: action → what does it.
-        parts: robot → its controllers and servo.
-        findings: what became of what the files say, where it is not simply used.
-        visualizer: draws the scene on a Meshcat page when it is asked to; None without a page.
-        world_models: what moves in the world and is no robot, by name: its model instances.
+        diagram: The root diagram. Each topic is one of its ports, named like the topic without the leading slash.
+        plans: The robots.
+        published: Topic → what the twin publishes on it.
+        commanded: Topic → what listens to it.
+        actions: Action → what does it.
+        parts: Robot → its controllers and servo.
+        findings: What became of what the files say, where it is not simply used.
+        visualizer: Draws the scene on a Meshcat page when it is asked to; None without a page.
+        world_models: What moves in the world and is no robot, by name: its model instances.
         shapes: How each collision shape touches.
         extensions: The systems that a user has added.
     """
@@ -176,7 +176,7 @@ def build_twin_diagram(
         parts = add_plant(builder, scenario, plans, world_file, known_gains)
         return _build(builder, scenario, meshcat, parts, plans, world_file, extensions)
     except BaseException:
-        let_go([builder, *builder.GetSystems()])
+        release([builder, *builder.GetSystems()])
         raise
 
 

@@ -29,8 +29,8 @@ class WheelFinder:
     """Finds wheels in a plant that is not finalized.
 
     Args:
-        plant: the plant.
-        root_poses: model instance → its root body in the world at the start, where it is not the plant's default.
+        plant: The plant.
+        root_poses: Model instance → its root body in the world at the start, where it is not the plant's default.
     """
 
     def __init__(self, plant: MultibodyPlant, root_poses: Mapping[ModelInstanceIndex, RigidTransform]):
@@ -40,7 +40,7 @@ class WheelFinder:
         self._inboard: dict[int, Joint] = {int(joint.child_body().index()): joint for joint in joints}
 
     def wheel(self, body: RigidBody, shape: Shape, X_BG: RigidTransform) -> tuple[Ellipsoid, RigidTransform] | None:
-        """The ellipsoid that stands for a shape, and its pose on the body; None for a shape that is no wheel."""
+        """Return the ellipsoid that stands for a shape, and its pose on the body; None for a shape that is no wheel."""
         if not isinstance(shape, Cylinder | Convex):
             return None
         turned = self._turned_about(body)
@@ -57,7 +57,7 @@ class WheelFinder:
         return Ellipsoid(radius, radius, width / 2), X_JB.inverse() @ X_JE
 
     def _turned_about(self, body: RigidBody) -> tuple[RevoluteJoint, RigidTransform] | None:
-        """The joint without end that turns a body, or the one that it is welded to, and the body in the joint."""
+        """Return the continuous joint that turns a body or what it is welded to, and the body's pose in it."""
         X = RigidTransform()
         seen = set()
         while (joint := self._inboard.get(int(body.index()))) is not None and body.index() not in seen:
@@ -74,7 +74,7 @@ class WheelFinder:
         return None
 
     def _upwards(self, joint: RevoluteJoint) -> float:
-        """The vertical part of a joint's axis when the model stands as at the start."""
+        """Return the vertical part of a joint's axis when the model stands as at the start."""
         direction = joint.frame_on_parent().GetFixedPoseInBodyFrame().rotation() @ joint.revolute_axis()
         body = joint.parent_body()
         seen = set()

@@ -30,21 +30,21 @@ def add_world(
     world_file: WorldFile | None,
     findings: list[Finding],
 ) -> dict[str, tuple[ModelInstanceIndex, ...]]:
-    """Adds gravity, ground and the world file's models to a plant.
+    """Add gravity, ground and the world file's models to a plant.
 
     A model that Drake refuses is left out, which is a finding. What does not move has no model instance and no body.
 
     Args:
-        plant: the plant; it is changed.
-        scenario: its world goes before the file, and no robot may have the name of a model.
-        world_file: what the world file says.
-        findings: is extended by what was left out.
+        plant: The plant; it is changed.
+        scenario: Its world goes before the file, and no robot may have the name of a model.
+        world_file: What the world file says.
+        findings: Is extended by what was left out.
 
     Returns:
         Model name → its model instance and those of the models in it, of the models that move.
 
     Raises:
-        InputError: a robot has the name of a model of the world.
+        InputError: If a robot has the name of a model of the world.
     """
     world = scenario.world
     plant.mutable_gravity_field().set_gravity_vector(np.array(_gravity(world, world_file)))
@@ -72,7 +72,7 @@ def _check_names(scenario: Scenario, world_file: WorldFile) -> None:
 
 
 def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
-    """The shapes, with the ground that the scenario asks for in place of the file's."""
+    """Return the shapes, with the ground that the scenario asks for in place of the file's."""
     if world.ground is False:
         return [item for item in shapes if not item.is_plane]
     if world.ground_friction is not None:
@@ -111,7 +111,7 @@ def _add_models(
 
 
 def _try_out(model: WorldModel, time_step: float) -> None:
-    """Parses a model in a plant of its own: what Drake refuses must not break the twin's."""
+    """Parse a model in a plant of its own: what Drake refuses must not break the twin's."""
     plant = MultibodyPlant(time_step)
     add_sdf_models(plant, model.text)
     plant.Finalize()

@@ -25,7 +25,7 @@ Triangle = tuple[int, int, int]
 
 
 def yielding(shape: ContactShape) -> Shape:
-    """The shape whose faces yield: hulls, and boxes that lie or slide as a whole, are fine meshes of themselves."""
+    """Return the shape whose faces yield: a hull or a box becomes a fine mesh of itself."""
     if isinstance(shape.shape, Convex):
         source, scale = shape.shape.source(), tuple(shape.shape.scale3().tolist())
         text = _hull_of_file(str(source.path()), scale) if source.is_path() else _fine_hull(shape.shape)
@@ -44,7 +44,7 @@ def _hull_of_file(path: str, scale: tuple[float, ...]) -> str | None:
 
 
 def _fine_hull(shape: Convex) -> str | None:
-    """A hull as VTK text, without the slivers that would end the simulation when they touch something.
+    """Return a hull as VTK text, without the slivers that would end the simulation when they touch something.
 
     Returns:
         None for a hull that is fine enough as it is.
@@ -67,7 +67,7 @@ def _fine_hull(shape: Convex) -> str | None:
 
 
 def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> tuple[np.ndarray, list[Triangle]]:
-    """A surface (n×3, m) whose edges are cut in halves, the longest first, until none is longer than that (m)."""
+    """Return a surface (n×3, m) whose longest edges are halved until all are shorter than ``longest`` (m)."""
     places = [np.asarray(point) for point in points]
     known = dict(enumerate(triangles))
     beside: dict[tuple[int, int], int] = {}  # an edge, in the order of its triangle, and that triangle
@@ -106,7 +106,7 @@ def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
 
 @lru_cache(maxsize=64)
 def _fine_box(x: float, y: float, z: float) -> str:
-    """A box with squares on its sides, as VTK text."""
+    """Return a box with squares on its sides, as VTK text."""
     points: dict[tuple[float, ...], int] = {}
     triangles: list[Triangle] = []
     cuts = np.linspace(-0.5, 0.5, _SQUARES + 1).tolist()
@@ -124,7 +124,7 @@ def _fine_box(x: float, y: float, z: float) -> str:
 
 
 def _vtk(points: np.ndarray, triangles: list[Triangle], center: np.ndarray) -> str:
-    """The tetrahedra between a point inside and the triangles of a surface, counterclockwise from outside."""
+    """Return the tetrahedra between a point inside and the triangles of a surface, counterclockwise from outside."""
     lines = ["# vtk DataFile Version 3.0", "yielding shape", "ASCII", "DATASET UNSTRUCTURED_GRID"]
     lines += [
         f"POINTS {len(points) + 1} double",

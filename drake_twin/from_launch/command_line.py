@@ -13,9 +13,9 @@ class CommandLine:
     """Words after an executable.
 
     Attributes:
-        options: option without its dashes → its values in order; ``true`` for one without a value.
-        words: what is no option.
-        process: whose command line it is, for error messages.
+        options: Option without its dashes → its values in order; ``true`` for one without a value.
+        words: What is no option.
+        process: Whose command line it is, for error messages.
     """
 
     options: Mapping[str, tuple[str, ...]]
@@ -24,7 +24,7 @@ class CommandLine:
     defaults: Mapping[str, object] = field(default_factory=dict)
 
     def text(self, *names: str) -> str | None:
-        """An option's last value under the first of several names that is given; None when none is."""
+        """Return an option's last value under the first of several names that is given; None when none is."""
         for name in names:
             if name in self.options:
                 return self.options[name][-1]
@@ -33,10 +33,10 @@ class CommandLine:
         return None
 
     def number(self, *names: str) -> float:
-        """An option that is a number; zero when it is not given.
+        """Return an option that is a number; zero when it is not given.
 
         Raises:
-            InputError: it is no finite number.
+            InputError: If it is no finite number.
         """
         text = self.text(*names)
         try:
@@ -48,12 +48,12 @@ class CommandLine:
         return number
 
     def flag(self, *names: str) -> bool:
-        """Whether an option is given, or is given as true."""
+        """Return whether an option is given, or is given as true."""
         text = self.text(*names)
         return text is not None and text.lower() not in ("false", "0")
 
     def error(self, message: str) -> InputError:
-        """An error at the place where the process was launched."""
+        """Return an error at the place where the process was launched."""
         place = self.process.place
         return InputError(message, file=place.file, line=place.line)
 
@@ -67,15 +67,15 @@ def command_line(
     verbatim: Collection[str] = (),
     defaults: Mapping[str, object] | None = None,
 ) -> CommandLine:
-    """Takes a command line apart: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
+    """Take a command line apart: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
 
     Args:
-        process: whose command line it is.
-        words: the words; the process's own arguments by default.
-        flags: options that never take the next word as their value; ``-1`` may be one of them.
-        lists: options that take all words up to the next option.
-        verbatim: options that take the next word as their value, also one that looks like an option.
-        defaults: values from elsewhere, such as the node's parameters.
+        process: Whose command line it is.
+        words: The words; the process's own arguments by default.
+        flags: Options that never take the next word as their value; ``-1`` may be one of them.
+        lists: Options that take all words up to the next option.
+        verbatim: Options that take the next word as their value, also one that looks like an option.
+        defaults: Values from elsewhere, such as the node's parameters.
     """
     options: dict[str, list[str]] = {}
     rest: list[str] = []

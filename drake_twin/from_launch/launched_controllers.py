@@ -34,13 +34,13 @@ class ControllerRequest:
     """A controller that is to be loaded.
 
     Attributes:
-        name: the controller.
-        manager: the full name of the controller manager's node.
-        active: whether it is activated, too.
-        unload: whether it is taken away instead.
-        parameter_files: parameters files given with it.
+        name: The controller.
+        manager: The full name of the controller manager's node.
+        active: Whether it is activated, too.
+        unload: Whether it is taken away instead.
+        parameter_files: Parameters files given with it.
         remappings: (from, to) as written, for the controller's own names.
-        process: what asks for it.
+        process: What asks for it.
     """
 
     name: str
@@ -53,7 +53,7 @@ class ControllerRequest:
 
 
 def as_nodes(process: LaunchedProcess) -> Iterator[LaunchedProcess]:
-    """A shell's line as the commands in it, and ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts."""
+    """Yield a shell's line as the commands in it, and ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts."""
     words = words_of(process) if process.kind == PROCESS else []
     parts: list[list[str]] = [[]]
     for word in words:
@@ -93,7 +93,7 @@ def _as_node(process: LaunchedProcess) -> LaunchedProcess:
 
 
 def words_of(process: LaunchedProcess) -> list[str]:
-    """A command's words, without the shell around them and the full path of the program."""
+    """Return a command's words, without the shell around them and the full path of the program."""
     words = [process.executable, *process.arguments]
     if len(words) == 1 or (Path(words[0]).name in ("bash", "sh") and "-c" in words):
         try:
@@ -104,10 +104,10 @@ def words_of(process: LaunchedProcess) -> list[str]:
 
 
 def controller_requests(process: LaunchedProcess) -> list[ControllerRequest] | None:
-    """The controllers that a spawner, an unspawner or a ``ros2 control`` command names; None for anything else.
+    """Return the controllers that a spawner, an unspawner or a ``ros2 control`` command names; None for anything else.
 
     Raises:
-        InputError: a command line that names none.
+        InputError: If a command line that names none.
     """
     if process.package == "controller_manager" and process.executable.split(".")[0] in ("spawner", "unspawner"):
         return _of_spawner(process)
@@ -118,10 +118,10 @@ def controller_requests(process: LaunchedProcess) -> list[ControllerRequest] | N
 
 
 def published_commands(process: LaunchedProcess) -> list[Command] | None:
-    """What ``ros2 topic pub`` publishes; None for anything else.
+    """Return what ``ros2 topic pub`` publishes; None for anything else.
 
     Raises:
-        InputError: no topic, a rate that is none, or data that is no message.
+        InputError: If no topic, a rate that is none, or data that is no message.
     """
     words = words_of(process)
     if process.kind != PROCESS or words[:3] != ["ros2", "topic", "pub"]:
@@ -141,7 +141,7 @@ def published_commands(process: LaunchedProcess) -> list[Command] | None:
 
 
 def _message(line: CommandLine, text: str) -> tuple[float, ...] | dict[str, Any]:
-    """The numbers of a ``Float64MultiArray``, or any message's fields."""
+    """Return the numbers of a ``Float64MultiArray``, or any message's fields."""
     try:
         data = load_yaml(text)
     except yaml.YAMLError:
@@ -222,14 +222,14 @@ def _requests(
 
 
 def _manager(line: CommandLine, process: LaunchedProcess) -> str:
-    """The controller manager's full name, as the spawner resolves it."""
+    """Return the controller manager's full name, as the spawner resolves it."""
     name = line.text("c", "controller-manager") or "controller_manager"
     namespace = line.text("n", "namespace") or process.namespace
     return absolute_name(name, "/" + namespace.strip("/"))
 
 
 def check_parameter_files(request: ControllerRequest) -> InputError | None:
-    """The error of a parameters file that is not there; None when all are."""
+    """Return the error of a parameters file that is not there; None when all are."""
     place = request.process.place
     for file in request.parameter_files:
         if not Path(file).is_file():

@@ -33,16 +33,16 @@ class LaunchedRobot:
     """A robot that a launch file starts.
 
     Attributes:
-        name: the entity's name as given.
-        model: its file: the one that was named, or one made of the description's text.
-        process: what started it.
-        pose: where it is spawned; None for on the ground at the origin.
-        namespace: of its controllers and topics; ``/`` for the root.
-        controller_manager: the full name of its controller manager's node; None without ros2_control.
-        parameter_files: its controllers' parameters files, where the launch file and not the description names them.
-        plugin_files: those that its description names.
-        publisher: the robot_state_publisher that publishes its description.
-        links: the names of its links.
+        name: The entity's name as given.
+        model: Its file: the one that was named, or one made of the description's text.
+        process: What started it.
+        pose: Where it is spawned; None for on the ground at the origin.
+        namespace: Of its controllers and topics; ``/`` for the root.
+        controller_manager: The full name of its controller manager's node; None without ros2_control.
+        parameter_files: Its controllers' parameters files, where the launch file and not the description names them.
+        plugin_files: Those that its description names.
+        publisher: The robot_state_publisher that publishes its description.
+        links: The names of its links.
     """
 
     name: str
@@ -70,12 +70,12 @@ class _Source:
 
 
 def is_spawner(process: LaunchedProcess) -> bool:
-    """Whether a node puts an entity into the world."""
+    """Return whether a node puts an entity into the world."""
     return (process.package, process.executable) in _SPAWNERS
 
 
 def is_state_publisher(process: LaunchedProcess) -> bool:
-    """Whether a node is a robot_state_publisher."""
+    """Return whether a node is a robot_state_publisher."""
     return process.executable == "robot_state_publisher"
 
 
@@ -83,13 +83,13 @@ class LaunchedRobots:
     """Finds the robots among what a launch file starts.
 
     Args:
-        processes: what it starts.
-        packages: resolves the files that it names.
+        processes: What it starts.
+        packages: Resolves the files that it names.
 
     Attributes:
-        robots: the robots, in the order in which they start.
-        findings: what names a robot and cannot bring it, each with the reason.
-        warnings: what was assumed.
+        robots: The robots, in the order in which they start.
+        findings: What names a robot and cannot bring it, each with the reason.
+        warnings: What was assumed.
     """
 
     def __init__(self, processes: Sequence[LaunchedProcess], packages: PackageIndex):
@@ -195,7 +195,7 @@ class LaunchedRobots:
         )
 
     def _source(self, line: CommandLine, process: LaunchedProcess) -> tuple[_Source, LaunchedProcess | None]:
-        """What an entity is made of, and the robot_state_publisher of its description where there is one."""
+        """Return what an entity is made of, and the robot_state_publisher of its description where there is one."""
         file, text, topic, parameter = (line.text(name) for name in ("file", "string", "topic", "param"))
         if file is not None:
             source = self._file_source(file, process)
@@ -235,7 +235,7 @@ class LaunchedRobots:
     def _with_controlled_description(
         self, source: _Source, process: LaunchedProcess
     ) -> tuple[_Source, LaunchedProcess | None]:
-        """An SDF whose ros2_control plugin takes the description from another node is that node's robot."""
+        """Return an SDF whose ros2_control plugin takes the description from another node is that node's robot."""
         control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
         if source.has_hardware or not control:
             publisher = next((item for item in self._publishers if item.namespace == process.namespace), None)
@@ -251,7 +251,7 @@ class LaunchedRobots:
         return source, None
 
     def _described(self, process: LaunchedProcess) -> tuple[_Source, LaunchedProcess | None]:
-        """The description of a ros2_control_node."""
+        """Return the description of a ros2_control_node."""
         given = parameters(process).get("robot_description")
         topics = {process.resolve("~/robot_description"), process.resolve("robot_description")}
         publisher = next(
@@ -284,7 +284,7 @@ class LaunchedRobots:
         return _read(str(path), text, path)
 
     def _text_source(self, text: str, what: str) -> _Source:
-        """A description's text as a file of the cache, which has the same path in every run."""
+        """Return a description's text as a file of the cache, which has the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_folder(text) / f"robot.{suffix}"
         _keep(path, text)
@@ -292,7 +292,7 @@ class LaunchedRobots:
 
 
 def _keep(path: Path, text: str) -> None:
-    """Writes a file of the cache, unless it is there with this very text."""
+    """Write a file of the cache, unless it is there with this very text."""
     with contextlib.suppress(OSError, UnicodeDecodeError):
         if path.read_text(encoding="utf-8") == text:
             return
@@ -300,7 +300,7 @@ def _keep(path: Path, text: str) -> None:
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:
-    """A node's parameters that the launch file itself gives, the later over the earlier."""
+    """Return a node's parameters that the launch file itself gives, the later over the earlier."""
     merged: dict[str, Any] = {}
     for item in process.parameters:
         if isinstance(item, Mapping):
@@ -309,7 +309,7 @@ def parameters(process: LaunchedProcess) -> dict[str, Any]:
 
 
 def parameter_file(item: Path | ParameterText) -> str:
-    """A parameters file's path; a rewritten one gets a place in the cache."""
+    """Return a parameters file's path; a rewritten one gets a place in the cache."""
     if isinstance(item, ParameterText):
         path = lasting_folder(item.text) / item.file.name
         _keep(path, item.text)
@@ -318,7 +318,7 @@ def parameter_file(item: Path | ParameterText) -> str:
 
 
 def _description_of(publisher: LaunchedProcess, packages: PackageIndex) -> str:
-    """The text that a robot_state_publisher publishes: its parameter, or the file on its command line."""
+    """Return the text that a robot_state_publisher publishes: its parameter, or the file on its command line."""
     given = parameters(publisher).get("robot_description")
     if isinstance(given, str) and given.strip():
         return given
@@ -351,5 +351,5 @@ def _has(root: etree._Element, paths: Iterable[str]) -> bool:
 
 
 def _element(plugin: GazeboPlugin, *names: str) -> str:
-    """The text of the first of a plugin's elements that is there; empty when none is."""
+    """Return the text of the first of a plugin's elements that is there; empty when none is."""
     return next((plugin.elements[name][0] for name in names if plugin.elements.get(name, ("",))[0]), "")

@@ -53,7 +53,7 @@ _EXECUTABLES = {
 
 
 def is_window(process: LaunchedProcess) -> bool:
-    """Whether it only shows something to people, as the page does."""
+    """Return whether it only shows something to people, as the page does."""
     return _reason(_WINDOWS, process.what) is not None
 
 

@@ -11,14 +11,14 @@ _NUMBERS = ("x", "y", "z", "roll", "pitch", "yaw", "qx", "qy", "qz", "qw")
 
 
 def static_frame(process: LaunchedProcess) -> StaticTransform:
-    """The transform that a static_transform_publisher publishes.
+    """Return the transform that a static_transform_publisher publishes.
 
     Args:
-        process: the node. Old form: ``x y z yaw pitch roll parent child``, or with a quaternion ``x y z qx qy qz qw
+        process: The node. Old form: ``x y z yaw pitch roll parent child``, or with a quaternion ``x y z qx qy qz qw
             parent child``. New form: ``--x 1 --yaw 0.5 --frame-id parent --child-frame-id child``.
 
     Raises:
-        InputError: neither form, or both at once.
+        InputError: If neither form, or both at once.
     """
     line = command_line(process)
     options = {name for name in line.options if name not in ("ros-args",)}
@@ -73,7 +73,7 @@ def _checked(line: CommandLine, parent: str, child: str, xyz: Vector3, rpy: Vect
 
 
 def _rpy(line: CommandLine, x: float, y: float, z: float, w: float) -> Vector3:
-    """A quaternion as roll, pitch, yaw (rad)."""
+    """Return a quaternion as roll, pitch, yaw (rad)."""
     norm = (x * x + y * y + z * z + w * w) ** 0.5
     if not norm > 0:
         raise line.error("the quaternion is zero")

@@ -17,7 +17,7 @@ from drake_twin.findings import Finding, Kind
 
 
 def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[Finding]]:
-    """The plugins that become controllers; why others do not, and what of them changes nothing."""
+    """Return the plugins that become controllers; why others do not, and what of them changes nothing."""
     usable: list[GazeboDrive] = []
     findings: list[Finding] = []
     for drive in drives:
@@ -37,7 +37,7 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
 
 
 def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_base: bool) -> str | None:
-    """Why a plugin cannot move the base over the plane; None when it can."""
+    """Return why a plugin cannot move the base over the plane; None when it can."""
     if fixed_base:
         return "it moves the base, which is fixed to the world"
     for other in drives:
@@ -48,7 +48,8 @@ def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_ba
 
 
 def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive]) -> RobotDescription:
-    """The robot with a command interface wherever a plugin commands a joint, and with the plugin's effort limits.
+    """Return the robot with a command interface wherever a plugin commands a joint, and with the plugin's effort
+    limits.
 
     Where a plugin commands the base, the robot gets the joints for it.
     """

@@ -177,7 +177,7 @@ def _plan(
 
 
 def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:
-    """Names of joints without their prefix, wherever they stand, as the robot has them."""
+    """Name of joints without their prefix, wherever they stand, as the robot has them."""
     if isinstance(value, str):
         return prefix + value if value not in joints and prefix + value in joints else value
     if isinstance(value, Mapping):
@@ -204,7 +204,7 @@ def _check_joints(
 
 
 def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Where a name stands in the parameters."""
+    """Yield where a name stands in the parameters."""
     if isinstance(value, str):
         if value == name:
             yield path
@@ -214,7 +214,7 @@ def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator
 
 
 def _unusable(claim: Interface, description: RobotDescription, needs_interface: bool) -> str | None:
-    """Why a command interface cannot be claimed; None when it can."""
+    """Return why a command interface cannot be claimed; None when it can."""
     joint = description.joints_by_name[claim.joint]
     if not joint.is_movable:
         return f"joint {joint.name} is {joint.type} and cannot be commanded"

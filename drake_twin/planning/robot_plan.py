@@ -27,16 +27,16 @@ class RobotPlan:
     """A robot, ready to be built.
 
     Attributes:
-        robot: the scenario's entry.
-        model: its description and its text for Drake.
-        controllers: the controllers that its parameters files have, in their order.
-        update_rate: its controller manager's rate (Hz).
-        enforce_limits: whether commands are clamped to the joints' limits.
-        hold_joints: whether a joint that no controller has claimed is held.
-        position_time_constant: error / velocity of its position servos (s); None for the twin's own.
-        frame_prefix: put before its link names in tf messages.
-        start_positions: movable joint → position at the start (rad or m).
-        findings: what became of what its files say, where it is not simply used.
+        robot: The scenario's entry.
+        model: Its description and its text for Drake.
+        controllers: The controllers that its parameters files have, in their order.
+        update_rate: Its controller manager's rate (Hz).
+        enforce_limits: Whether commands are clamped to the joints' limits.
+        hold_joints: Whether a joint that no controller has claimed is held.
+        position_time_constant: Error / velocity of its position servos (s); None for the twin's own.
+        frame_prefix: Put before its link names in tf messages.
+        start_positions: Movable joint → position at the start (rad or m).
+        findings: What became of what its files say, where it is not simply used.
     """
 
     robot: Robot
@@ -95,15 +95,15 @@ class RobotPlan:
 
 
 def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> RobotPlan:
-    """Reads a robot's files and decides what of them the twin starts.
+    """Read a robot's files and decides what of them the twin starts.
 
     Args:
-        robot: the scenario's entry.
-        packages: resolves the addresses of files.
-        path: where the entry stands in the scenario, for error messages.
+        robot: The scenario's entry.
+        packages: Resolves the addresses of files.
+        path: Where the entry stands in the scenario, for error messages.
 
     Raises:
-        InputError: a file, a joint or a controller that is missing or wrong.
+        InputError: If a file, a joint or a controller that is missing or wrong.
     """
     xacro_args = dict(robot.xacro_args)
     try:
@@ -181,7 +181,7 @@ def _unpublished_sensors(description: RobotDescription, controllers: Sequence[Co
 
 
 def _settings(description: RobotDescription, name: str) -> Iterator[str]:
-    """A setting of gz_ros2_control's, wherever a robot file may give it: at the hardware or at the plugin."""
+    """Yield a setting of gz_ros2_control's, wherever a robot file may give it: at the hardware or at the plugin."""
     for system in description.systems:
         if name in system.parameters:
             yield system.parameters[name]
@@ -289,10 +289,10 @@ def _start_positions(
     """Positions from the scenario, else the robot's file, else zero; within limits; followers where they belong.
 
     Args:
-        robot: the scenario's entry.
-        path: where it stands in the scenario.
-        description: the robot, whose ``initial_value``s count.
-        starts: what Gazebo's plugins begin with.
+        robot: The scenario's entry.
+        path: Where it stands in the scenario.
+        description: The robot, whose ``initial_value``s count.
+        starts: What Gazebo's plugins begin with.
     """
     joints = {joint.name: joint for joint in description.movable_joints}
     warnings = []

@@ -38,9 +38,9 @@ class ForceTorqueSensor(SensorSystem):
     - ``wrench``: vector ``[fx fy fz, tx ty tz]`` (N, N·m).
 
     Args:
-        joint: the joint.
-        pose: the sensor S in the joint's frame J, which moves with the child link C.
-        measured_on: the link that the measured wrench acts on: ``parent`` or ``child``.
+        joint: The joint.
+        pose: The sensor S in the joint's frame J, which moves with the child link C.
+        measured_on: The link that the measured wrench acts on: ``parent`` or ``child``.
         axes: ``child``, ``parent`` or ``sensor``.
     """
 
@@ -70,17 +70,17 @@ class ForceTorqueSensor(SensorSystem):
 
     @classmethod
     def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> "ForceTorqueSensor":
-        """The sensor of a robot in a finalized plant."""
+        """Return the sensor of a robot in a finalized plant."""
         pose = RigidTransform(RollPitchYaw(*sensor.pose.rpy), np.array(sensor.pose.xyz))
         return cls(plant.GetJointByName(sensor.joint, instance), pose, sensor.measured_on, sensor.axes)
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Which of the plant's ports goes to which of its own."""
+        """Return which of the plant's ports goes to which of its own."""
         forces = (plant.get_reaction_forces_output_port(), self._forces)
         return (forces,) if self._poses is None else (forces, (plant.get_body_poses_output_port(), self._poses))
 
     def get_wrench_output_port(self) -> OutputPort:
-        """The port ``wrench``."""
+        """Return the port ``wrench``."""
         return self._wrench
 
     def _calc_wrench(self, context: Context, output: BasicVector) -> None:

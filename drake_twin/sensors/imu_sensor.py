@@ -22,9 +22,9 @@ class ImuSensor(SensorSystem):
     As gz-sim's Imu system: the linear acceleration has gravity in it, so that an IMU that lies still measures +9.81
     upwards, and the orientation is relative to a reference. It is computed when somebody asks.
 
-    The plant's accelerations must be those of the present state, as a continuous plant's always are: a discrete
-    plant's are without sampled output ports (``use_sampled_output_ports=False``): those of the step that follows with
-    the commands that hold.
+    The plant's accelerations must be those of the present state, as a continuous plant's always are: a discrete plant's
+    are without sampled output ports (``use_sampled_output_ports=False``): those of the step that follows with the
+    commands that hold.
 
     .. pydrake_system::
 
@@ -41,10 +41,10 @@ class ImuSensor(SensorSystem):
       angular velocity (rad/s) and linear acceleration (m/s²) in its own axes.
 
     Args:
-        body: the link's body.
-        pose: the sensor S in the body's frame B.
-        reference: the frame that the orientation is relative to, in the world W.
-        gravity: gravity in the world (m/s²).
+        body: The link's body.
+        pose: The sensor S in the body's frame B.
+        reference: The frame that the orientation is relative to, in the world W.
+        gravity: Gravity in the world (m/s²).
     """
 
     size = 10
@@ -70,7 +70,7 @@ class ImuSensor(SensorSystem):
 
     @classmethod
     def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> "ImuSensor":
-        """The IMU of a robot in a finalized plant, whose defaults are how the robot stands at the start."""
+        """Return the IMU of a robot in a finalized plant, whose defaults are how the robot stands at the start."""
         body = plant.GetBodyByName(drake_link_name(sensor.link), instance)
         pose = RigidTransform(RollPitchYaw(*sensor.pose.rpy), np.array(sensor.pose.xyz))
         if sensor.orientation_reference is None:
@@ -81,7 +81,7 @@ class ImuSensor(SensorSystem):
         return cls(body.index(), pose, reference, plant.gravity_field().gravity_vector())
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Which of the plant's ports goes to which of its own."""
+        """Return which of the plant's ports goes to which of its own."""
         return (
             (plant.get_body_poses_output_port(), self._poses),
             (plant.get_body_spatial_velocities_output_port(), self._velocities),
@@ -89,7 +89,7 @@ class ImuSensor(SensorSystem):
         )
 
     def get_spatial_output_port(self) -> OutputPort:
-        """The port ``spatial``."""
+        """Return the port ``spatial``."""
         return self._spatial
 
     def _calc_spatial(self, context: Context, output: BasicVector) -> None:

@@ -27,7 +27,7 @@ class ClockPublisher(WitnesslessSystem):
         )
 
     def get_clock_output_port(self) -> OutputPort:
-        """The port ``clock``."""
+        """Return the port ``clock``."""
         return self._clock
 
     def _calc_clock(self, context: Context, output: AbstractValue) -> None:

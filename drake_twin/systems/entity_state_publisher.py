@@ -34,8 +34,8 @@ class EntityStatePublisher(WitnesslessSystem):
     - ``link_states``: ``gazebo_msgs/msg/LinkStates``: each link likewise, as ``model::link``; topic ``/link_states``.
 
     Args:
-        models: model → index of its root link's body.
-        links: link in full → index of its body.
+        models: Model → index of its root link's body.
+        links: Link in full → index of its body.
     """
 
     def __init__(self, models: Mapping[str, int], links: Mapping[str, int]):
@@ -52,19 +52,19 @@ class EntityStatePublisher(WitnesslessSystem):
         )
 
     def get_body_poses_input_port(self) -> InputPort:
-        """The port ``body_poses``."""
+        """Return the port ``body_poses``."""
         return self._poses
 
     def get_body_spatial_velocities_input_port(self) -> InputPort:
-        """The port ``body_spatial_velocities``."""
+        """Return the port ``body_spatial_velocities``."""
         return self._velocities
 
     def get_model_states_output_port(self) -> OutputPort:
-        """The port ``model_states``."""
+        """Return the port ``model_states``."""
         return self._model_states
 
     def get_link_states_output_port(self) -> OutputPort:
-        """The port ``link_states``."""
+        """Return the port ``link_states``."""
         return self._link_states
 
     def _calc_model_states(self, context: Context, output: AbstractValue) -> None:

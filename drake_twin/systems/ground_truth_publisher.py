@@ -26,13 +26,13 @@ class RobotBase:
     """A robot's root link.
 
     Attributes:
-        robot: the robot.
-        frame: the root link's frame, with its prefix.
-        layout: where the base stands in the plant's state.
-        fixed_pose: the root link's pose in the world when it is welded there.
+        robot: The robot.
+        frame: The root link's frame, with its prefix.
+        layout: Where the base stands in the plant's state.
+        fixed_pose: The root link's pose in the world when it is welded there.
 
     Raises:
-        ValueError: it neither moves nor has a fixed pose, or both.
+        ValueError: If it neither moves nor has a fixed pose, or both.
     """
 
     robot: str
@@ -70,8 +70,8 @@ class GroundTruthPublisher(WitnesslessSystem):
       rad/s) in the root link's own frame, as the message's definition asks.
 
     Args:
-        bases: the robots' root links.
-        size: the size of ``state``.
+        bases: The robots' root links.
+        size: The size of ``state``.
     """
 
     def __init__(self, bases: Sequence[RobotBase], size: int):
@@ -87,11 +87,11 @@ class GroundTruthPublisher(WitnesslessSystem):
             )
 
     def get_state_input_port(self) -> InputPort:
-        """The port ``state``."""
+        """Return the port ``state``."""
         return self._state
 
     def get_odom_output_port(self, robot: str) -> OutputPort:
-        """The port ``<robot>/ground_truth/odom``."""
+        """Return the port ``<robot>/ground_truth/odom``."""
         return self.GetOutputPort(f"{robot}/ground_truth/odom")
 
     def _calc_odom(self, base: RobotBase, context: Context, output: AbstractValue) -> None:

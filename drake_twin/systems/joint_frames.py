@@ -16,10 +16,10 @@ class JointFrames:
     and ``sin(q)`` where the child link lies beside the axis that it turns about, as in some SDF files.
 
     Args:
-        joints: revolute, continuous and prismatic ones, or fixed ones, whose positions are 0.
+        joints: Revolute, continuous and prismatic ones, or fixed ones, whose positions are 0.
 
     Attributes:
-        moves_along: shape (n,): whether the joint's position changes the translation.
+        moves_along: Shape (n,): whether the joint's position changes the translation.
     """
 
     def __init__(self, joints: Sequence[Joint]):

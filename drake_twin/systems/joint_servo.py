@@ -29,11 +29,11 @@ class ServoAssignment(Frozen):
     where nothing is commanded.
 
     Attributes:
-        modes: how each actuator is driven, as in `drake_twin.diagram.servo_gains`.
-        holds: the position that is held as long as none is commanded (rad or m).
-        positions: the commanded position.
-        velocities: the commanded velocity, or the one that goes with the position.
-        efforts: the commanded effort.
+        modes: How each actuator is driven, as in `drake_twin.diagram.servo_gains`.
+        holds: The position that is held as long as none is commanded (rad or m).
+        positions: The commanded position.
+        velocities: The commanded velocity, or the one that goes with the position.
+        efforts: The commanded effort.
     """
 
     modes: tuple[str, ...]
@@ -69,14 +69,14 @@ class JointServo(WitnesslessSystem):
     clamped to the limits.
 
     Args:
-        controllers: controller name → the number of its values.
-        assignment: the one at the start.
-        as_position: for a continuous plant, the seconds by which a velocity is ahead of its position, for each mode and
+        controllers: Controller name → the number of its values.
+        assignment: The one at the start.
+        as_position: For a continuous plant, the seconds by which a velocity is ahead of its position, for each mode and
             each actuator: Drake's CENIC takes velocity targets with the wrong sign, so they come as positions. None for
             a discrete plant.
-        own_velocities: the velocities of the modes that have their own, whatever is commanded (rad/s or m/s).
-        lower: three rows (position, velocity, effort) of the lowest command for each actuator.
-        upper: of the highest.
+        own_velocities: The velocities of the modes that have their own, whatever is commanded (rad/s or m/s).
+        lower: Three rows (position, velocity, effort) of the lowest command for each actuator.
+        upper: Of the highest.
     """
 
     def __init__(
@@ -103,31 +103,31 @@ class JointServo(WitnesslessSystem):
         self._actuation = self.DeclareVectorOutputPort("actuation", size, weakly(self._calc_actuation), prerequisites)
 
     def get_controller_input_port(self, controller: str) -> InputPort:
-        """The port of one controller."""
+        """Return the port of one controller."""
         return self.GetInputPort(controller)
 
     def get_desired_state_output_port(self) -> OutputPort:
-        """The port ``desired_state``."""
+        """Return the port ``desired_state``."""
         return self._desired_state
 
     def get_actuation_output_port(self) -> OutputPort:
-        """The port ``actuation``."""
+        """Return the port ``actuation``."""
         return self._actuation
 
     def assignment(self, context: Context) -> ServoAssignment:
-        """Where each actuator's set-points come from at present."""
+        """Return where each actuator's set-points come from at present."""
         assignment: ServoAssignment = context.get_abstract_state(int(self._assignment)).get_value()
         return assignment
 
     def assign(self, context: Context, assignment: ServoAssignment) -> None:
-        """Lets the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
+        """Let the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
         context.SetAbstractState(int(self._assignment), assignment)
 
     def check(self, assignment: ServoAssignment) -> None:
-        """Refuses set-points of another robot.
+        """Refuse set-points of another robot.
 
         Raises:
-            ValueError: there are more or fewer than actuators, or they come from where there is nothing.
+            ValueError: If there are more or fewer than actuators, or they come from where there is nothing.
         """
         count, values = len(self._lower[0]), sum(port.size() for port in self._ports)
         columns = vars(assignment).values()

@@ -17,9 +17,9 @@ class PlanarBase:
     The joints are three slides along x, y (turned by the start's yaw) and z, and a turn about z.
 
     Attributes:
-        start: the root link in the world while they are at zero.
-        positions: indices of their positions (m, m, m, rad).
-        velocities: indices of their velocities (m/s, m/s, m/s, rad/s).
+        start: The root link in the world while they are at zero.
+        positions: Indices of their positions (m, m, m, rad).
+        velocities: Indices of their velocities (m/s, m/s, m/s, rad/s).
     """
 
     start: Pose
@@ -27,12 +27,12 @@ class PlanarBase:
     velocities: tuple[int, ...]
 
     def within(self, indices: Sequence[int]) -> "PlanarBase":
-        """Where the same stands in the plant's state; as `StateLayout.within`."""
+        """Return where the same stands in the plant's state; as `StateLayout.within`."""
         positions, velocities = ([indices[index] for index in own] for own in (self.positions, self.velocities))
         return replace(self, positions=tuple(positions), velocities=tuple(velocities))
 
     def as_floating(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What a floating base would have in the same place.
+        """Return what a floating base would have in the same place.
 
         Returns:
             The pose (qw, qx, qy, qz, x, y, z) and the velocity (angular, then linear; rad/s, m/s) in the world.

@@ -32,10 +32,10 @@ class LinkFrame:
     """A link's frame in another link's, as the plant has them.
 
     Attributes:
-        parent: the frame of the one link.
-        child: the frame of the other.
-        parent_body: the index of the one link's body in the plant.
-        child_body: that of the other.
+        parent: The frame of the one link.
+        child: The frame of the other.
+        parent_body: The index of the one link's body in the plant.
+        child_body: That of the other.
     """
 
     parent: str
@@ -49,11 +49,11 @@ class RobotFrames:
     """A robot whose frames are published.
 
     Attributes:
-        name: the robot.
-        description: its joints and links, and the text that it was read from.
-        layout: where its joints and its base stand in the plant's state.
-        frame_prefix: put before every link's name.
-        base_frame: the frame of its root link, when the true pose of that in ``world`` is to be on ``tf``.
+        name: The robot.
+        description: Its joints and links, and the text that it was read from.
+        layout: Where its joints and its base stand in the plant's state.
+        frame_prefix: Put before every link's name.
+        base_frame: The frame of its root link, when the true pose of that in ``world`` is to be on ``tf``.
     """
 
     name: str
@@ -69,8 +69,7 @@ class RobotStatePublisher(WitnesslessSystem):
     Behaves for each robot as ``robot_state_publisher`` in ROS 2 Jazzy: moving joints on ``tf``, fixed ones on
     ``tf_static``, the frame prefix put before every frame name, floating and planar joints skipped; and as
     ``static_transform_publisher`` for further frames. SDF's ball, universal and screw joints, which URDF has not, are
-    on ``tf`` too. One system does it for all robots, since all joints together
-    take hardly longer than those of one.
+    on ``tf`` too. One system does it for all robots, since all joints together take hardly longer than those of one.
 
     .. pydrake_system::
 
@@ -94,14 +93,14 @@ class RobotStatePublisher(WitnesslessSystem):
     - ``<robot>/robot_description``: ``std_msgs/msg/String`` with the URDF (or SDF) text; never changes.
 
     Args:
-        robots: the robots.
-        size: the size of ``state``.
-        static_transforms: further frames for ``tf_static``.
-        odometry: the names of the ports for drives' transforms.
-        links: links whose joints have not one position.
+        robots: The robots.
+        size: The size of ``state``.
+        static_transforms: Further frames for ``tf_static``.
+        odometry: The names of the ports for drives' transforms.
+        links: Links whose joints have not one position.
 
     Raises:
-        ValueError: a base is to be published and does not move.
+        ValueError: If a base is to be published and does not move.
     """
 
     def __init__(
@@ -142,15 +141,15 @@ class RobotStatePublisher(WitnesslessSystem):
             self._declare_output(f"{robot.name}/robot_description", calc, {self.nothing_ticket()})
 
     def get_state_input_port(self) -> InputPort:
-        """The port ``state``."""
+        """Return the port ``state``."""
         return self._state
 
     def get_tf_output_port(self) -> OutputPort:
-        """The port ``tf``."""
+        """Return the port ``tf``."""
         return self._tf
 
     def get_tf_static_output_port(self) -> OutputPort:
-        """The port ``tf_static``."""
+        """Return the port ``tf_static``."""
         return self._tf_static
 
     def _declare_output(self, name: str, calc: Callable[..., None], prerequisites: set[Any]) -> OutputPort:
@@ -191,7 +190,7 @@ class _Transforms:
         self._translations: list[Any] | None = None  # those that no position changes are made once
 
     def messages(self, positions: np.ndarray | None, stamp: Any) -> list[Any]:
-        """The transforms for joint positions (rad or m; None: all zero) at a time."""
+        """Return the transforms for joint positions (rad or m; None: all zero) at a time."""
         positions = self._at_zero if positions is None else positions
         if self._translations is None:
             self._translations = [messages.Vector3(*xyz) for xyz in self._frames.xyz(self._at_zero).tolist()]

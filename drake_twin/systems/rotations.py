@@ -19,7 +19,7 @@ def quaternion_from_rpy(rpy: np.ndarray) -> np.ndarray:
 
 
 def quaternion_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The rotations b, then a: the products of quaternions, row by row; shapes (n, 4)."""
+    """Return the rotations b, then a: the products of quaternions, row by row; shapes (n, 4)."""
     aw, ax, ay, az = a.T
     bw, bx, by, bz = b.T
     return np.stack(

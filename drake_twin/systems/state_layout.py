@@ -13,14 +13,14 @@ class StateLayout:
     """Indices into a model instance's state ``[q; v]`` and actuation ``u``, as its plant's ports carry them.
 
     Attributes:
-        size: the number of elements of ``[q; v]``.
-        positions: joint name → index of its position (rad or m).
-        velocities: joint name → index of its velocity (rad/s or m/s).
-        efforts: joint name → index of the actuator that drives it (N·m or N); joints without one are left out.
-        num_actuators: the number of actuators, those that model joint friction included.
-        base_position: index of a floating base's seven positions (qw, qx, qy, qz, x, y, z); None for any other base.
-        base_velocity: index of its six velocities (angular rad/s, then linear m/s, both in the world frame).
-        planar_base: the joints that a base moves on over the plane; None for any other base.
+        size: The number of elements of ``[q; v]``.
+        positions: Joint name → index of its position (rad or m).
+        velocities: Joint name → index of its velocity (rad/s or m/s).
+        efforts: Joint name → index of the actuator that drives it (N·m or N); joints without one are left out.
+        num_actuators: The number of actuators, those that model joint friction included.
+        base_position: Index of a floating base's seven positions (qw, qx, qy, qz, x, y, z); None for any other base.
+        base_velocity: Index of its six velocities (angular rad/s, then linear m/s, both in the world frame).
+        planar_base: The joints that a base moves on over the plane; None for any other base.
     """
 
     size: int
@@ -33,10 +33,10 @@ class StateLayout:
     planar_base: PlanarBase | None = None
 
     def within(self, indices: Sequence[int]) -> "StateLayout":
-        """Where the same stands in the plant's state; the size stays that of the model instance's.
+        """Return where the same stands in the plant's state; the size stays that of the model instance's.
 
         Args:
-            indices: where each element of the model instance's state stands in the plant's.
+            indices: Where each element of the model instance's state stands in the plant's.
         """
         planar, base_position, base_velocity = self.planar_base, self.base_position, self.base_velocity
         return replace(
@@ -54,7 +54,7 @@ class StateLayout:
         return self.base_position is not None or self.planar_base is not None
 
     def base_state(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pose and velocity of a moving root link in the world, as a floating base has them.
+        """Return the pose and velocity of a moving root link in the world, as a floating base has them.
 
         Args:
             state: ``[q; v]``.
@@ -63,7 +63,7 @@ class StateLayout:
             The pose (qw, qx, qy, qz, x, y, z) and the velocity (angular rad/s, then linear m/s).
 
         Raises:
-            ValueError: the root link does not move.
+            ValueError: If the root link does not move.
         """
         if self.planar_base is not None:
             return self.planar_base.as_floating(state)

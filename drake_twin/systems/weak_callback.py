@@ -6,10 +6,10 @@ from weakref import ref
 
 
 def weakly(method: Any, *first: Any) -> Callable[..., Any]:
-    """A bound method as a callback that holds its object weakly, given some first arguments.
+    """Return a bound method as a callback that holds its object weakly, given some first arguments.
 
-    A system owns its ports, and a port owns its callback: with a plain bound method the three keep each other alive
-    and a discarded diagram is never freed (drake#22515).
+    A system owns its ports, and a port owns its callback: with a plain bound method the three keep each other alive and
+    a discarded diagram is never freed (drake#22515).
     """
     reference, function = ref(method.__self__), method.__func__
 

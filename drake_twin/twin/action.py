@@ -17,15 +17,15 @@ class ActionGoal:
     """A goal on its way; ask it how it is getting on.
 
     Args:
-        action: the action's name.
-        type: its ROS type.
-        id: the number that the controller gave the goal.
-        control: the robot's controllers.
-        controller: the controller's name.
-        on_result: called once with this goal when it is done.
+        action: The action's name.
+        type: Its ROS type.
+        id: The number that the controller gave the goal.
+        control: The robot's controllers.
+        controller: The controller's name.
+        on_result: Called once with this goal when it is done.
 
     Attributes:
-        action: the action's name.
+        action: The action's name.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class ActionGoal:
         self._result: Any = None
 
     def is_of(self, controls: Collection[RobotControl]) -> bool:
-        """Whether one of some robots is to do it."""
+        """Return whether one of some robots is to do it."""
         return self._control in controls
 
     @property
@@ -75,13 +75,13 @@ class ActionGoal:
         return self._control.controllers[self._name].feedback(self._control.context_of(self._name))
 
     def cancel(self) -> None:
-        """Ends it; the joints hold where they are."""
+        """End it; the joints hold where they are."""
         if not self.is_done and self._control is not None:
             self._control.cancel(self._name)
             self._look()
 
     def deliver(self) -> bool:
-        """Tells whoever waits for the result, when it is done; returns whether it is."""
+        """Tell whoever waits for the result, when it is done; returns whether it is."""
         if not self.is_done:
             return False
         if self._on_result is not None:
@@ -93,7 +93,7 @@ class ActionGoal:
         return True
 
     def drop(self) -> None:
-        """Ends it without a word, as when the twin begins anew."""
+        """End it without a word, as when the twin begins anew."""
         self._look()
         if self._status not in _DONE:
             self._status = "canceled"

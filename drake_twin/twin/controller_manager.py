@@ -35,14 +35,14 @@ class ControllerState:
     """A loaded controller, as ``list_controllers`` tells of it.
 
     Attributes:
-        name: its name.
-        state: unconfigured, inactive or active.
-        type: the plugin's name.
-        claimed_interfaces: what it has claimed.
-        required_command_interfaces: what it claims while it is active.
-        reference_interfaces: what other controllers may write of it.
-        is_chained: whether an active controller writes its references.
-        update_rate: how often it is updated (Hz).
+        name: Its name.
+        state: Unconfigured, inactive or active.
+        type: The plugin's name.
+        claimed_interfaces: What it has claimed.
+        required_command_interfaces: What it claims while it is active.
+        reference_interfaces: What other controllers may write of it.
+        is_chained: Whether an active controller writes its references.
+        update_rate: How often it is updated (Hz).
     """
 
     name: str
@@ -80,9 +80,9 @@ class ControllerManager:
     """The controllers of one robot.
 
     Args:
-        plan: the robot.
-        switched: told of every change: the controllers activated, those deactivated before.
-        note: told of every call that may change something: the method and its arguments.
+        plan: The robot.
+        switched: Told of every change: the controllers activated, those deactivated before.
+        note: Told of every call that may change something: the method and its arguments.
     """
 
     def __init__(
@@ -99,11 +99,11 @@ class ControllerManager:
         self.restart()
 
     def restart(self) -> None:
-        """Goes back to the states at the start, without telling anybody."""
+        """Go back to the states at the start, without telling anybody."""
         self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
 
     def retire(self) -> None:
-        """Has no controllers any more: the robot has been deleted."""
+        """Have no controllers any more: the robot has been deleted."""
         self._plans, self._states = {}, {}
         self._switched = lambda started, stopped: None
         self._note = lambda *call: None
@@ -112,7 +112,7 @@ class ControllerManager:
         """Set the states that `states` returned, without a call of ``switched``.
 
         Raises:
-            ValueError: a controller that the parameters files lack, or a state that is none.
+            ValueError: If a controller that the parameters files lack, or a state that is none.
         """
         for name, state in states.items():
             if name not in self._plans or state not in (UNCONFIGURED, INACTIVE, ACTIVE):
@@ -130,7 +130,7 @@ class ControllerManager:
         return tuple(name for name, state in self._states.items() if state == ACTIVE)
 
     def is_active(self, controller: str) -> bool:
-        """Whether a controller is active."""
+        """Return whether a controller is active."""
         return self._states.get(controller) == ACTIVE
 
     @property
@@ -139,16 +139,16 @@ class ControllerManager:
         return {claim: name for name in self.active for claim in self._plans[name].claims}
 
     def list_controllers(self) -> tuple[ControllerState, ...]:
-        """The loaded controllers."""
+        """Return the loaded controllers."""
         claims = self.claims
         return tuple(self._controller_state(self._plans[name], state, claims) for name, state in self._states.items())
 
     def list_controller_types(self) -> tuple[str, ...]:
-        """The types that controllers may have."""
+        """Return the types that controllers may have."""
         return controller_types()
 
     def list_hardware_interfaces(self) -> tuple[tuple[HardwareInterface, ...], tuple[HardwareInterface, ...]]:
-        """The command interfaces, and the state interfaces."""
+        """Return the command interfaces, and the state interfaces."""
         claims = self.claims
         commands = [
             HardwareInterface(str(interface), True, interface in claims)
@@ -162,7 +162,7 @@ class ControllerManager:
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
-        """The ``<ros2_control>`` tags, all of them active."""
+        """Return the ``<ros2_control>`` tags, all of them active."""
         return tuple(
             HardwareComponent(
                 name=system.name,
@@ -176,7 +176,7 @@ class ControllerManager:
         )
 
     def load_controller(self, name: str) -> Response:
-        """Loads a controller of the parameters files."""
+        """Load a controller of the parameters files."""
         (name,) = _names([name])
         self._note("load_controller", name)
         if name in self._states:
@@ -188,7 +188,7 @@ class ControllerManager:
         return Response(True)
 
     def configure_controller(self, name: str) -> Response:
-        """Configures a controller that is loaded and not active."""
+        """Configure a controller that is loaded and not active."""
         (name,) = _names([name])
         self._note("configure_controller", name)
         if name not in self._states:
@@ -202,7 +202,7 @@ class ControllerManager:
         return Response(True)
 
     def unload_controller(self, name: str) -> Response:
-        """Unloads a controller that is not active."""
+        """Unload a controller that is not active."""
         (name,) = _names([name])
         self._note("unload_controller", name)
         if name not in self._states:
@@ -221,15 +221,15 @@ class ControllerManager:
         start: Iterable[str] = (),
         stop: Iterable[str] = (),
     ) -> Response:
-        """Deactivates and activates controllers at once; one that is in both lists begins anew.
+        """Deactivate and activates controllers at once; one that is in both lists begins anew.
 
         With ``STRICT`` everything is done or nothing. With ``BEST_EFFORT`` (and ``AUTO``) what cannot be done is left
         out and named in the message. ``FORCE_AUTO`` also deactivates whatever stands in the way.
 
         Args:
-            activate: the controllers to activate (``start`` is the older name of it).
-            deactivate: the controllers to deactivate (``stop`` is the older name of it).
-            strictness: one of the four.
+            activate: The controllers to activate (``start`` is the older name of it).
+            deactivate: The controllers to deactivate (``stop`` is the older name of it).
+            strictness: One of the four.
         """
         to_start = list(dict.fromkeys([*_names(activate), *_names(start)]))
         to_stop = list(dict.fromkeys([*_names(deactivate), *_names(stop)]))
@@ -249,7 +249,7 @@ class ControllerManager:
         return Response(True, message)
 
     def deactivate_failed(self, name: str) -> tuple[str, ...]:
-        """Deactivates a controller that has failed, and those that write to it.
+        """Deactivate a controller that has failed, and those that write to it.
 
         Returns:
             The controllers that were deactivated.
@@ -268,7 +268,7 @@ class ControllerManager:
         return tuple(stopped)
 
     def _resolve(self, to_start: list[str], to_stop: list[str]) -> tuple[list[str], list[str], list[str]]:
-        """What of a switch can be done, and why the rest cannot."""
+        """Return what of a switch can be done, and why the rest cannot."""
         problems: list[str] = []
         stopped = []
         for name in to_stop:
@@ -290,7 +290,7 @@ class ControllerManager:
         return self._without_loose_ends(stopped, started, problems)
 
     def _refusal(self, name: str, stopped: list[str], claims: Mapping[Interface, str]) -> str | None:
-        """Why a controller cannot be activated; None when it can."""
+        """Return why a controller cannot be activated; None when it can."""
         if name not in self._states:
             return self._not_loaded(name)
         if self._states[name] == UNCONFIGURED:

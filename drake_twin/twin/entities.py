@@ -29,10 +29,10 @@ class EntityState:
     """Pose and twist of an entity in a reference frame.
 
     Attributes:
-        position: x, y, z (m).
-        orientation: quaternion w, x, y, z.
-        linear: velocity of its origin (m/s).
-        angular: angular velocity (rad/s).
+        position: X, y, z (m).
+        orientation: Quaternion w, x, y, z.
+        linear: Velocity of its origin (m/s).
+        angular: Angular velocity (rad/s).
     """
 
     position: tuple[float, float, float]
@@ -47,10 +47,10 @@ class Wrench:
     """A force and a torque on a link for a while.
 
     Attributes:
-        entity: the link, in full.
-        force: at the link's origin, in the world's axes (N).
-        torque: likewise (N·m).
-        until: when it ends (simulated s).
+        entity: The link, in full.
+        force: At the link's origin, in the world's axes (N).
+        torque: Likewise (N·m).
+        until: When it ends (simulated s).
     """
 
     entity: str
@@ -60,10 +60,10 @@ class Wrench:
 
 
 def find_body(built: TwinDiagram, entity: str) -> RigidBody:
-    """The body that an entity is, or its root link's.
+    """Return the body that an entity is, or its root link's.
 
     Raises:
-        InputError: there is none of the name.
+        InputError: If there is none of the name.
     """
     plant = built.plant
     name, separator, link = str(entity).partition("::")
@@ -88,7 +88,7 @@ def entity_state(built: TwinDiagram, plant_context: Context, entity: str, refere
     """Pose and twist of an entity, in the world or in another entity's frame.
 
     Raises:
-        InputError: there is none of the name.
+        InputError: If there is none of the name.
     """
     body = find_body(built, entity)
     plant = built.plant
@@ -114,20 +114,20 @@ def set_entity_state(
     angular: Iterable[float] | None = None,
     reference: str = WORLD,
 ) -> None:
-    """Puts a robot or a moving model somewhere, or gives it a velocity; what is not given stays.
+    """Put a robot or a moving model somewhere, or gives it a velocity; what is not given stays.
 
     Args:
-        built: the diagram.
-        plant_context: its plant's context.
-        entity: the robot or model.
-        position: x, y, z (m).
-        orientation: quaternion w, x, y, z; it need not be of length one.
-        linear: velocity (m/s).
-        angular: angular velocity (rad/s).
+        built: The diagram.
+        plant_context: Its plant's context.
+        entity: The robot or model.
+        position: X, y, z (m).
+        orientation: Quaternion w, x, y, z; it need not be of length one.
+        linear: Velocity (m/s).
+        angular: Angular velocity (rad/s).
         reference: ``world`` or the entity whose frame all of it is in.
 
     Raises:
-        InputError: there is none of the name, it cannot be moved, or a value is none.
+        InputError: If there is none of the name, it cannot be moved, or a value is none.
     """
     plant = built.plant
     body = find_body(built, entity)
@@ -185,10 +185,10 @@ def make_wrench(
     until: float,
     reference: str,
 ) -> Wrench:
-    """A wrench given in a frame, as one in the world's axes.
+    """Return a wrench given in a frame, as one in the world's axes.
 
     Raises:
-        InputError: there is none of the name, or a value is none.
+        InputError: If there is none of the name, or a value is none.
     """
     find_body(built, entity)
     R = RotationMatrix()

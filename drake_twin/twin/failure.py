@@ -27,10 +27,10 @@ class _Mover:
     Attributes:
         owner: ``robot 'arm'``, or ``model 'crate' of the world``.
         label: ``joint elbow``, or ``the base``; nothing for a free body of the world.
-        speed: how fast it moved when all was well (rad/s or m/s).
-        acceleration: rad/s² or m/s².
-        unit: of the speed.
-        is_possible: whether its position and velocity still are.
+        speed: How fast it moved when all was well (rad/s or m/s).
+        acceleration: Rad/s² or m/s².
+        unit: Of the speed.
+        is_possible: Whether its position and velocity still are.
     """
 
     owner: str
@@ -49,15 +49,15 @@ def failure(
     good: Moment | None = None,
     before: Moment | None = None,
 ) -> RunError:
-    """What Drake raises while it simulates, or solves for what a sensor measures, as an error for the user.
+    """Return what Drake raises while it simulates, or solves for what a sensor measures, as an error for the user.
 
     Args:
-        built: the diagram.
-        plant_context: its plant's context, as the failure has left it.
-        time: the last time at which all was well (s).
-        error: what was raised: a RuntimeError, or SystemExit, as some of Drake's checks end the process if they can.
-        good: that time's moment; by default what the context holds.
-        before: an earlier one.
+        built: The diagram.
+        plant_context: Its plant's context, as the failure has left it.
+        time: The last time at which all was well (s).
+        error: What was raised: a RuntimeError, or SystemExit, as some of Drake's checks end the process if they can.
+        good: That time's moment; by default what the context holds.
+        before: An earlier one.
     """
     now = built.plant.GetPositionsAndVelocities(plant_context)
     last = now if good is None else good.state
@@ -73,12 +73,12 @@ def failure(
 
 
 def is_possible(state: np.ndarray) -> bool:
-    """Whether a state is made of finite numbers, none of them absurdly large."""
+    """Return whether a state is made of finite numbers, none of them absurdly large."""
     return bool(np.logical_and.reduce(np.abs(state) < ABSURD))  # which NaN is not
 
 
 def _lost(lost: Sequence[_Mover], was_good: bool) -> str:
-    """What no longer has a state: that of one owner which was the wildest before."""
+    """Return what no longer has a state: that of one owner which was the wildest before."""
     worst = lost[0]
     labels = [mover.label for mover in lost if mover.owner == worst.owner]
     more = f" and {len(labels) - _MOST_NAMED} more" if len(labels) > _MOST_NAMED else ""
@@ -92,7 +92,7 @@ def _lost(lost: Sequence[_Mover], was_good: bool) -> str:
 
 
 def _suspect(movers: Sequence[_Mover], named: set[str]) -> str:
-    """Where to look for the cause of what Drake raises, as far as that is known."""
+    """Return where to look for the cause of what Drake raises, as far as that is known."""
     movers = [mover for mover in movers if not named or mover.owner in named]
     if movers and movers[0].acceleration > _NOTABLE:
         worst = movers[0]
@@ -104,7 +104,7 @@ def _suspect(movers: Sequence[_Mover], named: set[str]) -> str:
 def _accelerations(
     plant: MultibodyPlant, plant_context: Context, good: Moment | None, before: Moment | None
 ) -> np.ndarray:
-    """How what fails accelerated before it did: as far as it got, up to there, or what a continuous plant gives."""
+    """Return the accelerations before a failure: from the last moments, or those of a continuous plant."""
     moments = [moment for moment in (before, good) if moment is not None]
     times = [*(moment.time for moment in moments), plant_context.get_time()]
     states = [*(moment.state for moment in moments), plant.GetPositionsAndVelocities(plant_context)]
@@ -119,13 +119,13 @@ def _accelerations(
 
 
 def _movers(built: TwinDiagram, now: np.ndarray, last: np.ndarray, accelerations: np.ndarray) -> Iterator[_Mover]:
-    """All that moves.
+    """Yield all that moves.
 
     Args:
-        built: the diagram.
-        now: the plant's ``[q; v]``.
-        last: the last good one.
-        accelerations: how it accelerated (rad/s² or m/s²).
+        built: The diagram.
+        now: The plant's ``[q; v]``.
+        last: The last good one.
+        accelerations: How it accelerated (rad/s² or m/s²).
     """
     plant, owners = built.plant, _owners(built)
     for joint in map(plant.get_joint, plant.GetJointIndices()):
@@ -163,7 +163,7 @@ def _owners(built: TwinDiagram) -> dict[ModelInstanceIndex, str]:
 
 
 def _named_in(text: str, built: TwinDiagram) -> set[str]:
-    """The owners of the bodies that Drake names."""
+    """Return the owners of the bodies that Drake names."""
     names = re.findall(r"\bbody (\w+)", text)
     return {
         owner

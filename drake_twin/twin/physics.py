@@ -18,7 +18,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorC
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
-from drake_twin.diagram.let_go import let_go
+from drake_twin.diagram.release import release
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
@@ -40,9 +40,9 @@ class Moment:
     """What a diagram's context holds between two steps, to go back to when a step fails.
 
     Attributes:
-        time: s.
-        state: the plant's ``[q; v]``.
-        samples: what each controller that keeps something keeps, in the order of their contexts.
+        time: S.
+        state: The plant's ``[q; v]``.
+        samples: What each controller that keeps something keeps, in the order of their contexts.
     """
 
     time: float
@@ -58,17 +58,17 @@ class Physics:
     """A scenario's diagram with its simulator.
 
     Args:
-        scenario: what to run.
-        meshcat: the page to draw on.
+        scenario: What to run.
+        meshcat: The page to draw on.
         known: A diagram that was built before; what it shares with this one is not made again.
         plans: Plans of robots that were made before.
         extensions: Add a user's own systems to the diagram.
 
     Attributes:
-        built: the diagram.
-        simulator: its simulator.
-        context: the root context.
-        plant_context: the plant's part of it.
+        built: The diagram.
+        simulator: Its simulator.
+        context: The root context.
+        plant_context: The plant's part of it.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class Physics:
         return bool(np.logical_and.reduce(np.abs(state) < ABSURD))
 
     def initialize(self) -> None:
-        """Makes the simulator begin at the context's time and state.
+        """Make the simulator begin at the context's time and state.
 
         Raises:
             RunError: Drake cannot.
@@ -138,13 +138,13 @@ class Physics:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
 
     def moment(self) -> Moment:
-        """The present moment, which `go_back` returns to. Asked for before each advance: it copies one vector."""
+        """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""
         state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
         samples = tuple(starmap(_sample, self._keepers))
         return Moment(self.context.get_time(), state, samples)
 
     def go_back(self, moment: Moment) -> None:
-        """Goes back to a moment of this diagram, as far as steps have changed what it holds."""
+        """Go back to a moment of this diagram, as far as steps have changed what it holds."""
         self.context.SetTime(moment.time)
         self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
         for (item, context), sample in zip(self._keepers, moment.samples, strict=True):
@@ -152,7 +152,7 @@ class Physics:
         self.initialize()
 
     def time_of(self, step: int) -> float:
-        """The time at which a step ends (s), or the time of an update that differs from it by rounding alone.
+        """Return the time at which a step ends (s), or the time of an update that differs from it by rounding alone.
 
         With CENIC a controller's update just beside a step's end would leave a step of 1e-16 s between the two.
         """
@@ -168,11 +168,11 @@ class Physics:
         self.context.SetTime(0.0)
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
-        """Puts a robot's ``[q; v]`` where it belongs."""
+        """Put a robot's ``[q; v]`` where it belongs."""
         self.built.plant.SetPositionsAndVelocities(self.plant_context, self.built.robots[robot].instance, state)
 
     def robot_state(self, robot: str) -> np.ndarray:
-        """A robot's ``[q; v]``."""
+        """Return a robot's ``[q; v]``."""
         instance = self.built.robots[robot].instance
         return np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context, instance))
 
@@ -251,7 +251,7 @@ class Physics:
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
     def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
-        """Lets forces and torques act on links, and no others."""
+        """Let forces and torques act on links, and no others."""
         port = self.built.plant.get_applied_spatial_force_input_port()
         if not wrenches and not port.HasValue(self.plant_context):
             return  # a port that was never used costs nothing
@@ -265,6 +265,6 @@ class Physics:
 
     def discard(self) -> None:
         """Release the diagram, so that its memory can be freed."""
-        let_go([self.simulator, self.built.diagram])
+        release([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
         del self._extensions

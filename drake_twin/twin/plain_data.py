@@ -20,10 +20,10 @@ from drake_twin.saved import SAVED_CLASSES, saved_name
 
 
 def to_plain(value: Any) -> Any:
-    """A value as plain data.
+    """Return a value as plain data.
 
     Raises:
-        TypeError: a value of a kind that is none of those above.
+        TypeError: If a value of a kind that is none of those above.
     """
     if value is None or isinstance(value, bool | int | str):
         return value
@@ -57,10 +57,10 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(data: Any) -> Any:
-    """The value that plain data stands for.
+    """Return the value that plain data stands for.
 
     Raises:
-        InputError: the data is none that `to_plain` makes.
+        InputError: If the data is none that `to_plain` makes.
     """
     if isinstance(data, list):
         return [from_plain(item) for item in data]
@@ -106,7 +106,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Whether a value is of an annotated type; what cannot be told is."""
+    """Return whether a value is of an annotated type; what cannot be told is."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if hint is Any or isinstance(hint, typing.TypeVar):
         return True

@@ -48,9 +48,9 @@ class PlantParameters:
     """The parameters of one plant and its shapes.
 
     Args:
-        plant: the plant.
-        scene_graph: where its shapes are.
-        root: the diagram's context, as it was built: the model's own properties lack the scene graph's defaults.
+        plant: The plant.
+        scene_graph: Where its shapes are.
+        root: The diagram's context, as it was built: the model's own properties lack the scene graph's defaults.
     """
 
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, root: Context):
@@ -67,7 +67,7 @@ class PlantParameters:
         """Name → value of each parameter that is not as it was built, as plain data.
 
         Args:
-            root: the diagram's context.
+            root: The diagram's context.
         """
         now = self._plant.GetMyContextFromRoot(root)
         found: dict[str, list[Any]] = {}
@@ -86,15 +86,15 @@ class PlantParameters:
         return found
 
     def put(self, root: Context, given: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> None:
-        """Puts parameters back, and all others to what they were built with.
+        """Put parameters back, and all others to what they were built with.
 
         Args:
-            root: the diagram's context.
-            given: what `changed` found, in this diagram or another one.
-            leave_out_unknown: whether those of robots that are not there are passed over.
+            root: The diagram's context.
+            given: What `changed` found, in this diagram or another one.
+            leave_out_unknown: Whether those of robots that are not there are passed over.
 
         Raises:
-            ValueError: there is no such parameter, or a value is none.
+            ValueError: If there is no such parameter, or a value is none.
         """
         wanted = {name: [float(from_plain(value)) for value in values] for name, values in given.items()}
         if not np.isfinite([value for values in wanted.values() for value in values]).all():
@@ -133,7 +133,7 @@ class PlantParameters:
         return self._scene_graph.get_query_output_port().Eval(context).inspector()
 
     def _as_built(self) -> Context:
-        """The plant's context as it was built; made when it is first asked for."""
+        """Return the plant's context as it was built; made when it is first asked for."""
         if self._default is None:
             self._default = self._plant.CreateDefaultContext()
         return self._default
@@ -164,7 +164,7 @@ class PlantParameters:
 
 
 def _numbers(context: Context, joints: Iterable[Joint]) -> list[bytes | bool]:
-    """All numeric parameters of a plant, and which joints are locked, to be compared."""
+    """Return all numeric parameters of a plant, and which joints are locked, to be compared."""
     groups = range(context.num_numeric_parameter_groups())
     numbers = [context.get_numeric_parameter(index).value().tobytes() for index in groups]
     return [*numbers, *(joint.is_locked(context) for joint in joints)]
@@ -207,7 +207,7 @@ def _motor(motor: JointActuator) -> tuple[_Read, _Write]:
 
 
 def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
-    """The pose in the parent frame: a matrix of 3×4, row by row."""
+    """Return the pose in the parent frame: a matrix of 3×4, row by row."""
 
     def write(context: Context, values: Sequence[float]) -> None:
         matrix = np.array(values).reshape(3, 4)
@@ -218,7 +218,7 @@ def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
 
 
 def _materials(inspector: SceneGraphInspector, geometry: GeometryId) -> dict[str, list[float]]:
-    """What is numbers among a shape's properties: ``material/coulomb_friction`` → static, dynamic."""
+    """Return what is numbers among a shape's properties: ``material/coulomb_friction`` → static, dynamic."""
     properties, found = inspector.GetProximityProperties(geometry), {}
     for group, name in _MATERIAL:
         if properties.HasProperty(group, name):

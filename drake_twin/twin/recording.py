@@ -51,14 +51,14 @@ class Call:
     """Something that was done to a twin.
 
     Attributes:
-        time: when (simulated s).
-        name: the method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
-        arguments: what it was given.
-        named: what it was given by name.
-        is_refused: whether it was refused.
+        time: When (simulated s).
+        name: The method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
+        arguments: What it was given.
+        named: What it was given by name.
+        is_refused: Whether it was refused.
 
     Raises:
-        InputError: an entry is of another kind.
+        InputError: If an entry is of another kind.
     """
 
     time: float
@@ -89,19 +89,19 @@ class Recording:
             raise InputError("a recording is a snapshot, calls and the time of the end")
 
     def save(self, file: str | Path) -> None:
-        """Writes it as JSON.
+        """Write it as JSON.
 
         Raises:
-            RunError: the file cannot be written.
+            RunError: If the file cannot be written.
         """
         write_saved(file, _KIND, _VERSION, {"recording": to_plain(self)})
 
     @classmethod
     def load(cls, file: str | Path) -> "Recording":
-        """Reads what `save` wrote.
+        """Read what `save` wrote.
 
         Raises:
-            InputError: the file cannot be read, or is no recording of this version.
+            InputError: If the file cannot be read, or is no recording of this version.
         """
         try:
             recording = from_plain(read_saved(file, _KIND, _VERSION, converted_recording).get("recording"))
@@ -116,7 +116,7 @@ class Recorder:
     """Takes note of calls.
 
     Args:
-        time: tells the present simulation time (s).
+        time: Tells the present simulation time (s).
     """
 
     def __init__(self, time: Callable[[], float]):
@@ -130,12 +130,12 @@ class Recorder:
         return self.start is not None
 
     def begin(self, start: Snapshot) -> None:
-        """Begins anew at a moment."""
+        """Begin anew at a moment."""
         self.start = start
         self._calls = []
 
     def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
-        """Takes note of a call.
+        """Take note of a call.
 
         Returns:
             Its index, which `refuse` takes; None where it takes no note.
@@ -150,15 +150,15 @@ class Recorder:
         return len(self._calls) - 1
 
     def refuse(self, index: int | None) -> None:
-        """Notes that a call was refused."""
+        """Note that a call was refused."""
         if index is not None:
             self._calls[index] = replace(self._calls[index], is_refused=True)
 
     def recording(self) -> Recording:
-        """What has been noted until now.
+        """Return what has been noted until now.
 
         Raises:
-            InputError: it has not begun.
+            InputError: If it has not begun.
         """
         if self.start is None:
             raise InputError("nothing has been recorded: call record() first")
@@ -166,7 +166,7 @@ class Recorder:
 
 
 def recorded(method: _Method) -> _Method:
-    """A method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
+    """Return a method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
     assert method.__name__ in _METHODS
     signature = inspect.signature(method)
 
@@ -191,17 +191,17 @@ def recorded(method: _Method) -> _Method:
 
 
 def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
-    """Does again what was recorded, as fast as it goes.
+    """Do again what was recorded, as fast as it goes.
 
     Args:
-        recording: the run.
-        meshcat: the page to draw on.
+        recording: The run.
+        meshcat: The page to draw on.
 
     Returns:
         The twin at the recording's end, in the same state to the last bit.
 
     Raises:
-        InputError: the files that its robots are made of are not there.
+        InputError: If the files that its robots are made of are not there.
     """
     from drake_twin.scenario.scenario_file import ScenarioFile
     from drake_twin.twin.twin import Twin
@@ -218,10 +218,10 @@ def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
 
 
 def _do(twin: "Twin", call: Call) -> None:
-    """Does what was done; what was refused then is refused now.
+    """Do what was done; what was refused then is refused now.
 
     Raises:
-        InputError: it cannot be done again.
+        InputError: If it cannot be done again.
     """
     try:
         if call.name == _CONTROLLER_MANAGER:
@@ -237,7 +237,7 @@ def _do(twin: "Twin", call: Call) -> None:
 
 
 def _settled(value: Any) -> Any:
-    """A value as a recording holds it, and as the method gets it: what can be read once only is read here."""
+    """Return a value as a recording holds it, and as the method gets it: what can be read once only is read here."""
     if value is None or isinstance(value, bool | int | float | str | bytes | np.ndarray | np.generic | Set):
         return value
     if isinstance(value, Real):

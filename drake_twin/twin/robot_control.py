@@ -40,15 +40,15 @@ class RobotControl:
     """Does what the robot's controller manager decides.
 
     Args:
-        plan: the robot.
-        clear: is told of a controller whose topics' ports are to be cleared.
-        note: is told of what somebody does to the controllers.
+        plan: The robot.
+        clear: Is told of a controller whose topics' ports are to be cleared.
+        note: Is told of what somebody does to the controllers.
 
     Attributes:
-        manager: the controller manager.
-        stopped: whether an emergency stop holds.
-        kept: how the joints were driven before that changed; the twin clears it before each advance.
-        check_period: how often `check_joints` is to be called (s); None while no joint needs it.
+        manager: The controller manager.
+        stopped: Whether an emergency stop holds.
+        kept: How the joints were driven before that changed; the twin clears it before each advance.
+        check_period: How often `check_joints` is to be called (s); None while no joint needs it.
     """
 
     _plant: MultibodyPlant
@@ -94,14 +94,14 @@ class RobotControl:
         return self._plan
 
     def retire(self) -> None:
-        """Lets go of the diagram: the robot has been deleted, and whoever still asks its manager hears of nothing."""
+        """Let go of the diagram: the robot has been deleted, and whoever still asks its manager hears of nothing."""
         self.manager.retire()
         self.controllers, self._contexts = {}, {}
         del self._plant, self._plant_context, self._parts, self._in_plant
         self.__dict__.pop("_servo_context", None)
 
     def start(self) -> None:
-        """Activates what is active at the start, in a context that holds the default state."""
+        """Activate what is active at the start, in a context that holds the default state."""
         self.manager.restart()
         self.stopped = False
         for name in self.manager.active:
@@ -110,14 +110,14 @@ class RobotControl:
         self._apply_gains()
 
     def context_of(self, controller: str) -> Context:
-        """A controller's own context."""
+        """Return a controller's own context."""
         return self._contexts[controller]
 
     def read(self, topic: CommandTopic, data: Any) -> Any:
-        """What goes onto a topic's port for a message.
+        """Return what goes onto a topic's port for a message.
 
         Raises:
-            CommandError: the data does not fit the topic's type, or the controller refuses it.
+            CommandError: If the data does not fit the topic's type, or the controller refuses it.
         """
         try:
             kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
@@ -136,16 +136,16 @@ class RobotControl:
         return controller.read(topic.name, message, self._contexts[topic.controller])
 
     def accepts(self, topic: CommandTopic) -> bool:
-        """Whether a message on a topic reaches its controller: one that is not active hears nothing."""
+        """Return whether a message on a topic reaches its controller: one that is not active hears nothing."""
         return self.manager.is_active(topic.controller)
 
     def cancel(self, controller: str) -> None:
-        """Ends the present goal of a controller's action."""
+        """End the present goal of a controller's action."""
         self._note("cancel", self._plan.name, controller)
         self.controllers[controller].cancel(self.context_of(controller))
 
     def deactivate_faulty(self) -> None:
-        """Deactivates the controllers whose last update failed."""
+        """Deactivate the controllers whose last update failed."""
         for name in self.manager.active:
             if name in self.controllers:
                 fault = self.controllers[name].fault(self.context_of(name))
@@ -153,12 +153,12 @@ class RobotControl:
                     self.deactivate(name, fault)
 
     def deactivate(self, controller: str, why: str) -> None:
-        """Deactivates a controller, and says so."""
+        """Deactivate a controller, and says so."""
         stopped = self.manager.deactivate_failed(controller)
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
 
     def take_back(self) -> None:
-        """Drives the joints as `kept` has it: the step that was to follow has failed."""
+        """Drive the joints as `kept` has it: the step that was to follow has failed."""
         servo = self._parts.servo
         if servo is not None and self.kept is not None:
             servo.assign(self._servo_context, self.kept)
@@ -166,16 +166,16 @@ class RobotControl:
             self.kept = None
 
     def follow_commands(self) -> None:
-        """Lets the joints be driven as is commanded now."""
+        """Let the joints be driven as is commanded now."""
         self._next_modes(is_check=False)
 
     def check_joints(self) -> None:
-        """Holds joints that have come to rest, and lets those slip that are pushed away."""
+        """Hold joints that have come to rest, and lets those slip that are pushed away."""
         if self.check_period == CHECK_PERIOD or self._is_pushed_away():
             self._next_modes(is_check=True)
 
     def release(self, joints: Collection[str]) -> None:
-        """Holds joints that a velocity is commanded of where they have been put, and not where they were."""
+        """Hold joints that a velocity is commanded of where they have been put, and not where they were."""
         servo = self._parts.servo
         if servo is not None:
             context = self._servo_context
@@ -184,7 +184,7 @@ class RobotControl:
             self._apply_gains()
 
     def emergency_stop(self) -> None:
-        """Brakes all joints until they are at rest, and holds them; goals are cancelled."""
+        """Brake all joints until they are at rest, and holds them; goals are cancelled."""
         if not self.stopped:
             for name in self.manager.active:
                 if name in self.controllers:
@@ -194,7 +194,7 @@ class RobotControl:
             self._assign(modes, holds)
 
     def clear_emergency_stop(self) -> None:
-        """Lets the controllers command again; each begins anew."""
+        """Let the controllers command again; each begins anew."""
         if self.stopped:
             self.stopped = False
             active = tuple(name for name in self.manager.active)
@@ -256,7 +256,7 @@ class RobotControl:
         self._assign(modes, holds)
 
     def _stopped_joints(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
-        """How the joints are driven once the present controllers write nothing more, and where they are held."""
+        """Return how the joints are driven once the present controllers write nothing more, and where they are held."""
         servo = self._parts.servo
         if servo is None:
             return (), ()
@@ -264,7 +264,7 @@ class RobotControl:
         return without_commands(servo.assignment(self._servo_context), self._joints, self._motion())
 
     def _assign(self, modes: Sequence[str], holds: Sequence[float]) -> None:
-        """Lets the joints follow the controllers that are active now."""
+        """Let the joints follow the controllers that are active now."""
         servo = self._parts.servo
         if servo is None:
             return
@@ -291,12 +291,12 @@ class RobotControl:
             self._apply_gains()
 
     def _is_pushed_away(self) -> bool:
-        """Whether a joint slips, which is sooner told than how all are driven."""
+        """Return whether a joint slips, which is sooner told than how all are driven."""
         q = self._plant.GetPositions(self._plant_context, self._in_plant.instance)
         return not all(lower <= q[self._positions[index]] <= upper for index, lower, upper in self._slipping)
 
     def _motion(self, *, with_gravity: bool = False) -> JointMotion:
-        """How the joints move, and what is commanded of them."""
+        """Return how the joints move, and what is commanded of them."""
         servo, plant, instance = self._parts.servo, self._plant, self._in_plant.instance
         assert servo is not None
         context = self._plant_context
@@ -322,7 +322,7 @@ class RobotControl:
 
 
 def _like(present: Any, saved: Any) -> Any:
-    """What was saved, if it is of the kind of what is there now."""
+    """Return what was saved, if it is of the kind of what is there now."""
     if type(saved) is not type(present):
         raise ValueError(f"{type(saved).__name__} is no {type(present).__name__}")
     return saved

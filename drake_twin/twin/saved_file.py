@@ -10,10 +10,10 @@ from drake_twin.whole_file import write_whole
 
 
 def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any]) -> None:
-    """Writes plain data; whoever stops the process meanwhile finds the file as it was before, or whole.
+    """Write plain data; whoever stops the process meanwhile finds the file as it was before, or whole.
 
     Raises:
-        RunError: the file cannot be written.
+        RunError: If the file cannot be written.
     """
     text = json.dumps({"format": f"drake_twin {kind}", "version": version, **data}, indent=1) + "\n"
     try:

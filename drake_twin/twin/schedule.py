@@ -13,20 +13,20 @@ _LONGEST_WAIT = 3600.0  # for two step lengths to meet (simulated s)
 
 
 def step_at(time: float, time_step: float) -> int:
-    """The first physics step that is not before a time (s)."""
+    """Return the first physics step that is not before a time (s)."""
     return ceil(time / time_step - _ROUNDING)
 
 
 def meeting_step(step: int, time_step: float, other: float) -> int:
-    """The first step, from one on, that is on the grid of another step length, too.
+    """Return the first step, from one on, that is on the grid of another step length, too.
 
     Args:
-        step: a step.
-        time_step: the length of its steps (s).
-        other: the other length (s).
+        step: A step.
+        time_step: The length of its steps (s).
+        other: The other length (s).
 
     Raises:
-        InputError: the two do not meet within an hour.
+        InputError: If the two do not meet within an hour.
     """
     from fractions import Fraction  # 15 ms that few need
 
@@ -42,12 +42,12 @@ class ScheduledCommand:
     """A scenario's command and the step at which it is next due.
 
     Args:
-        command: what to publish when.
+        command: What to publish when.
 
     Attributes:
-        topic: where it is published.
-        data: what.
-        published: how often it has been.
+        topic: Where it is published.
+        data: What.
+        published: How often it has been.
     """
 
     def __init__(self, command: Command):
@@ -57,11 +57,11 @@ class ScheduledCommand:
         self._command = command
 
     def due_step(self, time_step: float) -> float:
-        """The step at which it is next published; infinite when it has been for the last time."""
+        """Return the step at which it is next published; infinite when it has been for the last time."""
         if self._command.period is None:
             return inf if self.published else step_at(self._command.time, time_step)
         return step_at(self._command.time + self.published * self._command.period, time_step)
 
     def pass_step(self) -> None:
-        """Notes that it was published."""
+        """Note that it was published."""
         self.published += 1

@@ -21,23 +21,23 @@ class Snapshot:
     """A moment of a twin.
 
     Attributes:
-        scenario: the scenario as YAML; it says which robots there are.
-        time_step: the physics step (s).
-        step: the number of steps since time zero.
-        robots: robot → its state ``[q; v]``, its joints in words, its controllers and what they keep, its servos.
-        models: what moves in the world and is no robot → its states.
-        parameters: name → value of what is not as it was built in the plant and its shapes: masses, friction.
-        commands: topic → the message that holds, as it is on the port.
-        expiries: topic → the time at which its message no longer holds (s).
-        waiting: what is published and not yet applied, in its order: topic and message.
-        wrenches: what pushes links.
-        schedule: how often each of the scenario's commands has been published.
-        silenced: topics whose scheduled commands are dropped.
-        next_time_step: the step that waits for its next multiple (s); None when none does.
+        scenario: The scenario as YAML; it says which robots there are.
+        time_step: The physics step (s).
+        step: The number of steps since time zero.
+        robots: Robot → its state ``[q; v]``, its joints in words, its controllers and what they keep, its servos.
+        models: What moves in the world and is no robot → its states.
+        parameters: Name → value of what is not as it was built in the plant and its shapes: masses, friction.
+        commands: Topic → the message that holds, as it is on the port.
+        expiries: Topic → the time at which its message no longer holds (s).
+        waiting: What is published and not yet applied, in its order: topic and message.
+        wrenches: What pushes links.
+        schedule: How often each of the scenario's commands has been published.
+        silenced: Topics whose scheduled commands are dropped.
+        next_time_step: The step that waits for its next multiple (s); None when none does.
         systems: The state vectors of the user's own systems, by their names.
 
     Raises:
-        InputError: an entry is of another kind.
+        InputError: If an entry is of another kind.
     """
 
     scenario: str
@@ -84,19 +84,19 @@ class Snapshot:
         return entries if self.systems else {name: value for name, value in entries.items() if name != "systems"}
 
     def save(self, file: str | Path) -> None:
-        """Writes it as JSON.
+        """Write it as JSON.
 
         Raises:
-            RunError: the file cannot be written.
+            RunError: If the file cannot be written.
         """
         write_saved(file, _KIND, _VERSION, {"scenario": self.scenario, **self.state()})
 
     @classmethod
     def load(cls, file: str | Path) -> "Snapshot":
-        """Reads what `save` wrote.
+        """Read what `save` wrote.
 
         Raises:
-            InputError: the file cannot be read, or is no snapshot of this version.
+            InputError: If the file cannot be read, or is no snapshot of this version.
         """
         data = read_saved(file, _KIND, _VERSION, converted_state)
         names = set(cls.__dataclass_fields__)

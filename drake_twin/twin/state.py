@@ -17,11 +17,11 @@ class RobotState:
     """One robot at one moment.
 
     Attributes:
-        joints: the names of its movable joints, in file order.
-        positions: joint positions (rad or m).
-        velocities: joint velocities (rad/s or m/s).
-        efforts: what its actuators apply (N·m or N); zero where a joint has none.
-        base_pose: the root link in the world: x, y, z (m), qw, qx, qy, qz.
+        joints: The names of its movable joints, in file order.
+        positions: Joint positions (rad or m).
+        velocities: Joint velocities (rad/s or m/s).
+        efforts: What its actuators apply (N·m or N); zero where a joint has none.
+        base_pose: The root link in the world: x, y, z (m), qw, qx, qy, qz.
     """
 
     joints: tuple[str, ...]
@@ -32,13 +32,13 @@ class RobotState:
 
 
 def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, with_efforts: bool = True) -> RobotState:
-    """The state of one robot.
+    """Return the state of one robot.
 
     Args:
-        built: the diagram.
-        context: its root context.
-        plan: the robot.
-        with_efforts: whether to ask for efforts, for which the plant solves the step to come; else they are zero.
+        built: The diagram.
+        context: Its root context.
+        plan: The robot.
+        with_efforts: Whether to ask for efforts, for which the plant solves the step to come; else they are zero.
     """
     parts, plant = built.robots[plan.name], built.plant
     plant_context = plant.GetMyContextFromRoot(context)

@@ -11,14 +11,14 @@ class Subscription:
     """A callback and the grid of simulation times, from zero on, at which it is given a topic's message.
 
     Args:
-        topic: the topic.
-        callback: is given the message.
-        period: the grid's spacing (s); None for a message that never changes, which is delivered once.
-        time: the present time (s); its message is delivered first.
+        topic: The topic.
+        callback: Is given the message.
+        period: The grid's spacing (s); None for a message that never changes, which is delivered once.
+        time: The present time (s); its message is delivered first.
 
     Attributes:
-        due: the step of the next delivery, counted as `use` was told last; infinite when there is none.
-        is_latched: whether its message never changes.
+        due: The step of the next delivery, counted as `use` was told last; infinite when there is none.
+        is_latched: Whether its message never changes.
     """
 
     def __init__(self, topic: str, callback: Callable[[Any], None], period: float | None, time: float):
@@ -31,14 +31,14 @@ class Subscription:
         self._latched: Any = None
 
     def use(self, time_step: float) -> None:
-        """Counts in steps of a length (s) from now on."""
+        """Count in steps of a length (s) from now on."""
         if self.is_latched:
             self.due = 0 if self._next_point == 0 else inf
         else:
             self.due = step_at(self._next_point * self._period, time_step)
 
     def pass_step(self, step: int, time_step: float) -> None:
-        """Notes a delivery at a step of a length (s), and moves on to the grid point after it."""
+        """Note a delivery at a step of a length (s), and moves on to the grid point after it."""
         self._next_point += 1
         self.use(time_step)
         if self.due <= step:  # several points lie at this step
@@ -47,22 +47,22 @@ class Subscription:
             self.due = max(self.due, step + 1)
 
     def take(self, message: Any) -> None:
-        """Gives a message to whoever listens."""
+        """Give a message to whoever listens."""
         if self.is_latched:
             self._latched = message
         self.callback(message)
 
     def look_again(self, message: Any) -> None:
-        """Delivers a message that never changes once more when it has, as when its robot is another one."""
+        """Deliver a message that never changes once more when it has, as when its robot is another one."""
         if self._next_point and message is not None and message != self._latched:
             self.begin(0.0)
 
     def begin(self, time: float) -> None:
-        """Begins again at a time (s), as if it had been made then; `use` is to follow."""
+        """Begin again at a time (s), as if it had been made then; `use` is to follow."""
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
-        """The last point of the grid that is not after a time."""
+        """Return the last point of the grid that is not after a time."""
         return floor(time / self._period + 1e-9)
 
 
@@ -74,7 +74,7 @@ class Subscriptions:
 
     Attributes:
         latest: Returns a topic's message at the present time; None when there is none, or no such topic.
-        due_step: the step at which the next delivery is due; infinite when there is none.
+        due_step: The step at which the next delivery is due; infinite when there is none.
     """
 
     def __init__(self, time_step: float, latest: Callable[[str], Any] = lambda topic: None):
@@ -84,21 +84,21 @@ class Subscriptions:
         self.due_step: float = inf
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
-        """Adds one; returns a function that ends it."""
+        """Add one; returns a function that ends it."""
         self._items.append(subscription)
         subscription.use(self._time_step)
         self._note_due_step()
         return lambda: self._end(subscription)
 
     def use(self, time_step: float) -> None:
-        """Counts in steps of a length (s) from now on."""
+        """Count in steps of a length (s) from now on."""
         self._time_step = time_step
         for subscription in self._items:
             subscription.use(time_step)
         self._note_due_step()
 
     def deliver(self, step: int) -> None:
-        """Delivers what is due at a step; callbacks may subscribe and end subscriptions, theirs and others'."""
+        """Deliver what is due at a step; callbacks may subscribe and end subscriptions, theirs and others'."""
         while self.due_step <= step:
             for subscription in [item for item in self._items if item.due <= step]:
                 if subscription.due <= step:  # nobody has ended it
@@ -109,13 +109,13 @@ class Subscriptions:
             self._note_due_step()
 
     def begin(self, time: float) -> None:
-        """Lets all begin again at a time (s)."""
+        """Let all begin again at a time (s)."""
         for subscription in self._items:
             subscription.begin(time)
         self.use(self._time_step)
 
     def look_again(self) -> None:
-        """Looks whether messages that never change have, because their robots are others."""
+        """Look whether messages that never change have, because their robots are others."""
         for subscription in self._items:
             if subscription.is_latched:
                 subscription.look_again(self.latest(subscription.topic))

@@ -14,12 +14,12 @@ _LEAST_DEPTH = 1e-3  # m: what rests on something is far less deep in it
 
 
 def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -> dict[str, tuple[Finding, ...]]:
-    """Looks what robots are deep in, at the context's state.
+    """Look what robots are deep in, at the context's state.
 
     Args:
-        built: the diagram.
-        context: its root context.
-        robots: the names of the robots to look at; of two robots, the one that came later is the one that is sunk.
+        built: The diagram.
+        context: Its root context.
+        robots: The names of the robots to look at; of two robots, the one that came later is the one that is sunk.
 
     Returns:
         Robot → a warning for each robot, model or part of the world that it is in, where it is deepest.
@@ -50,7 +50,7 @@ def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -
 def _owner_and_body(
     built: TwinDiagram, owners: Mapping[ModelInstanceIndex, str], query: QueryObject, geometry: GeometryId
 ) -> tuple[str, str]:
-    """The robot or model that a shape belongs to, and its body; of what does not move, the model and its link."""
+    """Return the robot or model that a shape belongs to, and its body or link."""
     inspector = query.inspector()
     body = built.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
     if name := owners.get(body.model_instance()):

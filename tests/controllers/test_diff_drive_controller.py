@@ -78,7 +78,7 @@ def test_a_message_older_than_the_timeout_is_refused():
     dut = drive()
     dut.advance(2.0)
     with pytest.raises(
-        CommandError, match=r"the command's stamp is 1 s old, and a command holds for 0.5 s only"
+        CommandError, match=r"the command's stamp is 1 s old, but a command expires after 0.5 s"
     ) as error:
         dut.send(x=0.3, stamp=1.0)
     assert not error.value.deactivates
@@ -317,7 +317,7 @@ def test_humbles_names_are_accepted_with_a_warning_where_they_change_nothing():
             "controller drive: linear.x.min_acceleration is ignored: ros2_controllers reads"
             " max_acceleration_reverse and max_deceleration since Jazzy"
         ),
-        "controller drive: wheels_per_side is ignored: the wheels' names say how many there are",
+        "controller drive: wheels_per_side is ignored: the number of wheels follows from their names",
     )
 
 

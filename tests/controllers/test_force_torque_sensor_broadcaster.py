@@ -61,10 +61,10 @@ def test_either_a_sensor_or_interfaces_have_to_be_named():
     names = WrenchInterfaceNames(force=AxisNames(x="fts/force.x"))
     with pytest.raises(InputError, match="sensor_name or interface_names is needed, and not both"):
         broadcaster(sensor_name="fts", interface_names=names)
-    with pytest.raises(InputError, match="sensor_name or interface_names is needed, and there is neither"):
+    with pytest.raises(InputError, match="sensor_name or interface_names is needed, and neither is given"):
         broadcaster()
     names = WrenchInterfaceNames(force=AxisNames(x="fts/forces.x"))
-    with pytest.raises(InputError, match=r"'fts/forces.x' is no interface .* Did you mean 'force.x'"):
+    with pytest.raises(InputError, match=r"'fts/forces.x' is not an interface .* Did you mean 'force.x'"):
         broadcaster(interface_names=names)
 
 

@@ -36,7 +36,6 @@ def advanced(dut, message, state=(0.0,) * 8, time=0.005):
     simulator = Simulator(builder.Build())
     context = dut.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     port = dut.get_command_input_port()
-    port.FixValue(context, AbstractValue.Make(None))
     dut.get_state_input_port().FixValue(context, state)
     dut.activate(context)
     if message is not None:

@@ -197,11 +197,11 @@ def test_chained_references_take_the_place_of_the_topic():
             "has 1 steering joint, but steering_joints_state_names has",
         ),
         (ACKERMANN, {"traction_joints_names": ["a", "a"]}, "traction_joints_names has a name twice"),
-        (BICYCLE, {"traction_wheel_radius": 0.0}, "the radius of the traction wheels is missing or not above zero"),
+        (BICYCLE, {"traction_wheel_radius": 0.0}, "the radius of the traction wheels is missing or not positive"),
         (
             TRICYCLE,
             {"traction_track_width": 0.0},
-            "the track width of the traction wheels is missing or not above zero",
+            "the track width of the traction wheels is missing or not positive",
         ),
         (BICYCLE, {"wheelbase": 0.0}, "0.0 is not above 0"),
     ],

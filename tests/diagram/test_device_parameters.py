@@ -69,7 +69,7 @@ def test_a_pid_on_an_interface_that_the_twin_does_not_measure_is_refused():
 def test_what_a_gripper_ignores_is_said():
     _, warnings = read("position_controllers/GripperActionController", joint="finger", action_monitor_rate=5.0)
     assert tuple(map(str, warnings)) == (
-        "controller c: action_monitor_rate is ignored: the end of a goal is delivered at the very update that finds it",
+        "controller c: action_monitor_rate is ignored: the end of a goal is reported at once",
     )
 
 

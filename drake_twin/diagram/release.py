@@ -1,6 +1,6 @@
-"""Letting go of diagrams, so that their memory comes back.
+"""Release of diagrams, so that their memory is freed.
 
-pydrake ties a simulator, its diagram and its systems to each other, and never lets go of any (drake#22515).
+pydrake makes a reference cycle of a simulator, its diagram and its systems, and never breaks it (drake#22515).
 """
 
 from collections.abc import Iterable, Iterator
@@ -8,19 +8,19 @@ from typing import Any
 
 from pydrake.systems.framework import Diagram, System
 
-_PEERS = "_pydrake_internal_ref_cycle_peers"  # where pydrake keeps them
+_PEERS = "_pydrake_internal_ref_cycle_peers"  # pydrake's attribute
 
 
-def let_go(items: Iterable[Any]) -> None:
-    """Unties simulators, builders, diagrams and systems, with all that is in them; none may be used afterwards."""
-    for part in [part for item in items for part in _parts(item)]:  # all first: each look at one ties it again
+def release(items: Iterable[Any]) -> None:
+    """Break the reference cycles of simulators, builders, diagrams and systems, which cannot be used afterwards."""
+    for part in [part for item in items for part in _parts(item)]:  # listed first: each access makes its cycle again
         peers = getattr(part, _PEERS, None)
         if peers is not None:
             peers.clear()
 
 
 def _parts(item: Any) -> Iterator[Any]:
-    """A diagram, all systems in it, and their ports."""
+    """Yield an item, and the systems and ports in it."""
     yield item
     if isinstance(item, Diagram):
         for system in item.GetSystems():
