@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError, TwinError
 from drake_twin.ros2.packages import AbsentError, absent_package_in
+from drake_twin.ros2.stand_in_modules import exports
 
 if TYPE_CHECKING:
     from drake_twin.ros2.context import LaunchContext
@@ -42,9 +43,7 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
     if absent is not None:
         return AbsentError(absent, file=file, line=line)
     if isinstance(error, ImportError) and not isinstance(error, ModuleNotFoundError):
-        from drake_twin.ros2.ros_modules import symbols_of
-
-        known = symbols_of(error.name or "")
+        known = sorted(exports(error.name or "") or ())
         if known:
             wanted = str(error).split("'")[1] if "'" in str(error) else str(error)
             return InputError(

@@ -20,11 +20,11 @@ import types
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from drake_twin.ros2 import ros_module_table as table
 from drake_twin.ros2.context import set_environment
 from drake_twin.ros2.packages import scratch_folder
+from drake_twin.ros2.stand_in_modules import ROOTS, StandInFinder, StandInLoader
 from drake_twin.ros2.xacro_program import PACKAGE_FOLDERS
 
 if TYPE_CHECKING:
@@ -80,10 +80,10 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         package_folders: where the ``xacro`` command looks for packages first.
     """
     with no_trace():
-        for name in [name for name in sys.modules if _root(name) in table.ROOTS or _is_foreign_xacro(name)]:
+        for name in [name for name in sys.modules if _root(name) in ROOTS or _is_foreign_xacro(name)]:
             del sys.modules[name]
         importlib.invalidate_caches()
-        sys.meta_path.insert(0, _RosFinder())
+        sys.meta_path[:0] = [StandInFinder(), _XacroFinder()]
         sys.meta_path.append(_WorkspaceFinder())
         os.environ.update(_ROS_ENVIRONMENT)
         for name in _DEFAULTS:
@@ -95,48 +95,14 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         yield
 
 
-def symbols_of(module: str) -> list[str]:
-    """The names that a stand-in module has; none for another module."""
-    return sorted(table.symbols(module) or ())
-
-
-class _RosFinder(importlib.abc.MetaPathFinder):
-    """Finds the stand-in modules, and xacro where the twin has it from."""
+class _XacroFinder(importlib.abc.MetaPathFinder):
+    """Finds the twin's own xacro before that of a ROS on the path."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: types.ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """A stand-in's spec; None for modules that are not ROS's."""
-        if fullname == "xacro":
-            return importlib.machinery.PathFinder.find_spec("xacro", _site_folders())
-        if _root(fullname) not in table.ROOTS:
-            return None
-        symbols = table.symbols(fullname)
-        if symbols is None:
-            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
-        return importlib.machinery.ModuleSpec(fullname, _StandInLoader(symbols), is_package=True)
-
-
-class _StandInLoader(importlib.abc.Loader):
-    def __init__(self, symbols: Mapping[str, Any]):
-        self._symbols = symbols
-
-    def create_module(self, spec: importlib.machinery.ModuleSpec) -> types.ModuleType | None:
-        """The usual module."""
-        return None
-
-    def exec_module(self, module: types.ModuleType) -> None:
-        """Fills it."""
-        module.__dict__.update(self._symbols)
-        module.__all__ = sorted(self._symbols)  # type: ignore[attr-defined]
-
-        def submodule(name: str) -> Any:
-            """``import launch`` makes ``launch.substitutions`` known, as in ROS."""
-            if table.symbols(f"{module.__name__}.{name}") is None:
-                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
-            return importlib.import_module(f"{module.__name__}.{name}")
-
-        module.__getattr__ = submodule  # type: ignore[method-assign]
+        """Return xacro's spec; None for another module."""
+        return importlib.machinery.PathFinder.find_spec("xacro", _site_folders()) if fullname == "xacro" else None
 
 
 class _WorkspaceFinder(importlib.abc.MetaPathFinder):
@@ -186,7 +152,7 @@ def _is_foreign_xacro(name: str) -> bool:
 def _lasts(name: str, module: types.ModuleType | None) -> bool:
     """Whether a module that was imported on the way stays: any later import would give the same."""
     spec = getattr(module, "__spec__", None)
-    if spec is None or spec.name != name or isinstance(spec.loader, _StandInLoader):
+    if spec is None or spec.name != name or isinstance(spec.loader, StandInLoader):
         return False
     if spec.origin in ("built-in", "frozen"):
         return True

@@ -1,0 +1,5 @@
+"""Stand-ins for ``launch.actions.pop_launch_configurations``."""
+
+from drake_twin.ros2.actions import PopLaunchConfigurations
+
+__all__ = ["PopLaunchConfigurations"]

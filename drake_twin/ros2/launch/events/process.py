@@ -1,0 +1,31 @@
+from drake_twin.ros2.events import (
+    ProcessExited,
+    ProcessIO,
+    ProcessStarted,
+    ProcessStderr,
+    ProcessStdin,
+    ProcessStdout,
+    ProcessTargetedEvent,
+    ShutdownProcess,
+    SignalProcess,
+    matches_action,
+    matches_executable,
+    matches_name,
+    matches_pid,
+)
+
+__all__ = [
+    "ProcessExited",
+    "ProcessIO",
+    "ProcessStarted",
+    "ProcessStderr",
+    "ProcessStdin",
+    "ProcessStdout",
+    "ProcessTargetedEvent",
+    "ShutdownProcess",
+    "SignalProcess",
+    "matches_action",
+    "matches_executable",
+    "matches_name",
+    "matches_pid",
+]

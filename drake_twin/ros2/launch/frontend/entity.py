@@ -1,0 +1,3 @@
+from drake_twin.ros2.frontend import Element as Entity
+
+__all__ = ["Entity"]

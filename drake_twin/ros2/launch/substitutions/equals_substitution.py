@@ -1,0 +1,3 @@
+from drake_twin.ros2.logic_substitutions import EqualsSubstitution
+
+__all__ = ["EqualsSubstitution"]

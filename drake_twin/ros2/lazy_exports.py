@@ -1,0 +1,31 @@
+"""The names of a stand-in package, each imported from its module when it is first asked for."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any
+
+_TREE = __package__
+
+
+def lazy_exports(package: str, exports: Mapping[str, str]) -> tuple[list[str], Callable[[str], Any]]:
+    """Return ``__all__`` and ``__getattr__`` of a package of stand-ins.
+
+    Args:
+        package: The package's ``__name__``.
+        exports: Module → the names that the package exports from it, separated by spaces. A module is a file of the
+            package, or a module of ROS such as ``launch.events.matchers``.
+    """
+    modules = {name: module for module, names in exports.items() for name in names.split()}
+
+    def getattribute(name: str) -> Any:
+        if name not in modules:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        module = modules[name]
+        value = getattr(importlib.import_module(f"{_TREE if '.' in module else package}.{module}"), name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return sorted(modules), getattribute

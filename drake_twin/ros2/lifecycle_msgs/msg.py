@@ -1,0 +1,3 @@
+from drake_twin.ros2.lifecycle import State, Transition
+
+__all__ = ["State", "Transition"]
