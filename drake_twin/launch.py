@@ -17,10 +17,9 @@ _MODULES = (
 def __getattr__(name: str) -> Any:
     """Return the entity of that name, imported when it is first asked for."""
     if name[0].isupper():
-        from drake_twin.ros2.stand_in_modules import exports
+        from drake_twin.ros2.stand_in_modules import exports, stand_in
 
         for module in _MODULES:
-            names = exports(module) or {}
-            if name in names:
-                return getattr(names[name], name)
+            if name in (exports(module) or ()):
+                return stand_in(module, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

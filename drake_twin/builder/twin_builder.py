@@ -15,7 +15,7 @@ from drake_twin.findings import Finding
 from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.entity import LaunchDescription
+    from drake_twin.ros2.launch.launch_description import LaunchDescription
     from drake_twin.twin.twin import Twin
 
 _log = logging.getLogger(__name__)

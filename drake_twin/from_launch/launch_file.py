@@ -45,7 +45,7 @@ from drake_twin.scenario import (
 
 if TYPE_CHECKING:
     from drake_twin.planning.robot_plan import RobotPlan
-    from drake_twin.ros2.entity import LaunchDescription
+    from drake_twin.ros2.launch.launch_description import LaunchDescription
 
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
 
@@ -489,7 +489,7 @@ def _bridge_file(file: Path, process: LaunchedProcess) -> dict[str, str]:
 
 def _world_of_command(process: LaunchedProcess) -> WorldStart | None:
     """The simulator that a command starts: ``gz sim …``, ``ign gazebo …``, ``gzserver …``, ``gazebo …``."""
-    from drake_twin.ros2.stand_ins import world_of_gz_args
+    from drake_twin.ros2.built_in_packages import world_of_gz_args
 
     words = words_of(process)
     if words[:2] in (["gz", "sim"], ["ign", "gazebo"]):

@@ -9,6 +9,9 @@ from typing import Any
 
 _TREE = __package__
 
+# Package → name → the module that holds it.
+EXPORTS: dict[str, dict[str, str]] = {}
+
 
 def lazy_exports(package: str, exports: Mapping[str, str]) -> tuple[list[str], Callable[[str], Any]]:
     """Return ``__all__`` and ``__getattr__`` of a package of stand-ins.
@@ -18,14 +21,18 @@ def lazy_exports(package: str, exports: Mapping[str, str]) -> tuple[list[str], C
         exports: Module → the names that the package exports from it, separated by spaces. A module is a file of the
             package, or a module of ROS such as ``launch.events.matchers``.
     """
-    modules = {name: module for module, names in exports.items() for name in names.split()}
+    modules = {
+        name: f"{_TREE if '.' in module else package}.{module}"
+        for module, names in exports.items()
+        for name in names.split()
+    }
+    EXPORTS[package] = modules
 
-    def getattribute(name: str) -> Any:
+    def attribute(name: str) -> Any:
         if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        module = modules[name]
-        value = getattr(importlib.import_module(f"{_TREE if '.' in module else package}.{module}"), name)
+        value = getattr(importlib.import_module(modules[name]), name)
         setattr(sys.modules[package], name, value)
         return value
 
-    return sorted(modules), getattribute
+    return sorted(modules), attribute

@@ -39,6 +39,11 @@ class LaunchPackages(PackageIndex):
         self._workspaces: list[Path] = []
         self.absent: dict[str, str] = {}  # name → where it was looked for
 
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The folders that are looked in first, and those of Gazebo's and ROS 1's path variables."""
+        return (*self._packages.folders, *self._packages.resource_folders)
+
     def find(self, package: str, near: str | Path | None = None) -> Path:
         """The share folder of a package, or a path that cannot exist and tells whose it is."""
         if package in self._built_in:

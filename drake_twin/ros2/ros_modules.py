@@ -20,15 +20,12 @@ import types
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from drake_twin.ros2.context import set_environment
+from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
 from drake_twin.ros2.packages import scratch_folder
+from drake_twin.ros2.scopes import set_environment
 from drake_twin.ros2.stand_in_modules import ROOTS, StandInFinder, StandInLoader
 from drake_twin.ros2.xacro_program import PACKAGE_FOLDERS
-
-if TYPE_CHECKING:
-    pass
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _LASTING_FOLDERS = tuple(
@@ -79,7 +76,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         arguments: its arguments, for ``sys.argv``.
         package_folders: where the ``xacro`` command looks for packages first.
     """
-    with no_trace():
+    with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation():
         for name in [name for name in sys.modules if _root(name) in ROOTS or _is_foreign_xacro(name)]:
             del sys.modules[name]
         importlib.invalidate_caches()

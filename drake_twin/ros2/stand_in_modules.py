@@ -15,6 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from drake_twin.ros2.lazy_exports import EXPORTS
+
 _TREE = __package__
 _FOLDER = Path(__file__).parent
 
@@ -22,11 +24,11 @@ ROOTS = frozenset(file.parent.name for file in _FOLDER.glob("*/__init__.py"))
 
 
 @lru_cache(maxsize=256)
-def exports(module: str) -> Mapping[str, ModuleType] | None:
+def exports(module: str) -> Mapping[str, str] | None:
     """Return the public names of a module of ROS, each with the module of the tree that holds it.
 
     A module inside a package has its package's names, too, as ROS's modules import from each other. Where the tree
-    gathers several classes of ROS in one file, the file of each (``launch.actions.log_warning``) is its package.
+    gathers several classes of ROS in one file, the file of each (``launch.actions.log_warning``) has its package's.
 
     Returns:
         None if ROS has no such module, as far as the twin knows.
@@ -34,8 +36,8 @@ def exports(module: str) -> Mapping[str, ModuleType] | None:
     package, _, last = module.rpartition(".")
     path = _FOLDER.joinpath(*module.split("."))
     if (path / "__init__.py").is_file():
-        return _public(module)
-    own = _public(module) if path.with_suffix(".py").is_file() else {}
+        return _public(f"{_TREE}.{module}")
+    own = _public(f"{_TREE}.{module}") if path.with_suffix(".py").is_file() else {}
     known = (exports(package) if package else None) or {}
     if own:
         return {**known, **own} if "." in package else own
@@ -43,17 +45,27 @@ def exports(module: str) -> Mapping[str, ModuleType] | None:
     return known if is_class or last in known else None
 
 
-def _public(module: str) -> dict[str, ModuleType]:
-    """Return a module's ``__all__``, or else the classes and functions that are defined in it."""
-    found = importlib.import_module(f"{_TREE}.{module}")
+def _public(module: str) -> dict[str, str]:
+    """Return a module's lazy exports, its ``__all__``, or else the classes and functions that are defined in it."""
+    found = importlib.import_module(module)
+    if module in EXPORTS:
+        return EXPORTS[module]
     names = getattr(found, "__all__", None)
     if names is None:
-        names = [
-            name
-            for name, value in vars(found).items()
-            if getattr(value, "__module__", None) == found.__name__ and not name.startswith("_")
-        ]
-    return dict.fromkeys(names, found)
+        names = [name for name, value in vars(found).items() if getattr(value, "__module__", None) == module]
+    return {name: module for name in names if not name.startswith("_")}
+
+
+def stand_in(module: str, name: str) -> Any:
+    """Return what stands for a name of a module of ROS.
+
+    Raises:
+        AttributeError: If there is no such name, as far as the twin knows.
+    """
+    names = exports(module) or {}
+    if name not in names:
+        raise AttributeError(f"module {module!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(names[name]), name)
 
 
 class StandInFinder(importlib.abc.MetaPathFinder):
@@ -65,21 +77,13 @@ class StandInFinder(importlib.abc.MetaPathFinder):
         """Return a stand-in's spec; None for modules that are not ROS's."""
         if fullname.partition(".")[0] not in ROOTS:
             return None
-        names = exports(fullname)
-        if names is None:
+        if exports(fullname) is None:
             raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
-        return importlib.machinery.ModuleSpec(fullname, StandInLoader(names), is_package=True)
+        return importlib.machinery.ModuleSpec(fullname, StandInLoader(), is_package=True)
 
 
 class StandInLoader(importlib.abc.Loader):
-    """Loads a stand-in module, whose names are taken from the tree when they are first asked for.
-
-    Args:
-        names: The module's names, see `exports`.
-    """
-
-    def __init__(self, names: Mapping[str, ModuleType]):
-        self._names = names
+    """Loads a stand-in module, whose names are taken from the tree when they are first asked for."""
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType | None:
         """Return None for the usual module."""
@@ -89,13 +93,12 @@ class StandInLoader(importlib.abc.Loader):
         """Give the module its names and its submodules."""
 
         def attribute(name: str) -> Any:
-            if name in self._names:
-                value = getattr(self._names[name], name)
+            full = f"{module.__name__}.{name}"
+            if name in module.__all__ or name.startswith("__") or exports(full) is None:
+                value = stand_in(module.__name__, name)
                 setattr(module, name, value)
                 return value
-            if name.startswith("__") or exports(f"{module.__name__}.{name}") is None:
-                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
-            return importlib.import_module(f"{module.__name__}.{name}")
+            return importlib.import_module(full)
 
-        module.__all__ = sorted(self._names)  # type: ignore[attr-defined]
+        module.__all__ = sorted(exports(module.__name__) or ())  # type: ignore[attr-defined]
         module.__getattr__ = attribute  # type: ignore[method-assign]

@@ -11,7 +11,7 @@ from drake_twin.errors import InputError
 from drake_twin.ros2.packages import AbsentError, absent_package_in
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.context import LaunchContext
+    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 # Options of the xacro command that change nothing in the result.
 _HARMLESS = ("--inorder", "-i", "--xacro-ns", "-q", "--check-order")

@@ -52,6 +52,7 @@ def test_a_launch_file_leaves_no_trace_however_it_ends(tmp_path, end):
 def test_a_nested_include_that_fails_leaves_no_trace(tmp_path):
     write_python(tmp_path / "inner.launch.py", "1 / 0", before="os.environ['A'] = '1'")
     write(tmp_path / "middle.launch.xml", '<launch><include file="$(dirname)/inner.launch.py"/></launch>')
+    launch_xml(tmp_path, "<push_environment/>")  # what the room itself loads on first use stays
     launch_python(tmp_path, "")
     before = state()
     with pytest.raises(InputError, match="ZeroDivisionError"):

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from drake_twin.ros2.actions import DeclareLaunchArgument
-from drake_twin.ros2.entity import LaunchDescription
-from drake_twin.ros2.ros_actions import Node
-from drake_twin.ros2.substitutions import LaunchConfiguration
+from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
+from drake_twin.ros2.launch.launch_description import LaunchDescription
+from drake_twin.ros2.launch.substitutions.launch_configuration import LaunchConfiguration
+from drake_twin.ros2.launch_ros.actions.node import Node
 
 
 def generate_controllers_spawner_launch_description_from_dict(
     controller_info_dict: Mapping[str, Any], extra_spawner_args: Iterable[Any] = ()
 ) -> LaunchDescription:
-    """Spawns several controllers at once.
+    """Return a launch description that spawns several controllers at once.
 
     Args:
-        controller_info_dict: controller → its parameter file or files, or None.
-        extra_spawner_args: further arguments of the spawner.
+        controller_info_dict: Controller → its parameter file or files, or None.
+        extra_spawner_args: Further arguments of the spawner.
     """
     files: list[Any] = []
     for given in controller_info_dict.values():
@@ -42,7 +42,7 @@ def generate_controllers_spawner_launch_description_from_dict(
 def generate_controllers_spawner_launch_description(
     controller_names: Iterable[str], controller_params_files: Any = None, extra_spawner_args: Iterable[Any] = ()
 ) -> LaunchDescription:
-    """Spawns several controllers with the same parameter files."""
+    """Return a launch description that spawns several controllers with the same parameter files."""
     return generate_controllers_spawner_launch_description_from_dict(
         dict.fromkeys(controller_names, controller_params_files), extra_spawner_args
     )
@@ -51,7 +51,7 @@ def generate_controllers_spawner_launch_description(
 def generate_load_controller_launch_description(
     controller_name: str, controller_params_file: Any = None, extra_spawner_args: Iterable[Any] = ()
 ) -> LaunchDescription:
-    """Spawns one controller."""
+    """Return a launch description that spawns one controller."""
     return generate_controllers_spawner_launch_description_from_dict(
         {controller_name: controller_params_file}, extra_spawner_args
     )

@@ -1,5 +1,7 @@
-"""Stand-ins for ``launch.event``."""
+"""Events: what event handlers wait for."""
 
-from drake_twin.ros2.events import Event
 
-__all__ = ["Event"]
+class Event:
+    """Something that happened."""
+
+    name = "launch.Event"

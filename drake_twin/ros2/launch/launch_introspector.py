@@ -1,5 +1,13 @@
-"""Stand-ins for ``launch.launch_introspector``."""
+"""Launch descriptions as text."""
 
-from drake_twin.ros2.launch_service import LaunchIntrospector
+from __future__ import annotations
 
-__all__ = ["LaunchIntrospector"]
+from drake_twin.ros2.launch.launch_description import LaunchDescription
+
+
+class LaunchIntrospector:
+    """Describes launch descriptions."""
+
+    def format_launch_description(self, launch_description: LaunchDescription) -> str:
+        """Return the entities, one a line."""
+        return "\n".join(entity.describe() for entity in launch_description.entities)

@@ -1,5 +1,14 @@
-"""Stand-ins for ``launch.launch_service``."""
+"""ROS's own runner of launch descriptions."""
 
-from drake_twin.ros2.launch_service import LaunchService
+from __future__ import annotations
 
-__all__ = ["LaunchService"]
+from typing import Any
+
+from drake_twin.errors import InputError
+
+
+class LaunchService:
+    """ROS's own runner of launch descriptions, which a launch file may import but not use here."""
+
+    def __init__(self, *args: Any, **kwargs: Any):
+        raise InputError("the launch file starts a launch service of its own, where it should only describe the launch")

@@ -1,5 +1,18 @@
-"""Stand-ins for ``launch.actions.push_launch_configurations``."""
+"""Saves the launch configurations."""
 
-from drake_twin.ros2.actions import PushLaunchConfigurations
+from __future__ import annotations
 
-__all__ = ["PushLaunchConfigurations"]
+from typing import TYPE_CHECKING
+
+from drake_twin.ros2.launch.action import Action
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+class PushLaunchConfigurations(Action):
+    """Saves the launch configurations."""
+
+    def execute(self, context: LaunchContext) -> None:
+        """Save the configurations."""
+        context.scopes.push_configurations()

@@ -1,5 +1,22 @@
-"""Stand-ins for ``launch.actions.unregister_event_handler``."""
+"""Removes an event handler."""
 
-from drake_twin.ros2.actions import UnregisterEventHandler
+from __future__ import annotations
 
-__all__ = ["UnregisterEventHandler"]
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.launch.action import Action
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+class UnregisterEventHandler(Action):
+    """Removes an event handler."""
+
+    def __init__(self, event_handler: Any, **kwargs: Any):
+        super().__init__(**kwargs)
+        self.event_handler = event_handler
+
+    def execute(self, context: LaunchContext) -> None:
+        """Remove the handler."""
+        context.unregister_event_handler(self.event_handler)

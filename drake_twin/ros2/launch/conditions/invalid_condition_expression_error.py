@@ -1,5 +1,7 @@
-"""Stand-ins for ``launch.conditions.invalid_condition_expression_error``."""
+"""The error of a condition's text."""
 
-from drake_twin.ros2.conditions import InvalidConditionExpressionError
+from drake_twin.errors import InputError
 
-__all__ = ["InvalidConditionExpressionError"]
+
+class InvalidConditionExpressionError(InputError):
+    """Raised for a condition's text that is neither true nor false."""

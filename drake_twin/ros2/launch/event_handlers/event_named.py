@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch.event_handlers.event_named``."""
+"""A matcher of events by their name."""
 
-from drake_twin.ros2.event_handlers import event_named
+from collections.abc import Callable
+from typing import Any
 
-__all__ = ["event_named"]
+
+def event_named(name: str) -> Callable[[Any], bool]:
+    """Return a matcher of events by their name."""
+    return lambda event: getattr(event, "name", None) == name

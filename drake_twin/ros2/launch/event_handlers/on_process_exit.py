@@ -1,5 +1,17 @@
-"""Stand-ins for ``launch.event_handlers.on_process_exit``."""
+"""Waits until a process has ended."""
 
-from drake_twin.ros2.event_handlers import OnProcessExit
+from __future__ import annotations
 
-__all__ = ["OnProcessExit"]
+from typing import Any
+
+from drake_twin.ros2.launch.event_handlers.on_action_event_base import OnActionEventBase
+from drake_twin.ros2.launch.events.process import ProcessExited
+
+
+class OnProcessExit(OnActionEventBase):
+    """Waits until a process has ended."""
+
+    waits_for = ProcessExited
+
+    def __init__(self, *, target_action: Any = None, on_exit: Any = None, handle_once: bool = False, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_exit, handle_once=handle_once)

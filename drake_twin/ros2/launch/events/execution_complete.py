@@ -1,5 +1,14 @@
-"""Stand-ins for ``launch.events.execution_complete``."""
+"""An action has been executed."""
 
-from drake_twin.ros2.events import ExecutionComplete
+from typing import Any
 
-__all__ = ["ExecutionComplete"]
+from drake_twin.ros2.launch.event import Event
+
+
+class ExecutionComplete(Event):
+    """An action has been executed."""
+
+    name = "launch.events.ExecutionComplete"
+
+    def __init__(self, *, action: Any):
+        self.action = action

@@ -1,5 +1,14 @@
-"""Stand-ins for ``launch.events.include_launch_description``."""
+"""A launch description is to be included."""
 
-from drake_twin.ros2.events import IncludeLaunchDescription
+from typing import Any
 
-__all__ = ["IncludeLaunchDescription"]
+from drake_twin.ros2.launch.event import Event
+
+
+class IncludeLaunchDescription(Event):
+    """A launch description is to be included."""
+
+    name = "launch.events.IncludeLaunchDescription"
+
+    def __init__(self, launch_description: Any):
+        self.launch_description = launch_description

@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch.events.matchers``."""
+"""Matchers of actions."""
 
-from drake_twin.ros2.events import matches_action
+from collections.abc import Callable
+from typing import Any
 
-__all__ = ["matches_action"]
+
+def matches_action(target_action: Any) -> Callable[[Any], bool]:
+    """Return a matcher of one action."""
+    return lambda action: action is target_action

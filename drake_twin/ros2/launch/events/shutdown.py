@@ -1,5 +1,13 @@
-"""Stand-ins for ``launch.events.shutdown``."""
+"""The launch ends."""
 
-from drake_twin.ros2.events import Shutdown
+from drake_twin.ros2.launch.event import Event
 
-__all__ = ["Shutdown"]
+
+class Shutdown(Event):
+    """The launch ends."""
+
+    name = "launch.events.Shutdown"
+
+    def __init__(self, *, reason: str = "reason not given", due_to_sigint: bool = False):
+        self.reason = reason
+        self.due_to_sigint = due_to_sigint

@@ -1,5 +1,14 @@
-"""Stand-ins for ``launch.events.timer_event``."""
+"""A timer is due."""
 
-from drake_twin.ros2.events import TimerEvent
+from typing import Any
 
-__all__ = ["TimerEvent"]
+from drake_twin.ros2.launch.event import Event
+
+
+class TimerEvent(Event):
+    """A timer is due."""
+
+    name = "launch.events.TimerEvent"
+
+    def __init__(self, *, timer_action: Any):
+        self.timer_action = timer_action

@@ -1,5 +1,7 @@
-"""Stand-ins for ``launch.launch_description_sources.frontend_launch_description_source``."""
+"""The source of an XML or YAML launch file."""
 
-from drake_twin.ros2.include import FrontendLaunchDescriptionSource
+from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
 
 __all__ = ["FrontendLaunchDescriptionSource"]
+
+FrontendLaunchDescriptionSource = AnyLaunchDescriptionSource

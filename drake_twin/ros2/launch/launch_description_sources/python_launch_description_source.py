@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch.launch_description_sources.python_launch_description_source``."""
+"""The source of a Python launch file."""
 
-from drake_twin.ros2.include import PythonLaunchDescriptionSource
+from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
 
-__all__ = ["PythonLaunchDescriptionSource"]
+
+class PythonLaunchDescriptionSource(AnyLaunchDescriptionSource):
+    """A Python launch file."""
+
+    form = "python"

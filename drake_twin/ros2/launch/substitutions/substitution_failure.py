@@ -1,5 +1,5 @@
-"""Stand-ins for ``launch.substitutions.substitution_failure``."""
+"""A substitution that cannot be performed."""
 
-from drake_twin.ros2.substitution import SubstitutionFailure
 
-__all__ = ["SubstitutionFailure"]
+class SubstitutionFailure(RuntimeError):  # noqa: N818  # ROS's own name
+    """A substitution that cannot be performed."""

@@ -1,5 +1,14 @@
-"""Stand-ins for ``launch.utilities.perform_substitutions_impl``."""
+"""The text of substitutions."""
 
-from drake_twin.ros2.substitution import perform_substitutions
+from __future__ import annotations
 
-__all__ = ["perform_substitutions"]
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+def perform_substitutions(context: LaunchContext, subs: Sequence[Any]) -> str:
+    """Return the joined text of substitutions."""
+    return context.perform_substitution(subs)

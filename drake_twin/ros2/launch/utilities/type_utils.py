@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from drake_twin.ros2.parameters import ParameterValue
+from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterValue
 
 if TYPE_CHECKING:
     from drake_twin.ros2.launch.launch_context import LaunchContext

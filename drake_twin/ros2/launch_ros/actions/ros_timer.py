@@ -1,6 +1,16 @@
-"""Stand-ins for ``launch_ros.actions.ros_timer``."""
+"""A timer on ROS's clock."""
 
-from drake_twin.ros2.ros_actions import RosTimer
-from drake_twin.ros2.ros_actions import RosTimer as ROSTimer
+from __future__ import annotations
+
+from drake_twin.ros2.launch.actions.timer_action import TimerAction
+from drake_twin.ros2.launch.frontend.expose import expose_action
 
 __all__ = ["ROSTimer", "RosTimer"]
+
+
+@expose_action("ros_timer")
+class RosTimer(TimerAction):
+    """A timer on ROS's clock, which here is simulation time like every timer."""
+
+
+ROSTimer = RosTimer

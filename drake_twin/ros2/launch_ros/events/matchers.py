@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch_ros.events.matchers``."""
+"""Matchers of nodes."""
 
-from drake_twin.ros2.events import matches_node_name
+from collections.abc import Callable
+from typing import Any
 
-__all__ = ["matches_node_name"]
+
+def matches_node_name(node_name: str) -> Callable[[Any], bool]:
+    """Return a matcher of a node's full name."""
+    return lambda action: getattr(action, "node_name", None) == "/" + node_name.lstrip("/")

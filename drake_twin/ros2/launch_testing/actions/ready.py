@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch_testing.actions.ready``."""
+"""Marks the start of tests."""
 
-from drake_twin.ros2.launch_service import ReadyToTest
+from __future__ import annotations
 
-__all__ = ["ReadyToTest"]
+from drake_twin.ros2.launch.action import Action
+
+
+class ReadyToTest(Action):
+    """Tells launch_testing that the tests may begin; does nothing here."""

@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch_xml.launch_description_sources.xml_launch_description_source``."""
+"""The source of an XML launch file."""
 
-from drake_twin.ros2.include import XMLLaunchDescriptionSource
+from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
 
-__all__ = ["XMLLaunchDescriptionSource"]
+
+class XMLLaunchDescriptionSource(AnyLaunchDescriptionSource):
+    """An XML launch file."""
+
+    form = "xml"

@@ -1,5 +1,9 @@
-"""Stand-ins for ``launch_yaml.launch_description_sources.yaml_launch_description_source``."""
+"""The source of a YAML launch file."""
 
-from drake_twin.ros2.include import YAMLLaunchDescriptionSource
+from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
 
-__all__ = ["YAMLLaunchDescriptionSource"]
+
+class YAMLLaunchDescriptionSource(AnyLaunchDescriptionSource):
+    """A YAML launch file."""
+
+    form = "yaml"

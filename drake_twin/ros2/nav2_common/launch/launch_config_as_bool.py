@@ -1,5 +1,21 @@
-"""Stand-ins for ``nav2_common.launch.launch_config_as_bool``."""
+"""A launch configuration as a truth value."""
 
-from drake_twin.ros2.rewritten_files import LaunchConfigAsBool
+from __future__ import annotations
 
-__all__ = ["LaunchConfigAsBool"]
+from typing import TYPE_CHECKING
+
+from drake_twin.ros2.launch.substitution import Substitution
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+class LaunchConfigAsBool(Substitution):
+    """A launch configuration as ``True`` or ``False``."""
+
+    def __init__(self, name: str):
+        self.name = name
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return ``True`` or ``False``."""
+        return str(str(context.launch_configurations.get(self.name, "")).lower() in ("true", "1", "yes", "on"))

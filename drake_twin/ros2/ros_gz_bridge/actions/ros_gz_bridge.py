@@ -1,5 +1,15 @@
-"""Stand-ins for ``ros_gz_bridge.actions.ros_gz_bridge``."""
+"""Starts a bridge between ROS's and gz's topics."""
 
-from drake_twin.ros2.gz_actions import RosGzBridge
+from __future__ import annotations
 
-__all__ = ["RosGzBridge"]
+from drake_twin.ros2.built_in_action import BuiltInAction
+from drake_twin.ros2.launch.frontend.expose import expose_action
+from drake_twin.ros2.packages import BUILT_IN
+
+
+@expose_action("ros_gz_bridge")
+class RosGzBridge(BuiltInAction):
+    """Starts a bridge between ROS's and gz's topics."""
+
+    file = f"{BUILT_IN}/ros_gz_bridge/launch/ros_gz_bridge.launch.py"
+    more_attributes = ("extra_bridge_params",)

@@ -1,43 +1,43 @@
-"""Launch files of packages that only ROS has: simulators, and what is of no use without ROS."""
+"""Packages that are built in: the launch files of Gazebo's packages, as what including them starts."""
 
 from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.launched import NODE, WORLD, LaunchArgument, LaunchedProcess, WorldStart
 from drake_twin.ros2.packages import BUILT_IN
 
-if TYPE_CHECKING:
-    from drake_twin.ros2.context import LaunchContext
-
 _TRUE = ("true", "1")
+_Start = Callable[[Mapping[str, str], LaunchedProcess], list[LaunchedProcess]]
 
 
 @dataclass(frozen=True)
-class StandIn:
-    """A launch file that the twin stands in for.
+class BuiltInFile:
+    """A launch file of a built-in package.
 
     Attributes:
-        arguments: its arguments and their defaults; "" where ROS's file computes one.
-        start: what including it does.
+        arguments: Its arguments and their defaults; "" where ROS's file computes one.
+        start: What including it starts, given its arguments and a process with the package, place and namespace.
     """
 
     arguments: Mapping[str, str]
-    start: Callable[[Mapping[str, str], LaunchContext, LaunchedProcess], None]
+    start: _Start
 
 
 def world_of_gz_args(gz_args: str, arguments: Mapping[str, str] | None = None) -> WorldStart:
-    """The world that gz's command line asks for.
+    """Return the world that gz's command line asks for.
 
     Args:
-        gz_args: such as ``-r -v 4 empty.sdf``.
-        arguments: the stand-in launch file's arguments, to keep.
+        gz_args: The command line's arguments, such as ``-r -v 4 empty.sdf``.
+        arguments: The launch file's arguments, to keep.
+
+    Raises:
+        InputError: If the text cannot be split into words.
     """
     try:
         words = shlex.split(gz_args)
@@ -91,36 +91,36 @@ _OPTIONS_WITH_VALUE = (
 )
 
 
-def _gz_sim(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
+def _gz_sim(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
     text = f"{arguments.get('gz_args') or arguments.get('ign_args', '')}"
-    _start_world(context, process, world_of_gz_args(text, arguments))
+    return [_world(base, world_of_gz_args(text, arguments))]
 
 
-def _gz_server(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
+def _gz_server(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
     world = arguments.get("world_sdf_file") or arguments.get("world_sdf_string") or None
-    _start_world(context, process, WorldStart("gz", world, server_only=True, arguments=dict(arguments)))
+    return [_world(base, WorldStart("gz", world, server_only=True, arguments=dict(arguments)))]
 
 
-def _ros_gz_sim(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
-    _gz_server(arguments, context, process)
-    _start_bridge(arguments, context, process)
+def _ros_gz_sim(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
+    return _gz_server(arguments, base) + _bridge(arguments, base)
 
 
-def _ros_gz_spawn_model(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
-    _start_bridge(arguments, context, process)
-    _spawn_model(arguments, context, process)
+def _ros_gz_spawn_model(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
+    return _bridge(arguments, base) + _spawn_model(arguments, base)
 
 
-def _start_bridge(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
+def _bridge(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
     config = arguments.get("config_file", "")
-    _start_node(
-        context,
-        process,
-        package="ros_gz_bridge",
-        executable="parameter_bridge",
-        name=arguments.get("bridge_name") or "ros_gz_bridge",
-        parameters=({"config_file": config},) if config else (),
-    )
+    return [
+        replace(
+            base,
+            kind=NODE,
+            package="ros_gz_bridge",
+            executable="parameter_bridge",
+            name=arguments.get("bridge_name") or "ros_gz_bridge",
+            parameters=({"config_file": config},) if config else (),
+        )
+    ]
 
 
 _SPAWN_OPTIONS = {
@@ -139,15 +139,17 @@ _SPAWN_OPTIONS = {
 }
 
 
-def _spawn_model(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
+def _spawn_model(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
     given = {option: arguments[name] for name, option in _SPAWN_OPTIONS.items() if arguments.get(name)}
-    renaming = given.pop("-allow_renaming", "")  # a flag of gflags' takes no word after it
+    renaming = given.pop("-allow_renaming", "")  # gflags takes a flag's value only after an equals sign
     words = [word for pair in given.items() for word in pair]
     words += [f"-allow_renaming={renaming.lower()}"] if renaming else []
-    _start_node(context, process, package="ros_gz_sim", executable="create", arguments=tuple(words), ends=True)
+    return [
+        replace(base, kind=NODE, package="ros_gz_sim", executable="create", arguments=tuple(words), ends=True),
+    ]
 
 
-def _classic(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
+def _classic(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
     world = WorldStart(
         "classic",
         arguments.get("world") or None,
@@ -156,32 +158,23 @@ def _classic(arguments: Mapping[str, str], context: LaunchContext, process: Laun
         server_only=not _says_true(arguments.get("gui", "true")),
         arguments=dict(arguments),
     )
-    if _says_true(arguments.get("server", "true")):
-        _start_world(context, process, world)
+    return [_world(base, world)] if _says_true(arguments.get("server", "true")) else []
 
 
-def _nothing(arguments: Mapping[str, str], context: LaunchContext, process: LaunchedProcess) -> None:
-    """A window, or a program that the twin has its own of."""
+def _nothing(arguments: Mapping[str, str], base: LaunchedProcess) -> list[LaunchedProcess]:
+    """Start nothing: the file opens a window."""
+    return []
+
+
+def _world(base: LaunchedProcess, world: WorldStart) -> LaunchedProcess:
+    return replace(base, kind=WORLD, world=world, namespace="/")
 
 
 def _says_true(text: str) -> bool:
     return text.strip().lower() in _TRUE
 
 
-def _start_world(context: LaunchContext, process: LaunchedProcess, world: WorldStart) -> None:
-    from dataclasses import replace
-
-    context.start(replace(process, kind=WORLD, world=world))
-
-
-def _start_node(context: LaunchContext, process: LaunchedProcess, **values: object) -> None:
-    from dataclasses import replace
-
-    base = context.launch_configurations.get("ros_namespace") or "/"
-    context.start(replace(process, kind=NODE, namespace=base, **values))  # type: ignore[arg-type]
-
-
-_GZ_SIM = StandIn(
+_GZ_SIM = BuiltInFile(
     {
         "gz_args": "",
         "gz_version": "8",
@@ -250,68 +243,70 @@ _GZCLIENT = {
 }
 _GAZEBO = _GZSERVER | _GZCLIENT | {"gui": "true", "server": "true", "gui_required": "false"}
 
-_STAND_INS: Mapping[str, Mapping[str, StandIn]] = {
+_FILES: Mapping[str, Mapping[str, BuiltInFile]] = {
     "ros_gz_sim": {
         "gz_sim.launch.py": _GZ_SIM,
-        "gz_server.launch.py": StandIn(_SERVER, _gz_server),
-        "gz_server.launch": StandIn(_SERVER, _gz_server),
-        "gz_spawn_model.launch.py": StandIn(_SPAWN, _spawn_model),
-        "gz_spawn_model.launch": StandIn(_SPAWN, _spawn_model),
-        "ros_gz_sim.launch.py": StandIn(_BRIDGE | _SERVER, _ros_gz_sim),
-        "ros_gz_sim.launch": StandIn(_BRIDGE | _SERVER, _ros_gz_sim),
-        "ros_gz_spawn_model.launch.py": StandIn(_BRIDGE | _SPAWN, _ros_gz_spawn_model),
-        "ros_gz_spawn_model.launch": StandIn(_BRIDGE | _SPAWN, _ros_gz_spawn_model),
+        "gz_server.launch.py": BuiltInFile(_SERVER, _gz_server),
+        "gz_server.launch": BuiltInFile(_SERVER, _gz_server),
+        "gz_spawn_model.launch.py": BuiltInFile(_SPAWN, _spawn_model),
+        "gz_spawn_model.launch": BuiltInFile(_SPAWN, _spawn_model),
+        "ros_gz_sim.launch.py": BuiltInFile(_BRIDGE | _SERVER, _ros_gz_sim),
+        "ros_gz_sim.launch": BuiltInFile(_BRIDGE | _SERVER, _ros_gz_sim),
+        "ros_gz_spawn_model.launch.py": BuiltInFile(_BRIDGE | _SPAWN, _ros_gz_spawn_model),
+        "ros_gz_spawn_model.launch": BuiltInFile(_BRIDGE | _SPAWN, _ros_gz_spawn_model),
     },
     "ros_gz_bridge": {
-        "ros_gz_bridge.launch.py": StandIn(_BRIDGE, _start_bridge),
-        "ros_gz_bridge.launch": StandIn(_BRIDGE, _start_bridge),
+        "ros_gz_bridge.launch.py": BuiltInFile(_BRIDGE, _bridge),
+        "ros_gz_bridge.launch": BuiltInFile(_BRIDGE, _bridge),
     },
     "ros_ign_gazebo": {"ign_gazebo.launch.py": _GZ_SIM, "gz_sim.launch.py": _GZ_SIM},
     "gazebo_ros": {
-        "gazebo.launch.py": StandIn(_GAZEBO, _classic),
-        "gzserver.launch.py": StandIn(_GZSERVER, _classic),
-        "gzclient.launch.py": StandIn(_GZCLIENT, _nothing),
+        "gazebo.launch.py": BuiltInFile(_GAZEBO, _classic),
+        "gzserver.launch.py": BuiltInFile(_GZSERVER, _classic),
+        "gzclient.launch.py": BuiltInFile(_GZCLIENT, _nothing),
     },
 }
-BUILT_IN_PACKAGES = frozenset(_STAND_INS)
+BUILT_IN_PACKAGES = frozenset(_FILES)
 
 
-def include_stand_in(path: str, context: LaunchContext, place: Place | None) -> None:
-    """Includes a launch file of a built-in package: its arguments are the configurations at hand.
+def built_in_arguments(path: str, place: Place | None = None) -> list[LaunchArgument]:
+    """Return the arguments of a launch file of a built-in package.
 
     Args:
-        path: below `drake_twin.ros2.packages.BUILT_IN`.
-        context: gives the configurations.
-        place: where it is included.
+        path: The file, below `drake_twin.ros2.packages.BUILT_IN`.
+        place: Where it is included.
 
     Raises:
-        InputError: the package has no such launch file.
+        InputError: If the package has no such launch file.
     """
-    package, stand_in = _find(path, place)
-    for name, default in stand_in.arguments.items():
-        context.declared.add(name)
-        if default:
-            context.launch_configurations.setdefault(name, default)
-    arguments = {
-        name: str(context.launch_configurations[name])
-        for name in stand_in.arguments
-        if name in context.launch_configurations
-    }
-    process = LaunchedProcess(
-        kind=WORLD, executable=PurePosixPath(path).name, package=package, place=place or Place(path)
-    )
-    stand_in.start(arguments, context, process)
+    _, file = _find(path, place)
+    return [LaunchArgument(name, default) for name, default in file.arguments.items()]
 
 
-def stand_in_arguments(path: str) -> list[LaunchArgument]:
-    """The arguments of a launch file of a built-in package."""
-    _, stand_in = _find(path, None)
-    return [LaunchArgument(name, default) for name, default in stand_in.arguments.items()]
+def built_in_processes(
+    path: str, arguments: Mapping[str, str], namespace: str, place: Place | None
+) -> list[LaunchedProcess]:
+    """Return what including a launch file of a built-in package starts.
+
+    Args:
+        path: The file, below `drake_twin.ros2.packages.BUILT_IN`.
+        arguments: Values by name; those that are not the file's are ignored.
+        namespace: The nodes' namespace.
+        place: Where it is included.
+
+    Raises:
+        InputError: If the package has no such launch file.
+    """
+    package, file = _find(path, place)
+    own = {name: arguments[name] for name in file.arguments if name in arguments}
+    name = PurePosixPath(path).name
+    base = LaunchedProcess(WORLD, name, place or Place(path), package=package, namespace=namespace)
+    return file.start(own, base)
 
 
-def _find(path: str, place: Place | None) -> tuple[str, StandIn]:
+def _find(path: str, place: Place | None) -> tuple[str, BuiltInFile]:
     package = Path(path).relative_to(BUILT_IN).parts[0]
-    files = _STAND_INS[package]
+    files = _FILES[package]
     name = PurePosixPath(path).name
     if name not in files:
         raise InputError(

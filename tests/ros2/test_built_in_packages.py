@@ -2,7 +2,7 @@ import pytest
 from launch_files import launch_python, launch_xml
 
 from drake_twin.errors import InputError
-from drake_twin.ros2.stand_ins import world_of_gz_args
+from drake_twin.ros2.built_in_packages import world_of_gz_args
 
 
 def world(folder, package, launch_file, **arguments):
