@@ -12,12 +12,12 @@ from collections.abc import Iterator
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from functools import cache
-from importlib.metadata import distributions
 from pathlib import Path
 
 from drake_twin.description.package_index import containing_package, packages_in, workspace_of
 from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.lazy_exports import import_own
 
 _GROUP = "launch.frontend.launch_extension"
 _TREE = __package__
@@ -28,7 +28,7 @@ _FOLDER = Path(__file__).parent
 def load_own_modules(folder: str) -> None:
     """Import all modules of the tree of stand-ins that are in folders of a name, such as ``actions``."""
     for file in sorted(_FOLDER.glob(f"*/{folder}/[a-z]*.py")):
-        importlib.import_module(".".join((_TREE, *file.relative_to(_FOLDER).with_suffix("").parts)))
+        import_own(".".join((_TREE, *file.relative_to(_FOLDER).with_suffix("").parts)))
 
 
 def load_extensions() -> None:
@@ -63,12 +63,11 @@ def extension_modules(package: Path) -> Iterator[str]:
         package: The folder with the package.xml, of a source or an installed package.
     """
     if package.parent.name == "share":
-        for site in package.parent.parent.glob("lib*/python3*/*-packages"):
-            for distribution in distributions(path=[str(site)]):
-                if distribution.metadata["Name"].replace("-", "_") == package.name:
-                    yield from (point.module for point in distribution.entry_points.select(group=_GROUP))
-        return
-    for line in [*_of_setup_cfg(package / "setup.cfg"), *_of_setup_py(package / "setup.py")]:
+        files = package.parents[1].glob(f"lib*/python3*/*-packages/{package.name}-*-info/entry_points.txt")
+        lines = [line for file in files for line in _of_config(file, _GROUP)]
+    else:
+        lines = [*_of_config(package / "setup.cfg", "options.entry_points"), *_of_setup_py(package / "setup.py")]
+    for line in lines:
         module = line.partition("=")[2].partition(":")[0].strip()
         if module:
             yield module
@@ -88,13 +87,16 @@ def _visible_packages(context: LaunchContext) -> Iterator[Path]:
         yield from packages_in(folder)
 
 
-def _of_setup_cfg(file: Path) -> list[str]:
-    parser = ConfigParser(interpolation=None)
+def _of_config(file: Path, section: str) -> list[str]:
+    """Return the entry points, ``name = module``, in a section of entry_points.txt or setup.cfg."""
+    parser = ConfigParser(delimiters=("=",), interpolation=None)
     try:
         parser.read(file, encoding="utf-8")
     except (ConfigError, UnicodeDecodeError):
         return []
-    return parser.get("options.entry_points", _GROUP, fallback="").splitlines()
+    if section == _GROUP:
+        return [f"{name} = {module}" for name, module in parser.items(section)] if parser.has_section(section) else []
+    return parser.get(section, _GROUP, fallback="").splitlines()
 
 
 def _of_setup_py(file: Path) -> list[str]:

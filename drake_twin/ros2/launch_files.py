@@ -9,7 +9,10 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import built_in_arguments, built_in_processes
 from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
+from drake_twin.ros2.launch_xml.parser import load_xml_file
+from drake_twin.ros2.launch_yaml.parser import load_yaml_file
 from drake_twin.ros2.packages import AbsentError, absent_package_in
+from drake_twin.ros2.python_file import load_python_file
 from drake_twin.ros2.visiting import every_entity, visit_list
 
 if TYPE_CHECKING:
@@ -30,17 +33,9 @@ def load_launch_file(path: str, context: LaunchContext, form: str | None = None)
     """
     form = form or _form_of(Path(path))
     if form == "python":
-        from drake_twin.ros2.python_file import load_python_file
-
         return load_python_file(path, context)
     with context.loading(path):
-        if form == "xml":
-            from drake_twin.ros2.launch_xml.parser import load_xml_file
-
-            return load_xml_file(path)
-        from drake_twin.ros2.launch_yaml.parser import load_yaml_file
-
-        return load_yaml_file(path)
+        return load_xml_file(path) if form == "xml" else load_yaml_file(path)
 
 
 def _form_of(path: Path) -> str:

@@ -1,9 +1,8 @@
-"""ROS's Python modules, stood in for while launch files run.
+"""The surroundings of launch files while they run: ROS's Python modules, environment variables and ``xacro``.
 
-They are in ``sys.modules`` only in between, under ROS's own names; modules of a ROS that happens to be on the path are
-never used. Afterwards ``sys.modules``, ``sys.path``, ``os.environ`` and the working directory are what they were, but
-for modules of Python itself and of its site-packages, which an import finds again all the same and some of which
-(NumPy) cannot be loaded twice.
+The stand-ins are in ``sys.modules`` only while launch files run; the modules of a ROS on the path are never used.
+Afterwards ``sys.modules``, ``sys.path``, ``os.environ`` and the working directory are restored. Only modules of Python
+itself and of its site-packages stay: a later import would find the same, and some (NumPy) cannot be loaded twice.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ _DEFAULTS = (
 
 @contextmanager
 def no_trace() -> Iterator[None]:
-    """Puts modules, path, environment, arguments and working directory back to what they were before."""
+    """Restore modules, path, environment, arguments and working directory at the end."""
     modules, path, path_list = dict(sys.modules), list(sys.path), sys.path
     finders, environment, argv = list(sys.meta_path), dict(os.environ), sys.argv
     bytecode, output = sys.dont_write_bytecode, sys.stdout
@@ -69,12 +68,12 @@ def no_trace() -> Iterator[None]:
 
 @contextmanager
 def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Iterable[Path] = ()) -> Iterator[None]:
-    """ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
+    """Provide ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
 
     Args:
-        file: the launch file, for ``sys.argv``.
-        arguments: its arguments, for ``sys.argv``.
-        package_folders: where the ``xacro`` command looks for packages first.
+        file: The launch file, for ``sys.argv``.
+        arguments: Its arguments, for ``sys.argv``.
+        package_folders: Where the ``xacro`` command searches packages first.
     """
     with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation():
         for name in [name for name in sys.modules if _root(name) in ROOTS or _is_foreign_xacro(name)]:
@@ -88,7 +87,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", "")])
         os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
         sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
-        sys.stdout = sys.stderr  # what launch files print is no result of the program
+        sys.stdout = sys.stderr  # what launch files print does not belong to the program's result
         yield
 
 
@@ -108,7 +107,7 @@ class _WorkspaceFinder(importlib.abc.MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: types.ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """The module's spec; None if no package has it."""
+        """Return the module's spec; None if no package has it."""
         from drake_twin.description.package_index import containing_package
         from drake_twin.ros2.evaluation import current_context
 
@@ -125,7 +124,7 @@ class _WorkspaceFinder(importlib.abc.MetaPathFinder):
             folders += [share, *share.parent.parent.glob("l*/python3*/*-packages")]
         places = [str(place) for folder in folders for place in (folder, folder / "src")]
         spec = importlib.machinery.PathFinder.find_spec(fullname, places)
-        if spec is None or spec.origin is None:  # a folder without __init__.py is no module here
+        if spec is None or spec.origin is None:  # a folder without __init__.py is not a module here
             return None
         return spec
 
@@ -147,7 +146,7 @@ def _is_foreign_xacro(name: str) -> bool:
 
 
 def _lasts(name: str, module: types.ModuleType | None) -> bool:
-    """Whether a module that was imported on the way stays: any later import would give the same."""
+    """Return whether a module that launch files imported stays: any later import would find the same."""
     spec = getattr(module, "__spec__", None)
     if spec is None or spec.name != name or isinstance(spec.loader, StandInLoader):
         return False
@@ -158,7 +157,7 @@ def _lasts(name: str, module: types.ModuleType | None) -> bool:
 
 
 def _xacro_folder() -> str:
-    """A folder with a ``xacro`` command, for launch files that start it themselves."""
+    """Return a folder with a ``xacro`` command, for launch files that start it themselves."""
     folder = scratch_folder() / "bin"
     script = folder / "xacro"
     if not script.exists():

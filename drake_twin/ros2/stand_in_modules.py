@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from drake_twin.ros2.lazy_exports import EXPORTS
+from drake_twin.ros2.lazy_exports import EXPORTS, import_own
 
 _TREE = __package__
 _FOLDER = Path(__file__).parent
@@ -47,7 +47,7 @@ def exports(module: str) -> Mapping[str, str] | None:
 
 def _public(module: str) -> dict[str, str]:
     """Return a module's lazy exports, its ``__all__``, or else the classes and functions that are defined in it."""
-    found = importlib.import_module(module)
+    found = import_own(module)
     if module in EXPORTS:
         return EXPORTS[module]
     names = getattr(found, "__all__", None)
@@ -60,12 +60,12 @@ def stand_in(module: str, name: str) -> Any:
     """Return what stands for a name of a module of ROS.
 
     Raises:
-        AttributeError: If there is no such name, as far as the twin knows.
+        AttributeError: If the twin knows no such name.
     """
     names = exports(module) or {}
     if name not in names:
         raise AttributeError(f"module {module!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(names[name]), name)
+    return getattr(import_own(names[name]), name)
 
 
 class StandInFinder(importlib.abc.MetaPathFinder):
