@@ -8,28 +8,42 @@ from typing import Any, Protocol
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
+from drake_twin.ros2.launch.event import Event
 
 # A launch file whose events call each other for ever ends here.
 _MOST_EVENTS = 20_000
 
 
 class Handler(Protocol):
-    """An event handler, as the queue sees it.
+    """An event handler, such as `drake_twin.ros2.launch.event_handler.EventHandler`.
 
     Attributes:
+        waits_for: The kind of its events.
         handle_once: Whether the handler ends with its first event.
         fired: Whether one of its events has come.
         captured: What `LaunchContext.snapshot` returned when it was registered.
         place: Where it was written.
     """
 
+    waits_for: type[Event]
     handle_once: bool
     fired: bool
     captured: Mapping[str, Any]
     place: Place | None
 
+    @property
+    def what(self) -> str:
+        """What it waits for, in words."""
+
+    @property
+    def entities(self) -> list[Any]:
+        """What is visited when the event comes, where that is known before."""
+
     def matches(self, event: Any) -> bool:
         """Return whether the handler waits for an event."""
+
+    def run(self, event: Any, context: Any) -> None:
+        """Visit what the handler's function returns, or its entities."""
 
 
 class EventQueue:
@@ -45,9 +59,9 @@ class EventQueue:
         shutdown_reason: Why, where it has.
     """
 
-    def __init__(self, run_handler: Callable[[Any, Any], None]):
+    def __init__(self, run_handler: Callable[[Handler, Any], None]):
         self.time = 0.0
-        self.handlers: list[Any] = []
+        self.handlers: list[Handler] = []
         self.is_shutdown = False
         self.shutdown_reason: str | None = None
         self._run_handler = run_handler

@@ -169,7 +169,7 @@ def test_a_wrong_use_of_an_own_tag_is_refused(tmp_path, element, reason):
 def test_an_error_in_a_packages_parse_method_shows_its_lines(tmp_path):
     tags = TAGS.replace('kwargs["who"] =', 'kwargs["who"] = 1 / 0 or')
     file = write(package(tmp_path, tags=tags) / "launch" / "x.launch.xml", XML)
-    with pytest.raises(InputError, match="x.launch.xml: the launch file's code fails") as error:
+    with pytest.raises(InputError, match=r"x.launch.xml: the launch file's code fails") as error:
         evaluate(file)
     assert "ZeroDivisionError" in str(error.value)
     assert "tags.py" in str(error.value)

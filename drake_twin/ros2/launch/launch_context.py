@@ -14,7 +14,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
-from drake_twin.ros2.event_queue import EventQueue
+from drake_twin.ros2.event_queue import EventQueue, Handler
 from drake_twin.ros2.launched import FailedInclude, LaunchedProcess, ParameterText
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.scopes import Scopes, copied
@@ -116,13 +116,13 @@ class LaunchContext:
         """Return globals and locals."""
         return {**self._globals, **self._locals}
 
-    def register_event_handler(self, event_handler: Any, append: bool = False) -> None:
+    def register_event_handler(self, event_handler: Handler, append: bool = False) -> None:
         """Register an event handler; the one registered last is asked first, as in ROS."""
         event_handler.captured = self.snapshot()
         handlers = self.events.handlers
         handlers.insert(len(handlers) if append else 0, event_handler)
 
-    def unregister_event_handler(self, event_handler: Any) -> None:
+    def unregister_event_handler(self, event_handler: Handler) -> None:
         """Remove an event handler.
 
         Raises:
@@ -245,5 +245,5 @@ class LaunchContext:
         """Return a name that is used once; the same in every run."""
         return self._anonymous.setdefault(name, f"{name}_{len(self._anonymous) + 1}")
 
-    def _run_handler(self, handler: Any, event: Any) -> None:
+    def _run_handler(self, handler: Handler, event: Any) -> None:
         self.run_captured(handler.captured, handler.place, partial(handler.run, event, self))
