@@ -1,18 +1,25 @@
-"""Front ends that end in a `drake_twin.scenario.Scenario`, and ROS 2's launch entities for plain Python programs.
+"""ROS 2's launch entities for Python programs.
 
-``from drake_twin.launch import LaunchDescription, Node`` gives what ``launch`` and ``launch_ros`` give launch
-files; `drake_twin.ros2.evaluate` says what a launch file or such a description starts.
+``from drake_twin.launch import LaunchDescription, Node`` gives what ``launch`` and ``launch_ros`` give launch files;
+`drake_twin.ros2.evaluate` evaluates such a description.
 """
 
 from typing import Any
 
+# Where a name is looked for, in this order: a few stand for two things in ROS.
+_MODULES = (
+    *("launch", "launch.actions", "launch.conditions", "launch.event_handlers", "launch.substitutions"),
+    *("launch.launch_description_sources", "launch_ros.actions", "launch_ros.descriptions"),
+    *("launch_ros.substitutions", "nav2_common.launch"),
+)
+
 
 def __getattr__(name: str) -> Any:
-    """The entity of that name, loaded when it is first asked for."""
-    if name[0].isupper():  # classes; the others are modules of this package
-        from drake_twin.ros2.ros_module_table import every_symbol
+    """Return the entity of that name, imported when it is first asked for."""
+    if name[0].isupper():
+        from drake_twin.ros2.stand_in_modules import exports, stand_in
 
-        symbols = every_symbol()
-        if name in symbols:
-            return symbols[name]
+        for module in _MODULES:
+            if name in (exports(module) or ()):
+                return stand_in(module, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -18,7 +18,7 @@ from drake_twin.planning.topics import topics_with_one_owner
 from drake_twin.scenario import Command, Scenario, ScenarioError, StaticTransform
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.entity import LaunchDescription
+    from drake_twin.ros2.launch.launch_description import LaunchDescription
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from drake_twin.diagram.twin_diagram import Extension
     from drake_twin.planning.robot_plan import RobotPlan
-    from drake_twin.ros2.entity import LaunchDescription
+    from drake_twin.ros2.launch.launch_description import LaunchDescription
     from drake_twin.twin.twin import Twin
 
 _log = logging.getLogger(__name__)

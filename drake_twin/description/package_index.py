@@ -246,3 +246,8 @@ def _packages_below(folder: Path, depth: int = _SEARCH_DEPTH) -> tuple[Path, ...
         elif depth > 1:
             found.extend(_packages_below(place, depth - 1))
     return tuple(found)
+
+
+def packages_in(folder: Path) -> tuple[Path, ...]:
+    """Return the packages at or below a folder."""
+    return (folder,) if (folder / "package.xml").is_file() else _packages_below(folder)

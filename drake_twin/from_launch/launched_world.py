@@ -46,7 +46,7 @@ def launched_world(
 
 def _world_of_command(process: LaunchedProcess) -> WorldStart | None:
     """Return the simulator that ``gz sim …``, ``ign gazebo …``, ``gzserver …`` or ``gazebo …`` starts."""
-    from drake_twin.ros2.stand_ins import world_of_gz_args
+    from drake_twin.ros2.built_in_packages import world_of_gz_args
 
     words = words_of(process)
     if words[:2] in (["gz", "sim"], ["ign", "gazebo"]):

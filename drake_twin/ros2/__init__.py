@@ -1,5 +1,5 @@
-"""ROS 2 launch files, evaluated with no ROS on the machine: what they start.
+"""ROS 2 launch files, evaluated without ROS.
 
-`evaluate` is the way in, `launched` what comes out; the entities stand under ROS's own module names while a Python
-launch file runs, see `ros_modules`.
+`evaluate` returns what a launch file starts, as `launched` describes. The folders ``launch``, ``launch_ros`` and so on
+stand for ROS's modules of the same path, see `stand_in_modules`.
 """

@@ -1,7 +1,7 @@
-"""Evaluating a launch file: what it starts, with no ROS on the machine.
+"""Evaluates a launch file without ROS: what it starts.
 
-A launch file is code and runs as its user's, as with ``ros2 launch``: Python files are executed, ``$(eval …)``,
-``$(command …)`` and PythonExpression do what they say.
+A launch file is code and runs as its user's, as with ``ros2 launch``: Python files, ``$(eval …)``, ``$(command …)`` and
+PythonExpression are executed.
 """
 
 from __future__ import annotations
@@ -12,30 +12,30 @@ from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, absolute_path
 from drake_twin.errors import InputError
-from drake_twin.ros2.context import LaunchContext
-from drake_twin.ros2.entity import LaunchDescription
+from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
 from drake_twin.ros2.evaluation import active
-from drake_twin.ros2.events import Shutdown
-from drake_twin.ros2.include import enter_file, load_launch_file
+from drake_twin.ros2.launch.events.shutdown import Shutdown
+from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_description import LaunchDescription
+from drake_twin.ros2.launch_files import enter_file, load_launch_file
 from drake_twin.ros2.launched import LaunchArgument, Launched, UnfiredHandler
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.ros_modules import ros_in_place
 from drake_twin.ros2.show_arguments import collect_arguments
-from drake_twin.ros2.stand_ins import BUILT_IN_PACKAGES
 
 
 def evaluate(
     file: str | Path, arguments: Mapping[str, str] | None = None, packages: PackageIndex | None = None
 ) -> Launched:
-    """What a launch file starts.
+    """Return what a launch file starts.
 
     Args:
-        file: a Python, XML or YAML launch file.
-        arguments: values for its arguments, as typed after ``ros2 launch``.
-        packages: where packages are; the twin's own index by default.
+        file: A Python, XML or YAML launch file.
+        arguments: Values for its arguments, as typed after ``ros2 launch``.
+        packages: Where packages are; the twin's own index by default.
 
     Raises:
-        InputError: the file cannot be used: not found, wrong, arguments without a value, a Python error in it, ….
+        InputError: If the file cannot be used: not found, wrong, arguments without a value, a Python error in it, ….
     """
     path = _existing(file)
     return _evaluated(path, lambda context: load_launch_file(path, context), arguments, packages)
@@ -46,15 +46,15 @@ def evaluate_description(
     arguments: Mapping[str, str] | None = None,
     packages: PackageIndex | None = None,
 ) -> Launched:
-    """What a launch description starts that a Python program built of `drake_twin.launch`'s entities.
+    """Return what a launch description starts that a Python program built of `drake_twin.launch`'s entities.
 
     Args:
-        description: the description.
-        arguments: values for its arguments.
-        packages: where packages are; the twin's own index by default.
+        description: The description.
+        arguments: Values for its arguments.
+        packages: Where packages are; the twin's own index by default.
 
     Raises:
-        InputError: as `evaluate`.
+        InputError: As `evaluate`.
     """
     file = sys.argv[0] if description.place is None else description.place.file
     return _evaluated(absolute_path(file), lambda context: description, arguments, packages)
@@ -72,7 +72,7 @@ def _evaluated(
         with active(context):
             try:
                 enter_file(path, load(context), context, None)
-                context.run_events()
+                context.events.run()
             except AbsentError as error:
                 raise _with_all_absent(error, context) from None
     return Launched(
@@ -81,28 +81,28 @@ def _evaluated(
         absent_packages=tuple(context.packages.absent),
         unfired_handlers=tuple(
             UnfiredHandler(handler.what, len(handler.entities), handler.place)
-            for handler in reversed(context.handlers)
+            for handler in reversed(context.events.handlers)
             if not handler.fired and handler.waits_for is not Shutdown and handler.place is not None
         ),
         undeclared_arguments=tuple(name for name in arguments if name not in context.declared),
         log=tuple(context.log),
         configurations={name: value for name, value in context.launch_configurations.items() if isinstance(value, str)},
-        shutdown=context.shutdown_reason,
+        shutdown=context.events.shutdown_reason,
     )
 
 
 def declared_arguments(
     file: str | Path, packages: PackageIndex | None = None, arguments: Mapping[str, str] | None = None
 ) -> tuple[LaunchArgument, ...]:
-    """The arguments that a launch file and the files it includes declare, as ``ros2 launch --show-args`` lists them.
+    """Return the arguments that a launch file and the files it includes declare, as ``ros2 launch --show-args``.
 
     Args:
-        file: a Python, XML or YAML launch file.
-        packages: where packages are; the twin's own index by default.
-        arguments: values that decide which files are included.
+        file: A Python, XML or YAML launch file.
+        packages: Where packages are; the twin's own index by default.
+        arguments: Values that decide which files are included.
 
     Raises:
-        InputError: the file cannot be read.
+        InputError: If the file cannot be read.
     """
     path = _existing(file)
     arguments, packages = dict(arguments or {}), packages or PackageIndex()
@@ -113,7 +113,7 @@ def declared_arguments(
 
 
 def _with_all_absent(error: AbsentError, context: LaunchContext) -> AbsentError:
-    """The error with all that is missing, so that one look at it is enough."""
+    """Return the error with all that is missing."""
     names = list(context.packages.absent)
     reasons = [include.reason for include in context.failed_includes]
     text = error.message.rstrip(".")
@@ -138,5 +138,5 @@ def _context(arguments: Mapping[str, str], packages: PackageIndex) -> LaunchCont
 def _existing(file: str | Path) -> str:
     path = absolute_path(file)
     if not Path(path).is_file():
-        raise InputError("there is no such launch file", file=path)
+        raise InputError("the launch file does not exist", file=path)
     return path

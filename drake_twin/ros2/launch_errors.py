@@ -1,4 +1,4 @@
-"""What goes wrong in a launch file's own Python code, told with the lines of that file only."""
+"""Errors of a launch file's own Python code, reported with the lines of that file only."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError, TwinError
+from drake_twin.findings import Place
 from drake_twin.ros2.packages import AbsentError, absent_package_in
+from drake_twin.ros2.stand_in_modules import exports
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.context import LaunchContext
+    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _HIDDEN_FOLDERS = (
     str(Path(__file__).parent),
@@ -21,30 +23,29 @@ _HIDDEN_FOLDERS = (
 
 
 def launch_error(error: BaseException, context: LaunchContext, file: str | None = None) -> TwinError:
-    """An exception of a launch file's code as an error that a person can act on.
+    """Return an exception of a launch file's code as an error that a person can act on.
 
     Args:
-        error: the exception.
-        context: tells which includes led there.
-        file: the launch file, where it is not the one at hand.
+        error: The exception.
+        context: The context, which knows the includes that led there.
+        file: The launch file, where it is not the one at hand.
     """
     file = file or context.current_launch_file
     if isinstance(error, SystemExit) and isinstance(error.__context__, Exception):
         error = error.__context__  # xacro.process() ends the program where it fails
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _is_ours(frame)]
     own = [frame for frame in frames if frame.filename == file]
-    line = own[-1].lineno if own else context.place_line
+    position = Place(file, own[-1].lineno) if own and file else context.position
+    line = None if position is None else position.line
     if isinstance(error, TwinError):
-        if isinstance(error, InputError) and error.file is None:
-            error.file, error.line = (file, line) if own else (context.place_file, context.place_line)
+        if isinstance(error, InputError) and error.file is None and position is not None:
+            error.file, error.line = position.file, position.line
         return error
     absent = _absence(error)
     if absent is not None:
         return AbsentError(absent, file=file, line=line)
     if isinstance(error, ImportError) and not isinstance(error, ModuleNotFoundError):
-        from drake_twin.ros2.ros_modules import symbols_of
-
-        known = symbols_of(error.name or "")
+        known = sorted(exports(error.name or "") or ())
         if known:
             wanted = str(error).split("'")[1] if "'" in str(error) else str(error)
             return InputError(
@@ -64,7 +65,7 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
 
 
 def _chain(context: LaunchContext, file: str | None) -> str:
-    """``, included by x:3, which is included by y:1``."""
+    """Return ``, included by x:3, which is included by y:1``."""
     steps = [str(place) for _, place in reversed(context.files) if place is not None]
     if context.files and context.files[-1][0] != file and context.place is not None:
         steps.insert(0, str(context.place))  # being loaded
@@ -72,7 +73,7 @@ def _chain(context: LaunchContext, file: str | None) -> str:
 
 
 def _absence(error: BaseException) -> str | None:
-    """Why an exception means that something is not on this machine."""
+    """Return why an exception means that something is absent; None if it does not."""
     cause = getattr(error, "exc", None)  # of a XacroException
     if cause is not None and isinstance(cause, Exception):
         return _absence(cause)

@@ -1,4 +1,4 @@
-"""What a launch file starts, as plain frozen data: the result of evaluating it."""
+"""What a launch file starts, as frozen data: the result of `evaluate`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,11 +19,11 @@ COMPONENT = "component"
 
 @dataclass(frozen=True)
 class ParameterText:
-    """A parameters file whose content was rewritten on the way: ``$(var …)`` filled in, keys replaced.
+    """A parameter file that the launch rewrote: ``$(var …)`` filled in, keys replaced.
 
     Attributes:
-        file: the original file.
-        text: the YAML that the node reads.
+        file: The original file.
+        text: The YAML that the node reads.
     """
 
     file: Path
@@ -36,12 +36,12 @@ class WorldStart:
 
     Attributes:
         simulator: ``gz`` or ``classic``.
-        world: the world's file or name, as given; None for the simulator's own empty world.
-        paused: whether simulation time stands still at the start (gz without ``-r``, classic with ``pause``).
+        world: The world's file or name, as given; None for the simulator's own empty world.
+        paused: Whether simulation time stands still at the start (gz without ``-r``, classic with ``pause``).
         verbosity: 0 (errors only) to 4.
-        server_only: whether there is no window.
-        window_only: whether it is a window on another simulator.
-        arguments: the stand-in launch file's arguments, or none for a command line.
+        server_only: Whether it has no window.
+        window_only: Whether it is a window on another simulator.
+        arguments: The launch file's arguments; empty for a command line.
     """
 
     simulator: Literal["gz", "classic"]
@@ -60,21 +60,21 @@ class LaunchedProcess:
     Attributes:
         kind: ``node`` (a ROS executable), ``process`` (any command), ``world`` (a simulator's launch file) or
             ``component`` (a composable node; ``executable`` is its plugin).
-        package: a node's or component's package.
-        executable: a node's executable, or the command's first word.
-        name: the node's name where the launch file gives one; ROS otherwise uses the executable's own.
-        namespace: fully resolved, ``/`` or ``/robot_1``.
-        parameters: in the order in which they apply, the later over the earlier: files, rewritten files, and
+        package: A node's or component's package.
+        executable: A node's executable, or the command's first word.
+        name: The node's name where the launch file gives one; ROS otherwise uses the executable's own.
+        namespace: Fully resolved, ``/`` or ``/robot_1``.
+        parameters: In the order in which they apply, the later over the earlier: files, rewritten files, and
             mappings of name to value (nested names joined with ``.``).
         remappings: (from, to) as written; the first that matches wins, see `resolve`.
-        arguments: the command line after the executable, without what ``--ros-args`` says.
-        environment: variables that differ from those the launch was started with; None for one that was unset.
+        arguments: The command line after the executable, without what follows ``--ros-args``.
+        environment: Variables that differ from those the launch was started with; None for one that was unset.
         output: ``screen``, ``log``, ``both``, ….
-        place: where the action was written.
-        start_time: simulation time (s) at which it starts.
-        ends: whether the executable does its work and ends (``create``, ``spawner``, …), so that OnProcessExit fires.
-        world: the simulator, where the kind is ``world``.
-        container: a component's container, fully resolved.
+        place: Where the action was written.
+        start_time: Simulation time (s) at which it starts.
+        ends: Whether the executable does its work and ends (``create``, ``spawner``, …), so that OnProcessExit fires.
+        world: The simulator, where the kind is ``world``.
+        container: A component's container, fully resolved.
     """
 
     kind: str
@@ -104,12 +104,12 @@ class LaunchedProcess:
         return self.executable if self.package is None else f"{self.package}/{self.executable}"
 
     def resolve(self, name: str) -> str:
-        """The topic or service that the node really uses for a name in its source, as rcl resolves it.
+        """Return the topic or service that the node uses for a name in its source, as rcl resolves it.
 
         A rule matches the fully qualified name, so ``/robot_description`` does not match inside a namespace.
 
         Args:
-            name: absolute, relative or private (``~/commands``).
+            name: An absolute, relative or private (``~/commands``) name.
         """
         own = absolute_name(name, self.namespace, self.full_name)
         for source, target in self.remappings:
@@ -146,11 +146,11 @@ class LaunchArgument:
     """An argument that a launch file declares.
 
     Attributes:
-        name: its name.
-        default: its default as ``ros2 launch --show-args`` prints it; None when it is required.
-        description: what the file says about it.
-        choices: the accepted values; empty for any.
-        place: where it is declared.
+        name: Its name.
+        default: Its default as ``ros2 launch --show-args`` prints it; None when it is required.
+        description: What it is for, as the file describes it.
+        choices: The accepted values; empty for any.
+        place: Where it is declared.
     """
 
     name: str
@@ -162,17 +162,17 @@ class LaunchArgument:
 
 @dataclass(frozen=True)
 class Launched:
-    """All that a launch file starts, and what came to light on the way.
+    """All that a launch file starts, and what was noted while it was evaluated.
 
     Attributes:
-        processes: in the order in which they start.
-        failed_includes: includes that were left out because something of theirs is absent.
-        absent_packages: packages that were asked for and are nowhere, in the order in which they were.
-        unfired_handlers: event handlers whose event never came.
-        undeclared_arguments: arguments given that no file declares.
-        log: what LogInfo and the like say, and what was repaired or ignored.
-        configurations: the launch configurations at the end.
-        shutdown: the reason of a Shutdown that was reached; None if there was none.
+        processes: In the order in which they start.
+        failed_includes: Includes that were left out because something of theirs is absent.
+        absent_packages: Packages that were asked for and not found, in the order in which they were asked for.
+        unfired_handlers: Event handlers whose event never came.
+        undeclared_arguments: Arguments given that no file declares.
+        log: What LogInfo and the like print, and what was repaired or ignored.
+        configurations: The launch configurations at the end.
+        shutdown: The reason of a Shutdown that was reached; None without one.
     """
 
     processes: tuple[LaunchedProcess, ...] = ()
@@ -186,12 +186,12 @@ class Launched:
 
 
 def absolute_name(name: str, namespace: str, node: str = "") -> str:
-    """A ROS name in full: ``x`` in ``/robot_1`` is ``/robot_1/x``, ``~/x`` in ``/robot_1/n`` is ``/robot_1/n/x``.
+    """Return a ROS name in full: ``/robot_1/x`` for ``x`` in ``/robot_1``, ``/r/n/x`` for ``~/x`` of ``/r/n``.
 
     Args:
-        name: absolute, relative or private.
-        namespace: fully resolved.
-        node: the node's full name, for private names.
+        name: An absolute, relative or private name.
+        namespace: The namespace, fully resolved.
+        node: The node's full name, for private names.
     """
     if name.startswith("/"):
         return name
@@ -201,7 +201,7 @@ def absolute_name(name: str, namespace: str, node: str = "") -> str:
 
 
 def joined_namespace(base: str | None, namespace: str | None) -> str:
-    """A namespace within another, absolute: one that starts with ``/`` replaces the base."""
+    """Return a namespace within another, absolute: one that starts with ``/`` replaces the base."""
     if not namespace:
         full = base or ""
     elif namespace.startswith("/") or not base:

@@ -1,4 +1,4 @@
-"""Python launch files: executed, never parsed, for they use loops, ``open()``, ``os.environ`` and classes freely."""
+"""Python launch files: they are executed, as they use loops, ``open()``, ``os.environ`` and classes freely."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
-from drake_twin.ros2.entity import LaunchDescription
+from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch_errors import launch_error
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.context import LaunchContext
+    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _MODULE_NAME = "python_launch_file"  # as ros2 launch names it
 
 
 def load_python_file(path: str, context: LaunchContext) -> LaunchDescription:
-    """Executes a Python launch file and returns what its ``generate_launch_description()`` does.
+    """Execute a Python launch file and return what its ``generate_launch_description()`` returns.
 
     ROS's modules must be in place, see `drake_twin.ros2.ros_modules`.
 
     Raises:
-        InputError: the file cannot be read, its code fails (the text holds the traceback of that file), or it does
-            not give a launch description.
+        InputError: If the file cannot be read, its code fails (the text holds the traceback of that file), or it does
+            not return a launch description.
     """
     module = load_python_module(path, context)
     generate = getattr(module, "generate_launch_description", None)
     if generate is None:
         raise InputError(
-            "a Python launch file has a function generate_launch_description(), and this has none", file=path
+            "a Python launch file has a function generate_launch_description(), which is missing here", file=path
         )
     try:
         with context.loading(path):
@@ -40,16 +40,16 @@ def load_python_file(path: str, context: LaunchContext) -> LaunchDescription:
         raise launch_error(error, context, path) from None
     if not callable(getattr(description, "visit", None)):
         raise InputError(
-            f"generate_launch_description() returns {description!r}, which is no LaunchDescription", file=path
+            f"generate_launch_description() returns {description!r}, which is not a LaunchDescription", file=path
         )
     return description  # type: ignore[no-any-return]
 
 
 def load_python_module(path: str, context: LaunchContext) -> types.ModuleType:
-    """Executes a Python file as a module.
+    """Execute a Python file as a module.
 
     Raises:
-        InputError: it cannot be read, or its code fails.
+        InputError: If it cannot be read, or its code fails.
     """
     try:
         source = Path(path).read_bytes()
@@ -68,7 +68,7 @@ def load_python_module(path: str, context: LaunchContext) -> types.ModuleType:
 
 
 def _locating_open(context: LaunchContext) -> Any:
-    """``open`` for the file's own code: its author's ``/home/…/PACKAGE/x`` is found by the package in it."""
+    """Return ``open`` for the file's own code, which finds its author's ``/home/…/PACKAGE/x`` by the package in it."""
 
     def open(file: Any, mode: str = "r", *args: Any, **kwargs: Any) -> Any:
         if mode.startswith("r") and isinstance(file, str | Path):

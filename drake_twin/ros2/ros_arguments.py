@@ -1,4 +1,4 @@
-"""What ``--ros-args`` on a node's command line says."""
+"""The arguments after ``--ros-args`` on a node's command line."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from drake_twin.ros2.launched import ParameterValue
 
 @dataclass(frozen=True)
 class RosArguments:
-    """A node's command line, taken apart.
+    """A node's command line, split.
 
     Attributes:
-        arguments: what is left for the executable itself.
-        name: the node's name from ``-r __node:=``.
-        namespace: its namespace from ``-r __ns:=``.
+        arguments: The executable's own arguments.
+        name: The node's name from ``-r __node:=``.
+        namespace: Its namespace from ``-r __ns:=``.
         remappings: (from, to) pairs.
-        parameters: files and single values, in order.
+        parameters: Files and single values, in order.
     """
 
     arguments: tuple[str, ...]
@@ -30,7 +30,7 @@ class RosArguments:
 
 
 def split_ros_arguments(words: Sequence[str]) -> RosArguments:
-    """Takes a command line's arguments apart: ``--ros-args`` … ``--`` are rcl's, the others the executable's."""
+    """Split a command line's arguments: ``--ros-args`` … ``--`` are rcl's, the others the executable's."""
     own: list[str] = []
     remappings: list[tuple[str, str]] = []
     parameters: list[Path | Mapping[str, ParameterValue]] = []

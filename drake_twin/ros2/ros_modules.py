@@ -1,9 +1,8 @@
-"""ROS's Python modules, stood in for while launch files run.
+"""The surroundings of launch files while they run: ROS's Python modules, environment variables and ``xacro``.
 
-They are in ``sys.modules`` only in between, under ROS's own names; modules of a ROS that happens to be on the path are
-never used. Afterwards ``sys.modules``, ``sys.path``, ``os.environ`` and the working directory are what they were, but
-for modules of Python itself and of its site-packages, which an import finds again all the same and some of which
-(NumPy) cannot be loaded twice.
+The stand-ins are in ``sys.modules`` only while launch files run; the modules of a ROS on the path are never used.
+Afterwards ``sys.modules``, ``sys.path``, ``os.environ`` and the working directory are restored. Only modules of Python
+itself and of its site-packages stay: a later import would find the same, and some (NumPy) cannot be loaded twice.
 """
 
 from __future__ import annotations
@@ -20,15 +19,12 @@ import types
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-from drake_twin.ros2 import ros_module_table as table
-from drake_twin.ros2.context import set_environment
+from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
 from drake_twin.ros2.packages import scratch_folder
+from drake_twin.ros2.scopes import set_environment
+from drake_twin.ros2.stand_in_modules import ROOTS, StandInFinder, StandInLoader
 from drake_twin.ros2.xacro_program import PACKAGE_FOLDERS
-
-if TYPE_CHECKING:
-    pass
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _LASTING_FOLDERS = tuple(
@@ -47,7 +43,7 @@ _DEFAULTS = (
 
 @contextmanager
 def no_trace() -> Iterator[None]:
-    """Puts modules, path, environment, arguments and working directory back to what they were before."""
+    """Restore modules, path, environment, arguments and working directory at the end."""
     modules, path, path_list = dict(sys.modules), list(sys.path), sys.path
     finders, environment, argv = list(sys.meta_path), dict(os.environ), sys.argv
     bytecode, output = sys.dont_write_bytecode, sys.stdout
@@ -72,18 +68,18 @@ def no_trace() -> Iterator[None]:
 
 @contextmanager
 def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Iterable[Path] = ()) -> Iterator[None]:
-    """ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
+    """Provide ROS's modules, environment variables and the ``xacro`` command, as if ROS were sourced.
 
     Args:
-        file: the launch file, for ``sys.argv``.
-        arguments: its arguments, for ``sys.argv``.
-        package_folders: where the ``xacro`` command looks for packages first.
+        file: The launch file, for ``sys.argv``.
+        arguments: Its arguments, for ``sys.argv``.
+        package_folders: Where the ``xacro`` command searches packages first.
     """
-    with no_trace():
-        for name in [name for name in sys.modules if _root(name) in table.ROOTS or _is_foreign_xacro(name)]:
+    with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation():
+        for name in [name for name in sys.modules if _root(name) in ROOTS or _is_foreign_xacro(name)]:
             del sys.modules[name]
         importlib.invalidate_caches()
-        sys.meta_path.insert(0, _RosFinder())
+        sys.meta_path[:0] = [StandInFinder(), _XacroFinder()]
         sys.meta_path.append(_WorkspaceFinder())
         os.environ.update(_ROS_ENVIRONMENT)
         for name in _DEFAULTS:
@@ -91,52 +87,18 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", "")])
         os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
         sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
-        sys.stdout = sys.stderr  # what launch files print is no result of the program
+        sys.stdout = sys.stderr  # what launch files print does not belong to the program's result
         yield
 
 
-def symbols_of(module: str) -> list[str]:
-    """The names that a stand-in module has; none for another module."""
-    return sorted(table.symbols(module) or ())
-
-
-class _RosFinder(importlib.abc.MetaPathFinder):
-    """Finds the stand-in modules, and xacro where the twin has it from."""
+class _XacroFinder(importlib.abc.MetaPathFinder):
+    """Finds the twin's own xacro before that of a ROS on the path."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: types.ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """A stand-in's spec; None for modules that are not ROS's."""
-        if fullname == "xacro":
-            return importlib.machinery.PathFinder.find_spec("xacro", _site_folders())
-        if _root(fullname) not in table.ROOTS:
-            return None
-        symbols = table.symbols(fullname)
-        if symbols is None:
-            raise ModuleNotFoundError(f"No module named {fullname!r}", name=fullname)
-        return importlib.machinery.ModuleSpec(fullname, _StandInLoader(symbols), is_package=True)
-
-
-class _StandInLoader(importlib.abc.Loader):
-    def __init__(self, symbols: Mapping[str, Any]):
-        self._symbols = symbols
-
-    def create_module(self, spec: importlib.machinery.ModuleSpec) -> types.ModuleType | None:
-        """The usual module."""
-        return None
-
-    def exec_module(self, module: types.ModuleType) -> None:
-        """Fills it."""
-        module.__dict__.update(self._symbols)
-        module.__all__ = sorted(self._symbols)  # type: ignore[attr-defined]
-
-        def submodule(name: str) -> Any:
-            """``import launch`` makes ``launch.substitutions`` known, as in ROS."""
-            if table.symbols(f"{module.__name__}.{name}") is None:
-                raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}")
-            return importlib.import_module(f"{module.__name__}.{name}")
-
-        module.__getattr__ = submodule  # type: ignore[method-assign]
+        """Return xacro's spec; None for another module."""
+        return importlib.machinery.PathFinder.find_spec("xacro", _site_folders()) if fullname == "xacro" else None
 
 
 class _WorkspaceFinder(importlib.abc.MetaPathFinder):
@@ -145,7 +107,7 @@ class _WorkspaceFinder(importlib.abc.MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: types.ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        """The module's spec; None if no package has it."""
+        """Return the module's spec; None if no package has it."""
         from drake_twin.description.package_index import containing_package
         from drake_twin.ros2.evaluation import current_context
 
@@ -162,7 +124,7 @@ class _WorkspaceFinder(importlib.abc.MetaPathFinder):
             folders += [share, *share.parent.parent.glob("l*/python3*/*-packages")]
         places = [str(place) for folder in folders for place in (folder, folder / "src")]
         spec = importlib.machinery.PathFinder.find_spec(fullname, places)
-        if spec is None or spec.origin is None:  # a folder without __init__.py is no module here
+        if spec is None or spec.origin is None:  # a folder without __init__.py is not a module here
             return None
         return spec
 
@@ -184,9 +146,9 @@ def _is_foreign_xacro(name: str) -> bool:
 
 
 def _lasts(name: str, module: types.ModuleType | None) -> bool:
-    """Whether a module that was imported on the way stays: any later import would give the same."""
+    """Return whether a module that launch files imported stays: any later import would find the same."""
     spec = getattr(module, "__spec__", None)
-    if spec is None or spec.name != name or isinstance(spec.loader, _StandInLoader):
+    if spec is None or spec.name != name or isinstance(spec.loader, StandInLoader):
         return False
     if spec.origin in ("built-in", "frozen"):
         return True
@@ -195,7 +157,7 @@ def _lasts(name: str, module: types.ModuleType | None) -> bool:
 
 
 def _xacro_folder() -> str:
-    """A folder with a ``xacro`` command, for launch files that start it themselves."""
+    """Return a folder with a ``xacro`` command, for launch files that start it themselves."""
     folder = scratch_folder() / "bin"
     script = folder / "xacro"
     if not script.exists():

@@ -1,4 +1,4 @@
-"""The arguments of a launch file and of those that it includes."""
+"""The arguments of a launch file and of the files that it includes."""
 
 from __future__ import annotations
 
@@ -7,25 +7,32 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError
-from drake_twin.ros2.actions import DeclareLaunchArgument, SetLaunchConfiguration
-from drake_twin.ros2.entity import every_entity
-from drake_twin.ros2.include import IncludeLaunchDescription, existing_file, load_launch_file
+from drake_twin.ros2.built_in_packages import built_in_arguments
+from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
+from drake_twin.ros2.launch.actions.include_launch_description import IncludeLaunchDescription
+from drake_twin.ros2.launch.actions.set_launch_configuration import SetLaunchConfiguration
+from drake_twin.ros2.launch_files import existing_file, load_launch_file
 from drake_twin.ros2.launched import LaunchArgument
 from drake_twin.ros2.packages import BUILT_IN
-from drake_twin.ros2.stand_ins import stand_in_arguments
-from drake_twin.ros2.substitution import perform, perform_substitutions
+from drake_twin.ros2.text_parts import as_text
+from drake_twin.ros2.visiting import every_entity
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.context import LaunchContext
+    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _DEEPEST = 20
 
 
 def collect_arguments(path: str, description: Any, context: LaunchContext) -> list[LaunchArgument]:
-    """The arguments, each name once, in the order in which they are declared.
+    """Return the arguments, each name once, in the order in which they are declared.
 
-    Nothing is executed but what decides which files are included; an include that cannot be followed is left out, and
-    so are arguments that an include gives itself.
+    Only what decides which files are included is executed. An include that cannot be followed is left out, and so are
+    arguments that an include gives itself.
+
+    Args:
+        path: The launch file.
+        description: Its description.
+        context: The context.
     """
     found: dict[str, LaunchArgument] = {}
     for argument in _arguments(path, description, context, frozenset(), 0):
@@ -43,7 +50,7 @@ def _arguments(
                     yield entity.declared()
                 if entity.default_value is not None and entity.name not in context.launch_configurations:
                     with suppress(InputError):
-                        default = perform_substitutions(context, entity.default_value)
+                        default = context.perform_substitution(entity.default_value)
                         context.launch_configurations[entity.name] = default
             elif isinstance(entity, SetLaunchConfiguration):
                 with suppress(InputError):
@@ -58,24 +65,23 @@ def _of_include(
 ) -> Iterator[LaunchArgument]:
     names = set()
     for name, value in include.launch_arguments:
-        names.add(perform(context, name))
+        names.add(context.perform_substitution(name))
         with suppress(InputError):
-            context.launch_configurations[perform(context, name)] = perform(
-                context, str(value) if isinstance(value, bool | int | float) else value
-            )
+            text = context.perform_substitution(as_text(value))
+            context.launch_configurations[context.perform_substitution(name)] = text
     source = include.launch_description_source
     if source.is_description:
         return
     path = source.perform_location(context)
     if path.startswith(BUILT_IN):
-        yield from (item for item in stand_in_arguments(path) if item.name not in names | given)
+        yield from (item for item in built_in_arguments(path) if item.name not in names | given)
         return
     file = str(existing_file(path, context, include.place))
     yield from _arguments(file, load_launch_file(file, context), context, given | names, depth + 1)
 
 
 def arguments_text(arguments: Sequence[LaunchArgument]) -> str:
-    """Arguments as ``ros2 launch --show-args`` prints them."""
+    """Return arguments as ``ros2 launch --show-args`` prints them."""
     if not arguments:
         return "Arguments (pass arguments as '<name>:=<value>'):\n\n  No arguments."
     lines = ["Arguments (pass arguments as '<name>:=<value>'):"]

@@ -11,21 +11,21 @@ from drake_twin.errors import InputError
 from drake_twin.ros2.packages import AbsentError, absent_package_in
 
 if TYPE_CHECKING:
-    from drake_twin.ros2.context import LaunchContext
+    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 # Options of the xacro command that change nothing in the result.
 _HARMLESS = ("--inorder", "-i", "--xacro-ns", "-q", "--check-order")
 
 
 def run_xacro(words: Sequence[str], context: LaunchContext) -> tuple[str, str] | None:
-    """What the command prints to standard output and error; None if it is not xacro, or asks for something else.
+    """Return what the command prints to standard output and error; None if it is not xacro, or another use of it.
 
     Args:
-        words: the command and its arguments.
-        context: where packages are found.
+        words: The command and its arguments.
+        context: The context.
 
     Raises:
-        InputError: xacro refuses the file.
+        InputError: If xacro refuses the file.
     """
     if Path(words[0]).name != "xacro":
         return None
@@ -37,10 +37,10 @@ def run_xacro(words: Sequence[str], context: LaunchContext) -> tuple[str, str] |
 
 
 def expand(name: str, arguments: dict[str, str], context: LaunchContext) -> tuple[str, str]:
-    """The expanded text of a xacro file, and xacro's warnings.
+    """Return the expanded text of a xacro file, and xacro's warnings.
 
     Raises:
-        InputError: xacro refuses the file.
+        InputError: If xacro refuses the file.
     """
     file = context.locate(name)
     absent = absent_package_in(str(file))

@@ -10,12 +10,12 @@ from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.errors import InputError
 from drake_twin.whole_file import write_whole
 
-# Tells the command which folders of packages are looked in first; set while launch files run.
+# The environment variable with the folders of packages that are searched first; set while launch files run.
 PACKAGE_FOLDERS = "DRAKE_TWIN_PACKAGE_FOLDERS"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """``xacro FILE name:=value … [-o OUTPUT]``; returns the exit code."""
+    """Run ``xacro FILE name:=value … [-o OUTPUT]`` and return the exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     output = None
     if "-o" in words:

@@ -130,7 +130,7 @@ def test_timers_run_in_simulation_time_in_order(tmp_path):
 
 
 def test_a_timer_without_a_number_is_refused(tmp_path):
-    with pytest.raises(InputError, match="the timer's period is 'soon', which is no number of seconds"):
+    with pytest.raises(InputError, match="the timer's period is 'soon', which is not a number of seconds"):
         launch_python(tmp_path, "TimerAction(period='soon', actions=[])")
 
 

@@ -47,7 +47,7 @@ def test_arguments_that_no_file_declares_are_reported(tmp_path):
 
 
 def test_a_launch_file_that_is_not_there_is_refused(tmp_path):
-    with pytest.raises(InputError, match="there is no such launch file"):
+    with pytest.raises(InputError, match="the launch file does not exist"):
         evaluate(tmp_path / "none.launch.py")
 
 

@@ -158,6 +158,19 @@ def test_execution_complete_fires_after_the_exit(tmp_path):
     assert launched.log == ("exit", "complete")
 
 
+def test_a_handler_with_its_own_matcher_visits_its_entities(tmp_path):
+    launched = launch_python(
+        tmp_path,
+        """RegisterEventHandler(EventHandler(matcher=is_exit, entities=[LogInfo(msg="exit")])),
+        RegisterEventHandler(Twice(matcher=is_exit, entities=LogInfo(msg="two"))), create,""",
+        CHAIN
+        + "is_exit = event_named('launch.events.process.ProcessExited')\n"
+        + "class Twice(EventHandler):\n    def handle(self, event, context):\n"
+        + "        return [LogInfo(msg='one'), super().handle(event, context)]\n",
+    )
+    assert launched.log == ("one", "two", "exit")
+
+
 def test_output_is_never_read_so_its_handlers_are_named(tmp_path):
     launched = launch_python(
         tmp_path, "RegisterEventHandler(OnProcessIO(target_action=create, on_stdout=lambda event: None)), create", CHAIN

@@ -62,7 +62,7 @@ def test_a_file_without_generate_launch_description_is_refused(tmp_path):
 
 
 def test_a_file_that_gives_something_else_is_refused(tmp_path):
-    with pytest.raises(InputError, match="returns 5, which is no LaunchDescription"):
+    with pytest.raises(InputError, match="returns 5, which is not a LaunchDescription"):
         evaluate(write(tmp_path / "x.launch.py", "def generate_launch_description():\n    return 5\n"))
 
 

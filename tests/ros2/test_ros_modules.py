@@ -9,7 +9,9 @@ from launch_files import launch_python, launch_xml, write, write_package, write_
 from drake_twin.description.package_index import PackageIndex, share_folder
 from drake_twin.errors import InputError
 from drake_twin.ros2.evaluate import evaluate
+from drake_twin.ros2.stand_in_modules import exports, stand_in
 
+TREE = Path(stand_in.__code__.co_filename).parent
 ROVER = share_folder("models") / "rover_gazebo" / "launch" / "main.launch.xml"
 
 MESSY = """
@@ -52,6 +54,7 @@ def test_a_launch_file_leaves_no_trace_however_it_ends(tmp_path, end):
 def test_a_nested_include_that_fails_leaves_no_trace(tmp_path):
     write_python(tmp_path / "inner.launch.py", "1 / 0", before="os.environ['A'] = '1'")
     write(tmp_path / "middle.launch.xml", '<launch><include file="$(dirname)/inner.launch.py"/></launch>')
+    launch_xml(tmp_path, "<push_environment/>")  # what the room itself loads on first use stays
     launch_python(tmp_path, "")
     before = state()
     with pytest.raises(InputError, match="ZeroDivisionError"):
@@ -113,10 +116,41 @@ def test_modules_that_are_loaded_already_are_put_aside_and_back(tmp_path, monkey
         "from controller_manager.launch_utils import generate_load_controller_launch_description",
         "from launch_testing.actions import ReadyToTest",
         "from ros_gz_sim.actions import GzServer; from ros_gz_bridge.actions import RosGzBridge",
+        "import launch.actions.shutdown_action, launch.actions.shutdown, launch.substitutions.boolean_substitution",
+        "from launch.frontend import Entity, Parser, expose_action; from launch.frontend.entity import Entity as E",
+        "from launch_ros.utilities import evaluate_parameters; assert callable(evaluate_parameters)",
+        "from launch.event_handlers import event_named; assert callable(event_named)",
     ],
 )
 def test_ros_modules_are_importable_the_way_launch_files_do(tmp_path, line):
     assert launch_python(tmp_path, "LogInfo(msg='x')", before=line).log == ("x",)
+
+
+@pytest.mark.parametrize(
+    ("module", "package", "name"),
+    [
+        ("launch.actions.timer_action", "launch.actions", "TimerAction"),
+        ("launch.actions.log_warning", "launch.actions", "LogWarning"),
+        ("launch.action", "launch", "Action"),
+        ("launch.substitution", "launch.substitutions", "Substitution"),
+        ("launch.events.matchers", "launch.events.process", "matches_action"),
+        ("launch_ros.parameter_descriptions", "launch_ros.descriptions", "ParameterFile"),
+        ("launch_ros.substitutions.find_package", "launch_ros.substitutions", "FindPackageShare"),
+        ("ament_index_python.packages", "ament_index_python", "get_package_share_directory"),
+    ],
+)
+def test_a_class_is_the_same_whichever_module_it_is_imported_from(tmp_path, module, package, name):
+    before = f"from {module} import {name} as one\nimport {package}\nassert {package}.{name} is one"
+    assert launch_python(tmp_path, "LogInfo(msg='x')", before=before).log == ("x",)
+    assert stand_in(module, name) is stand_in(package, name)
+
+
+def test_every_module_of_the_tree_has_its_names():
+    for file in TREE.glob("*/**/*.py"):
+        if file.parent != TREE:
+            parts = file.relative_to(TREE).with_suffix("").parts
+            module = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+            assert all(stand_in(module, name) is not None for name in exports(module) or ())
 
 
 def test_a_files_own_package_and_its_neighbours_are_importable(tmp_path):

@@ -58,7 +58,7 @@ def test_the_launch_files_own_path(tmp_path):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("$(vra n)", r"test.launch.xml:2: <log>: the substitution \$\(vra …\) is not known. Did you mean 'var'"),
+        ("$(vra n)", r"test.launch.xml:2: <log>: unknown substitution \$\(vra …\). Did you mean 'var'"),
         ("$(var n", "is not closed with a parenthesis"),
         ("$(var 'n", "is not closed with a parenthesis"),
         ("$(equals a)", r"\$\(equals …\) takes 2 arguments, and there are 1"),

@@ -75,7 +75,7 @@ def test_xml_includes_yaml(tmp_path):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("launch:\n- nod: {}\n", r"yaml:2: <nod>: there is no such element. Did you mean 'node'"),
+        ("launch:\n- nod: {}\n", r"yaml:2: <nod>: unknown element. Did you mean 'node'"),
         ("launch:\n- node: {pkg: p}\n", r"yaml:2: <node>: the attribute 'exec' is missing"),
         ("launch:\n- node\n", r"yaml:2: launch.0: an action is a mapping with one entry"),
         ("launch:\n- node: p\n", r"yaml:2: launch.0.node: 'p' is not a mapping"),

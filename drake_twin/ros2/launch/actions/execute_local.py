@@ -1,0 +1,154 @@
+"""Starts a process."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.findings import Place
+from drake_twin.ros2.ending_commands import command_ends, duration, shell_words
+from drake_twin.ros2.event_effects import emit
+from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.descriptions.executable import Executable
+from drake_twin.ros2.launch.events.execution_complete import ExecutionComplete
+from drake_twin.ros2.launch.events.process import ProcessExited, ProcessStarted
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
+from drake_twin.ros2.launched import (
+    PROCESS,
+    LaunchedProcess,
+)
+from drake_twin.ros2.visiting import visit_list
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+class ExecuteLocal(Action):
+    """Starts a process.
+
+    Args:
+        process_description: Its command line.
+        shell: Whether the words are one shell command.
+        output: Where its lines go.
+        on_exit: Actions for when it has ended.
+        respawn: As in ROS; unused.
+        condition: A condition, or None.
+    """
+
+    def __init__(
+        self,
+        *,
+        process_description: Executable,
+        shell: bool = False,
+        output: Any = "log",
+        on_exit: Any = None,
+        respawn: Any = False,
+        condition: Any = None,
+        **ignored: Any,
+    ):
+        super().__init__(condition=condition)
+        self.process_description = process_description
+        self.shell = shell
+        self.output = output
+        self._on_exit = on_exit
+        self.respawn = respawn
+        self.started: LaunchedProcess | None = None
+
+    @property
+    def cmd(self) -> list[Any]:
+        """The command line's words, each a list of substitutions."""
+        return self.process_description.cmd
+
+    @property
+    def name(self) -> str | None:
+        """The name of the process that was started last."""
+        return None if self.started is None else self.started.name or self.started.executable
+
+    @property
+    def return_code(self) -> int | None:
+        """0 once the process has been started and ends; None before."""
+        return 0 if self.started is not None and self.started.ends else None
+
+    @property
+    def process_details(self) -> dict[str, Any] | None:
+        """What was started, as ROS describes it."""
+        if self.started is None:
+            return None
+        return {"action": self, "name": self.name or "", "cmd": [self.started.executable, *self.started.arguments]}
+
+    @property
+    def what(self) -> str:
+        """What it starts, in words."""
+        if self.started is not None:
+            return self.started.what
+        return " ".join("".join(part.describe().strip("'") for part in word) for word in self.cmd)
+
+    def get_sub_entities(self) -> list[Any]:
+        """Return what follows when the process has ended."""
+        return [] if callable(self._on_exit) else normalize_to_list_of_entities(self._on_exit)
+
+    def describe_conditional_sub_entities(self) -> list[tuple[str, list[Any]]]:
+        """Return what follows when the process has ended."""
+        return [("its exit", self.get_sub_entities())] if self._on_exit else []
+
+    def execute(self, context: LaunchContext) -> None:
+        """Start the process, and emit events for its start and its end."""
+        if context.is_shutdown:
+            return
+        self.started = started = context.start(self.prepare(context))
+        captured = context.snapshot()
+        details = self.process_details or {}
+        context.events.after(0.0, lambda: emit(context, ProcessStarted(**details)))
+        if not started.ends:
+            return
+
+        def exited() -> None:
+            event = ProcessExited(**details)
+            if self._on_exit is not None:
+                context.run_captured(captured, self.place, lambda: self._follow(event, context))
+            emit(context, event)
+            emit(context, ExecutionComplete(action=self))
+
+        context.events.after(duration(started), exited)
+
+    def _follow(self, event: ProcessExited, context: LaunchContext) -> None:
+        entities = self._on_exit
+        if callable(entities) and not hasattr(entities, "visit"):
+            entities = entities(event, context)
+        visit_list(normalize_to_list_of_entities(entities), context)
+
+    def prepare(self, context: LaunchContext) -> LaunchedProcess:
+        """Return what it starts, with its substitutions performed."""
+        words = [context.perform_substitution(word) for word in self.cmd]
+        if self.shell:
+            words = shell_words(" ".join(words))
+        words = words or [""]
+        return LaunchedProcess(
+            kind=PROCESS,
+            executable=words[0],
+            arguments=tuple(words[1:]),
+            place=self.place or Place(""),
+            name=performed(context, self.process_description.name),
+            environment=self.own_environment(context),
+            output=self.performed_output(context),
+            ends=command_ends(words),
+        )
+
+    def own_environment(self, context: LaunchContext) -> dict[str, str | None]:
+        """Return the variables that only this process has."""
+        return {
+            context.perform_substitution(name): context.perform_substitution(value)
+            for variables in (self.process_description.env, self.process_description.additional_env)
+            for name, value in dict(variables or {}).items()
+        }
+
+    def performed_output(self, context: LaunchContext) -> str:
+        """Return ``screen``, ``log``, …; as text also where the file gives a mapping."""
+        if isinstance(self.output, Mapping):
+            return ",".join(f"{context.perform_substitution(key)}:{value}" for key, value in self.output.items())
+        return context.perform_substitution(self.output)
+
+
+def performed(context: LaunchContext, subst: Any) -> str | None:
+    """Return the text of a substitution; None for None."""
+    return None if subst is None else context.perform_substitution(subst)

@@ -1,0 +1,79 @@
+"""Starts a command."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.command_lines import split_command_line
+from drake_twin.ros2.launch.actions.execute_local import ExecuteLocal
+from drake_twin.ros2.launch.actions.shutdown_action import Shutdown
+from drake_twin.ros2.launch.descriptions.executable import Executable
+from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.frontend.entity import Entity
+    from drake_twin.ros2.launch.frontend.parser import Parser
+
+
+# What ROS knows and the twin ignores: it starts no process.
+_IGNORED = (
+    *("respawn", "respawn_delay", "respawn_max_retries", "sigkill_timeout", "sigterm_timeout", "emulate_tty"),
+    *("log_cmd", "cached_output"),
+)
+
+
+@expose_action("executable")
+class ExecuteProcess(ExecuteLocal):
+    """Starts a command.
+
+    Args:
+        cmd: Its words.
+        prefix: See `Executable`, as the next four.
+        name: The process's name.
+        cwd: Its working directory.
+        env: Its environment variables.
+        additional_env: Environment variables beside the present ones.
+    """
+
+    def __init__(
+        self,
+        *,
+        cmd: Iterable[SomeSubstitutionsType],
+        prefix: SomeSubstitutionsType | None = None,
+        name: SomeSubstitutionsType | None = None,
+        cwd: SomeSubstitutionsType | None = None,
+        env: Mapping[Any, Any] | None = None,
+        additional_env: Mapping[Any, Any] | None = None,
+        **kwargs: Any,
+    ):
+        if isinstance(cmd, str):
+            raise TypeError(f"cmd is a list of words, and {cmd!r} is one text")
+        executable = Executable(cmd=cmd, prefix=prefix, name=name, cwd=cwd, env=env, additional_env=additional_env)
+        super().__init__(process_description=executable, **kwargs)
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
+        """Return the class and its arguments for ``<executable>``."""
+        _, arguments = super().parse(entity, parser)
+        shell = entity.get_attr("shell", data_type=bool, optional=True, can_be_str=False) or False
+        cmd = split_command_line(parser.parse_required(entity, "cmd")["cmd"])
+        name = parser.parse_optional(entity, "name")
+        return cls, {**arguments, **process_arguments(entity, parser), **name, "cmd": cmd, "shell": shell}
+
+
+def process_arguments(entity: Entity, parser: Parser) -> dict[str, Any]:
+    """Return the arguments of an action that starts a process, apart from its command and its name."""
+    for name in _IGNORED:
+        entity.raw(name)
+    arguments: dict[str, Any] = dict(parser.parse_optional(entity, "cwd", "output"))
+    prefix = parser.parse_optional(entity, "launch-prefix")
+    if prefix:
+        arguments["prefix"] = prefix["launch_prefix"]
+    variables = [parser.parse_required(child, "name", "value") for child in entity.children_named("env")]
+    if variables:
+        arguments["additional_env"] = {tuple(variable["name"]): variable["value"] for variable in variables}
+    if entity.get_attr("on_exit", optional=True) == "shutdown":
+        arguments["on_exit"] = [Shutdown()]
+    return arguments

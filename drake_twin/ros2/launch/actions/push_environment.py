@@ -1,0 +1,20 @@
+"""Saves the environment variables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.expose import expose_action
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_action("push_environment")
+class PushEnvironment(Action):
+    """Saves the environment variables."""
+
+    def execute(self, context: LaunchContext) -> None:
+        """Save the variables."""
+        context.scopes.push_environment()

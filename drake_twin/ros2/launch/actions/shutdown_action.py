@@ -1,0 +1,37 @@
+"""Ends the launch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.launch.actions.emit_event import EmitEvent
+from drake_twin.ros2.launch.events.shutdown import Shutdown as ShutdownEvent
+from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.frontend.entity import Entity
+    from drake_twin.ros2.launch.frontend.parser import Parser
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_action("shutdown")
+class Shutdown(EmitEvent):
+    """Ends the launch."""
+
+    def __init__(self, *, reason: SomeSubstitutionsType = "reason not given", **kwargs: Any):
+        super().__init__(event=ShutdownEvent(), **kwargs)
+        self.reason = normalize_to_list_of_substitutions(reason)
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
+        """Return the class and its arguments for ``<shutdown>``."""
+        _, arguments = super().parse(entity, parser)
+
+        return cls, {**arguments, **parser.parse_optional(entity, "reason")}
+
+    def execute(self, context: LaunchContext) -> None:
+        """End the launch after what is due before."""
+        self.event = ShutdownEvent(reason=context.perform_substitution(self.reason))
+        super().execute(context)

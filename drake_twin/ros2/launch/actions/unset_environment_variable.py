@@ -1,0 +1,35 @@
+"""Removes an environment variable."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.frontend.entity import Entity
+    from drake_twin.ros2.launch.frontend.parser import Parser
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_action("unset_env")
+class UnsetEnvironmentVariable(Action):
+    """Removes an environment variable."""
+
+    def __init__(self, name: SomeSubstitutionsType, **kwargs: Any):
+        super().__init__(**kwargs)
+        self.name = normalize_to_list_of_substitutions(name)
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
+        """Return the class and its arguments for ``<unset_env>``."""
+        _, arguments = super().parse(entity, parser)
+
+        return cls, {**arguments, **parser.parse_required(entity, "name")}
+
+    def execute(self, context: LaunchContext) -> None:
+        """Remove the variable."""
+        context.environment.pop(context.perform_substitution(self.name), None)

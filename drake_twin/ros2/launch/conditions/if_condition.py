@@ -1,0 +1,27 @@
+"""A condition that holds if its text says true."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drake_twin.ros2.launch.condition import Condition
+from drake_twin.ros2.launch.conditions.evaluate_condition_expression_impl import evaluate_condition_expression
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+class IfCondition(Condition):
+    """Holds if its text says true (or 1)."""
+
+    def __init__(self, predicate_expression: SomeSubstitutionsType):
+        super().__init__()
+        if isinstance(predicate_expression, bool):
+            predicate_expression = str(predicate_expression)
+        self._expression = normalize_to_list_of_substitutions(predicate_expression)
+
+    def evaluate(self, context: LaunchContext) -> bool:
+        """Return whether the text says true."""
+        return evaluate_condition_expression(context, self._expression)

@@ -1,0 +1,29 @@
+"""A command line as data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+from drake_twin.ros2.text_parts import as_text
+
+
+class Executable:
+    """A command line as data."""
+
+    def __init__(
+        self,
+        *,
+        cmd: Iterable[SomeSubstitutionsType],
+        prefix: SomeSubstitutionsType | None = None,
+        name: SomeSubstitutionsType | None = None,
+        cwd: SomeSubstitutionsType | None = None,
+        env: Mapping[Any, Any] | None = None,
+        additional_env: Mapping[Any, Any] | None = None,
+        arguments: Iterable[SomeSubstitutionsType] | None = None,
+    ):
+        self.cmd = [normalize_to_list_of_substitutions(as_text(word)) for word in (*cmd, *(arguments or ()))]
+        self.prefix, self.name, self.cwd = prefix, name, cwd
+        self.env, self.additional_env = env, additional_env

@@ -1,0 +1,33 @@
+"""Handlers of the events of actions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from drake_twin.ros2.launch.event_handler import EventHandler
+
+
+class OnActionEventBase(EventHandler):
+    """Waits for an event of one action, or of those that a function accepts, or of any."""
+
+    def __init__(self, *, action_matcher: Any = None, on_event: Any = None, handle_once: bool = False, **more: Any):
+        super().__init__(entities=on_event, handle_once=handle_once)
+        self._target = action_matcher
+
+    def matches(self, event: Any) -> bool:
+        """Return whether the event is of the target."""
+        if not isinstance(event, self.waits_for):
+            return False
+        action = getattr(event, "action", None)
+        if self._target is None:
+            return True
+        if callable(self._target) and not hasattr(self._target, "visit"):
+            return bool(self._target(action))
+        return action is self._target
+
+    @property
+    def what(self) -> str:
+        """What it waits for, in words."""
+        target = self._target
+        described = "any process" if target is None else getattr(target, "what", None) or getattr(target, "place", "")
+        return f"{type(self).__name__} of {described}"

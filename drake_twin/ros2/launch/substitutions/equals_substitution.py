@@ -1,0 +1,41 @@
+"""Whether two texts are equal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.substitution import Substitution
+from drake_twin.ros2.launch.substitutions.boolean_substitution import boolean_of, text_of
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+from drake_twin.ros2.text_parts import as_texts
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_substitution("equals")
+class EqualsSubstitution(Substitution):
+    """``true`` if two texts, numbers or truth values are equal."""
+
+    def __init__(self, left: Any, right: Any):
+        self.left = normalize_to_list_of_substitutions(as_texts(left))
+        self.right = normalize_to_list_of_substitutions(as_texts(right))
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return ``true`` or ``false``."""
+        return text_of(self.equal(context))
+
+    def equal(self, context: LaunchContext) -> bool:
+        """Return whether the texts are equal."""
+        left, right = context.perform_substitution(self.left), context.perform_substitution(self.right)
+        if left == right:
+            return True
+        booleans = [boolean_of(text) for text in (left, right)]
+        if None not in booleans:
+            return booleans[0] == booleans[1]
+        try:
+            return math.isclose(float(left), float(right))
+        except ValueError:
+            return False

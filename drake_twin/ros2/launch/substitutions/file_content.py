@@ -1,0 +1,37 @@
+"""The text of a file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import InputError
+from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+from drake_twin.ros2.packages import AbsentError, absent_package_in
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_substitution("file-content")
+class FileContent(Substitution):
+    """The text of a file."""
+
+    def __init__(self, path: SomeSubstitutionsType):
+        self.path = normalize_to_list_of_substitutions(path)
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return the text.
+
+        Raises:
+            InputError: If the file cannot be read.
+        """
+        path = context.locate(context.perform_substitution(self.path))
+        absent = absent_package_in(str(path))
+        if absent is not None:
+            raise AbsentError(f"package {absent!r} is absent, and a file of it is read: {path}")
+        try:
+            return path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"cannot be read ({error})", file=path) from None

@@ -1,0 +1,31 @@
+"""The path of an executable."""
+
+from __future__ import annotations
+
+import shutil
+from typing import TYPE_CHECKING
+
+from drake_twin.ros2.described_substitutions import described
+from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
+from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_substitution("find-exec")
+class FindExecutable(Substitution):
+    """The path of an executable; its name where it is not found (``ros2``, ``gz``)."""
+
+    def __init__(self, *, name: SomeSubstitutionsType):
+        self.name = normalize_to_list_of_substitutions(name)
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return the path."""
+        name = context.perform_substitution(self.name)
+        return name if name == "xacro" else shutil.which(name, path=context.environment.get("PATH")) or name
+
+    def describe(self) -> str:
+        """Return ROS's own description."""
+        return f"FindExec({described(self.name)})"

@@ -1,0 +1,23 @@
+"""The folder of the log files."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.substitution import Substitution
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_substitution("launch_log_dir")
+@expose_substitution("log_dir")
+class LaunchLogDir(Substitution):
+    """The folder of the log files."""
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return the folder."""
+        home = context.environment.get("ROS_HOME") or os.path.expanduser("~/.ros")
+        return context.environment.get("ROS_LOG_DIR") or os.path.join(home, "log")

@@ -1,0 +1,29 @@
+"""A value of the context's locals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import InputError
+from drake_twin.ros2.launch.substitution import Substitution
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+class LocalSubstitution(Substitution):
+    """A value of the context's locals, by an expression such as ``event.reason``."""
+
+    def __init__(self, expression: str, description: str | None = None):
+        self.expression = expression
+
+    def perform(self, context: LaunchContext) -> str:
+        """Return the value.
+
+        Raises:
+            InputError: If the expression raises an exception.
+        """
+        try:
+            return str(eval(f"context.{self.expression}", {}, {"context": context.locals}))
+        except Exception as error:  # the file's own code raises whatever it likes
+            raise InputError(f"the local {self.expression!r} is not there ({error})") from None

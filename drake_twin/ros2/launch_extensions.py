@@ -1,0 +1,112 @@
+"""The modules that register tags and substitutions: the twin's own, and the launch extensions of the user's packages.
+
+A package names its extensions as entry points of the group ``launch.frontend.launch_extension``.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+from collections.abc import Iterator
+from configparser import ConfigParser
+from configparser import Error as ConfigError
+from functools import cache
+from pathlib import Path
+
+from drake_twin.description.package_index import containing_package, packages_in, workspace_of
+from drake_twin.ros2.evaluation import current_context
+from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.lazy_exports import import_own
+
+_GROUP = "launch.frontend.launch_extension"
+_TREE = __package__
+_FOLDER = Path(__file__).parent
+
+
+@cache
+def load_own_modules(folder: str) -> None:
+    """Import all modules of the tree of stand-ins that are in folders of a name, such as ``actions``."""
+    for file in sorted(_FOLDER.glob(f"*/{folder}/[a-z]*.py")):
+        import_own(".".join((_TREE, *file.relative_to(_FOLDER).with_suffix("").parts)))
+
+
+def load_extensions() -> None:
+    """Import the launch extensions of the packages that the launch file at hand can see.
+
+    An extension that fails is noted in the context, and ignored like in ROS.
+    """
+    context = current_context()
+    for package in _visible_packages(context):
+        if package in context.extensions:
+            continue
+        context.extensions[package] = ""
+        for module in extension_modules(package):
+            try:
+                importlib.import_module(module)
+            except (Exception, SystemExit) as error:  # the package's code raises whatever it likes
+                context.extensions[package] = f"the launch extension {module} fails ({error})"
+
+
+def extension_problems() -> str:
+    """Return the extensions that failed, as the end of an error message."""
+    problems = [problem for problem in current_context().extensions.values() if problem]
+    return "".join(f"; {problem}" for problem in problems)
+
+
+def extension_modules(package: Path) -> Iterator[str]:
+    """Yield the modules that a package names as launch extensions.
+
+    Its setup.py and setup.cfg are read, not run.
+
+    Args:
+        package: The folder with the package.xml, of a source or an installed package.
+    """
+    if package.parent.name == "share":
+        files = package.parents[1].glob(f"lib*/python3*/*-packages/{package.name}-*-info/entry_points.txt")
+        lines = [line for file in files for line in _of_config(file, _GROUP)]
+    else:
+        lines = [*_of_config(package / "setup.cfg", "options.entry_points"), *_of_setup_py(package / "setup.py")]
+    for line in lines:
+        module = line.partition("=")[2].partition(":")[0].strip()
+        if module:
+            yield module
+
+
+def _visible_packages(context: LaunchContext) -> Iterator[Path]:
+    """Yield the package of the launch file at hand, its workspace's, and those in the folders that were named."""
+    folders = list(context.packages.folders)
+    file = context.current_launch_file
+    own = None if file is None else containing_package(Path(file).resolve())
+    if own is not None:
+        yield own
+        folders.append(workspace_of(own))
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    folders += [Path(prefix) / "share" for prefix in prefixes if prefix]
+    for folder in folders:
+        yield from packages_in(folder)
+
+
+def _of_config(file: Path, section: str) -> list[str]:
+    """Return the entry points, ``name = module``, in a section of entry_points.txt or setup.cfg."""
+    parser = ConfigParser(delimiters=("=",), interpolation=None)
+    try:
+        parser.read(file, encoding="utf-8")
+    except (ConfigError, UnicodeDecodeError):
+        return []
+    if section == _GROUP:
+        return [f"{name} = {module}" for name, module in parser.items(section)] if parser.has_section(section) else []
+    return parser.get(section, _GROUP, fallback="").splitlines()
+
+
+def _of_setup_py(file: Path) -> list[str]:
+    try:
+        tree = ast.parse(file.read_text(encoding="utf-8", errors="replace"))
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        return []
+    lines: list[str] = []
+    for node in ast.walk(tree):
+        for key, value in zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ():
+            if isinstance(key, ast.Constant) and key.value == _GROUP and isinstance(value, ast.List):
+                lines += [str(item.value) for item in value.elts if isinstance(item, ast.Constant)]
+    return lines

@@ -1,0 +1,41 @@
+"""Starts a node with lifecycle states."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.launch.frontend.expose import expose_action
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.launch_ros.actions.node import Node
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_action("lifecycle_node")
+class LifecycleNode(Node):
+    """Starts a node with lifecycle states.
+
+    Args:
+        name: The node's name.
+        namespace: Its namespace.
+        autostart: Whether it configures and activates itself.
+    """
+
+    def __init__(
+        self,
+        *,
+        name: SomeSubstitutionsType,
+        namespace: SomeSubstitutionsType = "",
+        autostart: Any = False,
+        **kwargs: Any,
+    ):
+        super().__init__(name=name, namespace=namespace, **kwargs)
+        self.autostart = autostart
+        self.is_lifecycle = True
+
+    def execute(self, context: LaunchContext) -> None:
+        """Start the node."""
+        super().execute(context)
+        nodes = context.get_locals_as_dict().get("lifecycle_nodes", [])
+        context.extend_globals({"lifecycle_nodes": [*nodes, self]})

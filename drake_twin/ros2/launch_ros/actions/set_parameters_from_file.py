@@ -1,0 +1,37 @@
+"""Sets the parameters of a file for all nodes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterFile
+from drake_twin.ros2.node_settings import add_global
+
+if TYPE_CHECKING:
+    from drake_twin.ros2.launch.frontend.entity import Entity
+    from drake_twin.ros2.launch.frontend.parser import Parser
+    from drake_twin.ros2.launch.launch_context import LaunchContext
+
+
+@expose_action("set_parameters_from_file")
+class SetParametersFromFile(Action):
+    """Sets the parameters of a file for all nodes that follow, to the end of the scope."""
+
+    def __init__(self, filename: SomeSubstitutionsType, **kwargs: Any):
+        super().__init__(**kwargs)
+        self.filename = filename
+
+    @classmethod
+    def parse(cls, entity: Entity, parser: Parser) -> Parsed:
+        """Return the class and its arguments for ``<set_parameters_from_file>``."""
+        _, arguments = super().parse(entity, parser)
+
+        return cls, {**arguments, **parser.parse_required(entity, "filename")}
+
+    def execute(self, context: LaunchContext) -> None:
+        """Set the parameters."""
+        file = self.filename if isinstance(self.filename, ParameterFile) else ParameterFile(self.filename)
+        add_global(context, "global_params", file.read(context))

@@ -1,0 +1,1 @@
+"""Stand-ins for ``nav2_common``."""
