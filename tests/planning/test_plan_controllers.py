@@ -121,7 +121,7 @@ def test_controllers_that_write_to_each_other_in_a_circle_are_refused(plan):
     three |= {"c": pid("a/wheel", interface="position", references=["wheel"])}
     with pytest.raises(InputError, match=r"the controllers .*a.* in a circle"):
         plan(**three)
-    with pytest.raises(InputError, match="the controllers a .*in a circle"):
+    with pytest.raises(InputError, match=r"the controllers a .*in a circle"):
         plan(a=pid("a/wheel", interface="position", references=["wheel"]))
 
 
