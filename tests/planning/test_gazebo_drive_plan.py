@@ -85,6 +85,20 @@ def test_of_two_plugins_that_hear_the_same_twist_the_one_with_wheels_drives(make
     assert "it would move the base besides drive, which drives wheels by the same topics (cart.urdf:" in reason
 
 
+def test_a_plugin_that_is_named_as_another_controller_has_a_name_of_its_own(make, tmp_path):
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager: {ros__parameters: {drive: {type: joint_state_broadcaster/JointStateBroadcaster}}}"
+    )
+    control = f"""<gazebo><plugin filename="gz_ros2_control-system" name="gz_ros2_control::GazeboSimROS2ControlPlugin">
+        <parameters>{tmp_path / "c.yaml"}</parameters></plugin></gazebo>"""
+    twin = make(control + DIFF_DRIVE.format(ros=""))
+    assert [controller.name for controller in twin.plans[0].controllers] == ["drive", "drive_plugin"]
+    assert set(twin.controller_manager("cart").active) == {"drive", "drive_plugin"}
+    twin.publish("/cart/cmd_vel", {"linear": {"x": 0.4}})
+    twin.advance_to(1.5)
+    assert twin.latest("/cart/ground_truth/odom").twist.twist.linear.x == pytest.approx(0.4, rel=0.02)
+
+
 def test_gz_names_its_topics_by_the_model_and_ros_by_the_bridge(make):
     twin = make(
         """<gazebo><plugin filename="gz-sim-diff-drive-system" name="gz::sim::systems::DiffDrive">

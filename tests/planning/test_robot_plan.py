@@ -36,8 +36,8 @@ one:
 
 @pytest.fixture
 def cart(tmp_path):
-    def make(controllers=CONTROLLERS, right="velocity", **options):
-        (tmp_path / "cart.urdf").write_text(TWO_WHEELS.format(right=right))
+    def make(controllers=CONTROLLERS, right="velocity", file=TWO_WHEELS, **options):
+        (tmp_path / "cart.urdf").write_text(file.format(right=right))
         files = ()
         if controllers is not None:
             (tmp_path / "controllers.yaml").write_text(controllers)
@@ -123,6 +123,35 @@ def test_without_a_parameters_file_every_joint_can_be_commanded(cart):
     _, velocity, effort = cart(None, right="effort").controllers
     assert (velocity.name, claims(velocity)) == ("forward_velocity_controller", ["left_joint/velocity"])
     assert (effort.name, claims(effort)) == ("forward_effort_controller", ["right_joint/effort"])
+
+
+def test_of_several_interfaces_velocity_goes_before_position_and_effort(cart):
+    for interfaces, expected in (
+        (("effort", "position", "velocity"), "velocity"),
+        (("effort", "position"), "position"),
+    ):
+        file = TWO_WHEELS.replace("{right}", '"/><command_interface name="'.join(interfaces))
+        names = [controller.name for controller in cart(None, file=file).controllers]
+        assert f"forward_{expected}_controller" in names
+        assert "forward_effort_controller" not in names
+
+
+def test_a_proportional_gain_is_of_the_error_in_each_update(cart):
+    gain = '<hardware><param name="position_proportional_gain">0.05</param></hardware><joint name="left_joint"><c'
+    plan = cart(file=TWO_WHEELS.replace('<joint name="left_joint"><c', gain))
+    assert plan.position_time_constant == pytest.approx(1 / (0.05 * 50))  # s, at 50 Hz
+    assert cart().position_time_constant is None
+
+
+def test_dry_friction_is_modelled_where_there_is_some_and_a_follower_has_its_leaders(cart):
+    friction = '<dynamics friction="0.3"/>'
+    file = TWO_WHEELS.replace('velocity="8"/>', f'velocity="8"/>{friction}')
+    assert [joint.name for joint in cart(file=file).friction_joints] == ["left_joint"]
+    follower = file.replace('<child link="right"/>', f'<child link="right"/>{friction}<mimic joint="left_joint"/>')
+    plan = cart(file=follower)
+    assert {joint.name for joint in plan.description.movable_joints if joint.friction} == {"left_joint", "right_joint"}
+    assert [joint.name for joint in plan.friction_joints] == ["left_joint"]
+    assert cart(file=file, without_repairs=("joint_friction",)).friction_joints == ()
 
 
 def test_joints_start_at_the_scenarios_position_then_at_initial_value_then_at_zero(cart):

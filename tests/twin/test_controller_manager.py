@@ -1,55 +1,45 @@
-"""Random sequences of the controller manager's calls keep what must always hold."""
+"""Random sequences of the controller manager's calls keep what must always hold; single calls that they seldom make."""
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from collections import Counter
+from itertools import pairwise
+from typing import ClassVar
 
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule, run_state_machine_as_test
+from made_up_controllers import Manager, controller, robot_plan
 
-from drake_twin.controllers.interface import Interface
-from drake_twin.description.package_index import PackageIndex
-from drake_twin.planning.controller_plan import ControllerPlan
-from drake_twin.planning.robot_plan import plan_robot
-from drake_twin.scenario import Robot
-from drake_twin.twin.controller_manager import STRICT, ControllerManager
+from drake_twin.twin.controller_manager import BEST_EFFORT, STRICT, ControllerManager
 
-INTERFACES = [Interface(joint, kind) for joint in ("a", "b", "c") for kind in ("position", "velocity")]
-
-
-def controller(name, *claims, references=(), state="unloaded", problem=None):
-    return ControllerPlan(name, "a/Type", None, claims, references, state, problem=problem)
-
+CHAIN = ("low", "middle", "high")  # from the joint up: each writes to the one before it
 
 # Two that exclude each other, one beside them, a chain of three, one that cannot be configured, one without claims.
 CONTROLLERS = (
     controller("broadcaster", state="active"),
-    controller("one", INTERFACES[0], INTERFACES[1], state="active"),
-    controller("other", INTERFACES[1], INTERFACES[2]),
-    controller("beside", INTERFACES[3], state="inactive"),
-    controller("low", INTERFACES[4], references=(Interface("c", "position"),)),
-    controller("middle", Interface("low/c", "position"), references=(Interface("c", "position"),)),
-    controller("high", Interface("middle/c", "position"), INTERFACES[5]),
-    controller("broken", INTERFACES[0], problem="its joint is missing"),
+    controller("one", "a/position", "a/velocity", state="active"),
+    controller("other", "a/velocity", "b/position"),
+    controller("beside", "b/velocity", state="inactive"),
+    controller("low", "c/position", references=("c/position",)),
+    controller("middle", "low/c/position", references=("c/position",)),
+    controller("high", "middle/c/position", "c/velocity"),
+    controller("broken", "a/position", problem="its joint is missing"),
 )
 NAMES = st.sampled_from([*(item.name for item in CONTROLLERS), "nobody"])
 LISTS = st.lists(NAMES, max_size=4)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def robot_plan():
-    from dataclasses import replace
-
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "robot.urdf"
-        file.write_text('<robot name="robot"><link name="base"/></robot>')
-        Calls.plan = replace(plan_robot(Robot("robot", str(file)), PackageIndex()), controllers=CONTROLLERS)
-    return Calls.plan
+PARTS = st.lists(st.sampled_from(CHAIN), unique=True)
+STRICTNESSES = st.sampled_from([0, 1, 2, 3, 4, 9])
 
 
 class Calls(RuleBasedStateMachine):
-    plan = None
+    """Calls in any order, the chain's controllers brought up and taken down among them.
+
+    Attributes:
+        reached: How often each controller of the chain has been active after a call.
+    """
+
+    plan = robot_plan(*CONTROLLERS)
+    reached: ClassVar[Counter] = Counter()
 
     def __init__(self):
         super().__init__()
@@ -81,7 +71,7 @@ class Calls(RuleBasedStateMachine):
         response = self.manager.unload_controller(name)
         assert not (response.ok and was_active)
 
-    @rule(activate=LISTS, deactivate=LISTS, strictness=st.sampled_from([0, 1, 2, 3, 4, 9]))
+    @rule(activate=LISTS, deactivate=LISTS, strictness=STRICTNESSES)
     def switch(self, activate, deactivate, strictness):
         before = self.manager.states
         response = self.manager.switch_controller(activate, deactivate, strictness)
@@ -92,10 +82,26 @@ class Calls(RuleBasedStateMachine):
             assert set(activate) <= set(self.manager.active)
             assert not set(deactivate) - set(activate) & set(self.manager.active)
 
+    @rule(names=st.integers(1, 3).flatmap(lambda count: st.permutations(CHAIN[:count])))
+    def bring_up(self, names):
+        """Loads, configures and activates the chain from below, named in any order."""
+        for name in names:
+            self.manager.load_controller(name)
+            self.manager.configure_controller(name)
+        assert self.manager.switch_controller(names, strictness=BEST_EFFORT)
+        assert set(names) <= set(self.manager.active)
+
+    @rule(activate=PARTS, deactivate=PARTS, strictness=STRICTNESSES)
+    def switch_chain(self, activate, deactivate, strictness):
+        self.switch(activate, deactivate, strictness)
+
     @rule(name=NAMES)
     def fail(self, name):
-        self.manager.deactivate_failed(name)
-        assert name not in self.manager.active
+        before = self.manager.states
+        stopped = set(self.manager.deactivate_failed(name))
+        above = CHAIN[CHAIN.index(name) :] if name in CHAIN else (name,)
+        assert stopped == {each for each in above if before.get(each) == "active"}
+        assert self.manager.states == {each: "inactive" if each in stopped else before[each] for each in before}
 
     @rule()
     def restart(self):
@@ -114,16 +120,53 @@ class Calls(RuleBasedStateMachine):
 
     @invariant()
     def nothing_writes_to_a_controller_that_is_not_active(self):
-        active = set(self.manager.active)
-        for item in CONTROLLERS:
-            if item.name in active:
-                owners = {claim.joint.partition("/")[0] for claim in item.claims if "/" in claim.joint}
-                assert owners <= active
+        active = [name for name in CHAIN if name in self.manager.active]
+        assert active == [*CHAIN[: len(active)]]
+        self.reached.update(active)
+
+    @invariant()
+    def a_controller_is_chained_while_one_above_it_is_active(self):
+        chained = {item.name for item in self.manager.list_controllers() if item.is_chained}
+        assert chained == {below for below, above in pairwise(CHAIN) if above in self.running}
 
     @invariant()
     def the_broken_one_never_runs(self):
         assert self.manager.states.get("broken") in (None, "unconfigured")
 
 
-TestCalls = Calls.TestCase
-TestCalls.settings = settings(max_examples=2000, stateful_step_count=15, deadline=None)
+def test_random_calls_keep_what_must_always_hold_and_reach_chains_of_three():
+    Calls.reached.clear()
+    run_state_machine_as_test(Calls, settings=settings(max_examples=1000, stateful_step_count=15, deadline=None))
+    assert all(Calls.reached[name] > 500 for name in CHAIN), Calls.reached
+
+
+def test_of_two_that_claim_one_interface_one_switch_starts_the_first():
+    manager = Manager(
+        controller("first", "a/effort", state="inactive"),
+        controller("second", "a/effort", "b/effort", state="inactive"),
+        controller("third", "b/effort", state="inactive"),
+    )
+    assert not manager.switch_controller(["first", "second"], strictness=STRICT)
+    assert manager.active == ()
+    response = manager.switch_controller(["first", "second", "third"], strictness=BEST_EFFORT)
+    assert manager.active == ("first", "third")  # what was refused claims nothing
+    assert "command interface a/effort is already claimed by 'first'" in response.message
+    assert manager.switches == [(("first", "third"), ())]
+
+
+def test_a_controller_in_both_lists_is_started_again():
+    manager = Manager(controller("one", "a/effort", state="active"))
+    assert manager.switch_controller(["one"], ["one"], STRICT)
+    assert manager.active == ("one",)
+    assert manager.switches == [(("one",), ("one",))]
+    assert not manager.switch_controller(["one"], strictness=STRICT)  # it is active already
+    assert manager.switches == [(("one",), ("one",))]
+
+
+def test_saved_states_that_there_are_not_are_refused():
+    manager = Manager(controller("one", "a/effort", state="active"))
+    for states in ({"one": "finalized"}, {"two": "active"}):
+        with pytest.raises(ValueError, match=f"controller '{next(iter(states))}' cannot be"):
+            manager.set_states(states)
+    manager.set_states({"one": "unconfigured"})
+    assert manager.states == {"one": "unconfigured"}
