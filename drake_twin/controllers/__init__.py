@@ -8,7 +8,6 @@ What a controller of your own needs::
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-import drake_twin.controllers.controller  # first, for its import binds the name of the decorator below
 from drake_twin.controllers.registry import controller
 
 if TYPE_CHECKING:
