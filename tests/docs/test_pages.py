@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from docs import run_page
+import run_page
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "drake_twin" / "docs"
@@ -44,5 +44,5 @@ def test_blocks_have_a_language_a_line_and_the_file_named_above_them(tmp_path):
     "line", ["rm -rf x", "python -m nothing", "python -m drake_twin.run --no-such-option path/to/x"]
 )
 def test_a_command_that_is_not_known_fails(line):
-    with pytest.raises(AssertionError, match="what is|no-such-option"):
+    with pytest.raises(AssertionError, match=r"what is|no-such-option"):
         run_page.command(line, "page.md:1")
