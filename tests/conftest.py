@@ -11,6 +11,22 @@ ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
 CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
 
+# The fast lane, `pytest -m fast`: units without a process, a browser or a long simulation.
+FAST_ROOMS = frozenset(
+    ("control", "controllers", "description", "from_launch", "messages", "planning", "ros2", "scenario", "sensors")
+) | {"systems"}
+TOO_SLOW_FOR_FAST = frozenset(
+    ("test_bounded_yaml", "test_drake_urdf", "test_gazebo_drives", "test_hostile_files", "test_mesh_cache")
+) | {"test_robot_model", "test_sdf_includes", "test_unread", "test_yaml_document"}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks the tests of the fast lane."""
+    for item in items:
+        file, is_slow = item.path, item.get_closest_marker("slow") is not None
+        if file.parent.name in FAST_ROOMS and file.stem not in TOO_SLOW_FOR_FAST and not is_slow:
+            item.add_marker("fast")
+
 
 @pytest.fixture(scope="session")
 def corpus() -> Path:

@@ -49,14 +49,14 @@ def test_another_suffix_is_refused(tmp_path):
         write_picture(rovers(1).build().diagram, tmp_path / "d.png")
 
 
-READY_MADE = [file for file in sorted(share_folder("diagrams").iterdir()) if file.suffix in (".yaml", ".py", ".xml")]
+READY_MADE = sorted({*share_folder("diagrams").glob("*.yaml"), *share_folder("diagrams").glob("*.launch.*")})
 
 
 @pytest.mark.parametrize("file", READY_MADE, ids=lambda file: file.name)
 def test_the_pictures_in_diagrams_are_up_to_date(file):
     """Draw them anew with: python -m drake_twin.run diagrams/FILE --graphviz diagrams/NAME.svg"""
     picture = file.with_name(f"{file.name.partition('.')[0]}.svg").read_text()
-    is_scenario = file.suffix == ".yaml"
+    is_scenario = ".launch." not in file.name
     scenario = ScenarioFile.read(file).scenario if is_scenario else launch_file_scenario(file).scenario
     assert dot_text_of_svg(picture) == dot_text(Twin(scenario).diagram)
 

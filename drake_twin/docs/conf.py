@@ -1,0 +1,24 @@
+"""How Sphinx builds these pages: ``python -m sphinx -W --keep-going drake_twin/docs build/docs``."""
+
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+project = "drake_twin"
+author = "the drake_twin contributors"
+version = release = version_of("drake_twin")
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "pydrake_system"]
+html_theme = "furo"
+html_title = f"drake_twin {version}"
+
+myst_heading_anchors = 3
+default_role = "py:obj"  # `Twin` in a docstring is a link where Twin is documented
+
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+python_use_unqualified_type_names = True

@@ -1,0 +1,59 @@
+"""Two directives for Sphinx: ``pydrake_system`` draws a LeafSystem's ports, ``room`` documents a package's modules."""
+
+from importlib import import_module
+from itertools import zip_longest
+from pkgutil import iter_modules
+from typing import Any
+
+import yaml
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+
+class PydrakeSystem(SphinxDirective):
+    """Draw the block that Drake's documentation has: input ports, the system's name, output ports."""
+
+    has_content = True
+
+    def run(self) -> list[nodes.Node]:
+        """Return the block as a table.
+
+        Raises:
+            DirectiveError: If the content is not the YAML of a system with a name.
+        """
+        try:
+            system = yaml.safe_load("\n".join(self.content))
+            name, inputs, outputs = system["name"], system.get("input_ports") or [], system.get("output_ports") or []
+        except (yaml.YAMLError, TypeError, KeyError, AttributeError) as error:
+            raise self.error(f"pydrake_system: {error!r} in {list(self.content)}") from error
+        rows = "\n".join(
+            f"   * - {_port(own)}\n     - {f'**{name}**' if row == 0 else ''}\n     - {_port(out)}"
+            for row, (own, out) in enumerate(zip_longest(inputs, outputs, fillvalue="") or [("", "")])
+        )
+        table = f".. list-table::\n   :header-rows: 1\n\n   * - input ports\n     -\n     - output ports\n{rows}"
+        return self.parse_text_to_nodes(table)
+
+
+class Room(SphinxDirective):
+    """Document the modules of a package, each as ``automodule`` does."""
+
+    required_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Return the documentation of all modules but the programs."""
+        package = self.arguments[0]
+        names = [item.name for item in iter_modules(import_module(package).__path__) if item.name != "__main__"]
+        blocks = [f".. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n" for name in names]
+        return self.parse_text_to_nodes("\n".join(blocks))
+
+
+def _port(name: str) -> str:
+    return f"``{name}``" if name else ""
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Add the directives."""
+    app.add_directive("pydrake_system", PydrakeSystem)
+    app.add_directive("room", Room)
+    return {"parallel_read_safe": True}

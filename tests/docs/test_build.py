@@ -1,0 +1,60 @@
+"""The pages and the API reference are built without a warning, and show what docstrings say of systems."""
+
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).resolve().parents[2] / "drake_twin" / "docs"
+pytestmark = pytest.mark.skipif(
+    any(find_spec(name) is None for name in ("sphinx", "myst_parser", "furo")),
+    reason="Sphinx is not installed: pip install '.[docs]'",
+)
+
+
+def build(source: Path, target: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", *options, str(source), str(target)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+@pytest.fixture(scope="module")
+def html(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("html")
+    run = build(DOCS, folder)
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+def test_it_has_every_page_and_class(html):
+    for page in DOCS.rglob("*.md"):
+        assert (html / page.relative_to(DOCS).with_suffix(".html")).is_file()
+    text = (html / "api" / "twin.html").read_text()
+    assert 'id="drake_twin.twin.twin.Twin.advance_to"' in text
+    assert "Raises" in text
+
+
+def test_ports_of_systems_are_drawn(html):
+    text = re.sub(r"<[^>]+>|\s+", " ", (html / "api" / "controllers.html").read_text())
+    assert re.search(r"input ports +output ports +commands +ForwardCommandController +command_interfaces", text)
+    assert "pydrake_system" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "warning"),
+    [
+        ("[a page](nowhere.md)", "nowhere.md"),
+        ("```{eval-rst}\n.. pydrake_system::\n\n   inputs: [a]\n```", "pydrake_system: KeyError('name')"),
+    ],
+)
+def test_a_broken_link_and_a_system_without_a_name_fail(tmp_path, text, warning):
+    source = tmp_path / "source"
+    source.mkdir()
+    for name in ("conf.py", "pydrake_system.py"):
+        (source / name).write_text((DOCS / name).read_text())
+    (source / "index.md").write_text(f"# Index\n\n{text}\n")
+    run = build(source, tmp_path / "html")
+    assert run.returncode != 0
+    assert warning in run.stderr

@@ -1,0 +1,48 @@
+"""What the pages say works: their Python, their commands and the files that they have the reader save."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import run_page
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "drake_twin" / "docs"
+PAGES = [
+    page
+    for page in (ROOT / "README.md", ROOT / ".github" / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")))
+    if any(block.language in ("python", "sh", "yaml", "json") for block in run_page.blocks(page))
+]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_what_a_page_says_works(page, tmp_path):
+    command = [sys.executable, run_page.__file__, str(page)]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_most_pages_have_something_to_run():
+    assert {page.stem for page in PAGES} >= {
+        *("start", "launch_files", "own_robot", "control", "sensors", "worlds", "physics", "python", "drake"),
+        *("extending", "command_line", "page", "CONTRIBUTING", "README"),
+    }
+
+
+def test_blocks_have_a_language_a_line_and_the_file_named_above_them(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("# A\n\nSave it as `a/b.yaml`:\n\n```yaml\nx: 1\n```\n\n```sh\nls\n```\n```\nplain\n```\n")
+    assert list(run_page.blocks(page)) == [
+        run_page.Block("yaml", "x: 1\n", 6, "a/b.yaml"),
+        run_page.Block("sh", "ls\n", 10, None),
+        run_page.Block("text", "plain\n", 13, None),
+    ]
+
+
+@pytest.mark.parametrize(
+    "line", ["rm -rf x", "python -m nothing", "python -m drake_twin.run --no-such-option path/to/x"]
+)
+def test_a_command_that_is_not_known_fails(line):
+    with pytest.raises(AssertionError, match=r"what is|no-such-option"):
+        run_page.command(line, "page.md:1")
