@@ -33,9 +33,10 @@ def named_paths(page: Path) -> set[Path]:
     return links | {ROOT / path for path in quoted}
 
 
-# A page that shows how a file is added names it before it is there.
+# A controller type that looks like a path; and a page that shows how a file is added names it before it is there.
 ADDED = {f"{path}/{name}" for path, name in (("drake_twin/controllers", "approach_controller.py"),)} | {
-    "tests/controllers/test_approach_controller.py"
+    "tests/controllers/test_approach_controller.py",
+    "drake_twin/VectorCommandController",
 }
 
 

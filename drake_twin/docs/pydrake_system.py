@@ -32,7 +32,8 @@ class PydrakeSystem(SphinxDirective):
             for row, (own, out) in enumerate(zip_longest(inputs, outputs, fillvalue="") or [("", "")])
         )
         table = f".. list-table::\n   :header-rows: 1\n\n   * - input ports\n     -\n     - output ports\n{rows}"
-        return self.parse_text_to_nodes(table)
+        parsed: list[nodes.Node] = self.parse_text_to_nodes(table)
+        return parsed
 
 
 class Room(SphinxDirective):
@@ -45,7 +46,8 @@ class Room(SphinxDirective):
         package = self.arguments[0]
         names = [item.name for item in iter_modules(import_module(package).__path__) if item.name != "__main__"]
         blocks = [f".. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n" for name in names]
-        return self.parse_text_to_nodes("\n".join(blocks))
+        parsed: list[nodes.Node] = self.parse_text_to_nodes("\n".join(blocks))
+        return parsed
 
 
 def _port(name: str) -> str:
