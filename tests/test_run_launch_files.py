@@ -154,4 +154,5 @@ def test_a_launch_file_that_starts_no_robot_is_one_paragraph(capsys):
     folder = MODELS / "rover_gazebo" / "launch"
     assert "start_world.launch.py: the launch file starts no robot" in refused(capsys, folder / "start_world.launch.py")
     error = refused(capsys, folder / "start_control.launch.py")
-    assert "starts no robot for its controllers (joint_state_broadcaster, forward_velocity_controller)" in error
+    controllers = "joint_state_broadcaster, forward_velocity_controller, drive_controller"
+    assert f"starts no robot for its controllers ({controllers})" in error

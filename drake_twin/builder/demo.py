@@ -9,8 +9,9 @@ from drake_twin.scenario import Scenario
 def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
     """Rovers in rows, each driving a circle of its own to its left, faster and slower."""
     model = "package://rover_description/urdf/rover.urdf.xacro"
+    files = [f"package://rover_description/config/rover_{name}.yaml" for name in ("controllers", "drive")]
     for name, x, y in _in_rows(count, spacing=2.5):
-        builder.robot(name, model, xyz=(x, y, 0.13))
+        builder.robot(name, model, xyz=(x, y, 0.13), controllers=files, inactive_controllers=["drive_controller"])
         builder.static_transform("world", f"{name}_odom")
         if drive:
             topic = f"/{name}/forward_velocity_controller/commands"
@@ -21,9 +22,13 @@ def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
 def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
     """Arms in rows that turn, bend and open their gripper, and come back."""
     model = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
+    files = [
+        f"package://arduinobot_description/config/arduinobot_{name}.yaml" for name in ("controllers", "trajectories")
+    ]
+    inactive = ["joint_trajectory_controller", "gripper_controller"]
     side = -1.0
     for name, x, y in _in_rows(count, spacing=1.5):
-        builder.robot(name, model, xyz=(x, y, 0.0))
+        builder.robot(name, model, xyz=(x, y, 0.0), controllers=files, inactive_controllers=inactive)
         side = -side  # neighbours turn opposite ways
         if drive:
             topic = f"/{name}/forward_velocity_controller/commands"

@@ -162,6 +162,8 @@ class Cockpit:
                 twin.set_time_step(seconds)
             case protocol.Switch(robot, controller, active):
                 self._switch(robot, controller, active)
+            case protocol.SwitchTo(robot, controller):
+                self._switch_to(robot, controller)
             case protocol.MoveJoint(topic, index, value):
                 self._commands.move(topic, index, value)
             case protocol.Drive(topic, x, y, turn):
@@ -210,6 +212,20 @@ class Cockpit:
         if not answer:
             raise InputError(f"{robot}: {answer.message}")
         self._commands.forget()
+
+    def _switch_to(self, robot: str, controller: str) -> None:
+        """Activate a controller in place of those that command its joints by whatever interface, and say which."""
+        manager = self._twin.controller_manager(robot)
+        plan = next(plan for plan in self._twin.plans if plan.name == robot)
+        joints = {item.name: {claim.joint for claim in item.claims} for item in plan.controllers}
+        own = joints.get(controller, set())
+        replaced = [name for name in manager.active if name != controller and joints[name] & own]
+        answer = manager.switch_controller([controller], replaced, STRICT)
+        if not answer:
+            raise InputError(f"{robot}: {answer.message}")
+        self._commands.forget()
+        states = ", ".join([f"{controller} active", *(f"{name} inactive" for name in replaced)])
+        self._log.add("info", f"{robot}: switched: {states}")
 
     def _show(self, name: str, on: bool) -> None:
         known = overlay_kinds()

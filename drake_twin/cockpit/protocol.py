@@ -67,6 +67,14 @@ class Switch:
 
 
 @dataclass(frozen=True)
+class SwitchTo:
+    """Activate a controller, and deactivate those that command the same joints."""
+
+    robot: str
+    controller: str
+
+
+@dataclass(frozen=True)
 class MoveJoint:
     """Command one element of a topic (rad, rad/s, N·m, or m, m/s, N) and keep the others."""
 
@@ -169,6 +177,7 @@ Request = (
     | SetRate
     | SetTimeStep
     | Switch
+    | SwitchTo
     | MoveJoint
     | PoseJoint
     | Drive

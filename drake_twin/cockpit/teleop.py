@@ -58,7 +58,7 @@ class Teleop:
         self._drivers.clear()
 
     def publish(self) -> None:
-        """Publish this frame's commands, unless the twin is paused.
+        """Publish this frame's commands, unless the twin is paused; drop those for controllers that are not active.
 
         Raises:
             InputError: If the twin refuses a command; its driver is forgotten.
@@ -66,6 +66,10 @@ class Teleop:
         if self._twin.paused:
             return
         for topic, driver in list(self._drivers.items()):
+            robot, controller = self.topics[topic]
+            if not self._twin.controller_manager(robot).is_active(controller):
+                del self._drivers[topic]
+                continue
             gone = driver.silent_frames >= _MOST_SILENT_FRAMES
             velocities = (0.0, 0.0, 0.0) if gone else driver.velocities
             if gone or not any(velocities):

@@ -1,8 +1,13 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from drake_twin import Twin
 from drake_twin.builder.demo import DEMOS, demo_scenario
+from drake_twin.twin.controller_manager import STRICT
+
+FORWARD = "forward_velocity_controller"
 
 
 @pytest.mark.parametrize("robot", DEMOS)
@@ -35,3 +40,63 @@ def test_the_demos_rovers_drive_circles_that_never_meet():
     for track in tracks.values():
         assert np.ptp(track, axis=0).max() < 2.5  # they stay where they are
         assert np.ptp(track, axis=0).min() > 1.0  # and get about
+
+
+@pytest.mark.parametrize("robot", DEMOS)
+def test_the_inactive_controllers_change_nothing_of_the_motion(robot):
+    scenario = demo_scenario(robot, 2)
+    plain = replace(
+        scenario, robots=tuple(replace(item, controllers=(), inactive_controllers=()) for item in scenario.robots)
+    )
+    twins = [Twin(scenario), Twin(plain)]
+    for twin in twins:
+        twin.advance_to(2.5)
+        assert twin.findings == ()
+    for name in twins[0].robots:
+        own, other = (twin.robot_state(name) for twin in twins)
+        assert (own.positions, own.velocities, own.base_pose) == (other.positions, other.velocities, other.base_pose)
+    assert [transform.header.frame_id for transform in twins[0].latest("/tf").transforms] == [
+        transform.header.frame_id for transform in twins[1].latest("/tf").transforms
+    ]
+
+
+def test_the_demos_rover_drives_by_cmd_vel_once_its_drive_is_switched_on():
+    twin = Twin(demo_scenario("rover", 2, drive=False))
+    manager = twin.controller_manager("robot_1")
+    assert manager.states == {
+        "joint_state_broadcaster": "active",
+        FORWARD: "active",
+        "drive_controller": "inactive",
+    }
+    assert not manager.switch_controller(["drive_controller"], [], STRICT)  # both claim the wheels
+    assert manager.switch_controller(["drive_controller"], [FORWARD], STRICT)
+
+    def drive(forward, turn):
+        for _ in range(20):
+            twist = {"linear": {"x": forward}, "angular": {"z": turn}}
+            twin.publish("/robot_1/drive_controller/cmd_vel", {"twist": twist})
+            twin.advance_to(twin.time + 0.1)
+        return twin.entity_state("robot_1")
+
+    assert drive(0.5, 0.0).position[0] == pytest.approx(1.0, abs=0.02)
+    assert drive(0.0, 1.0).angular[2] == pytest.approx(1.0, abs=0.02)  # though the wheels skid
+    assert twin.entity_state("robot_2").position[0] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_demos_arm_follows_trajectories_and_grips_once_these_are_switched_on():
+    twin = Twin(demo_scenario("arduinobot", 1, drive=False))
+    manager = twin.controller_manager("robot_1")
+    own = ["joint_trajectory_controller", "gripper_controller"]
+    assert manager.states == {"joint_state_broadcaster": "active", FORWARD: "active", **dict.fromkeys(own, "inactive")}
+    assert manager.switch_controller(own, [FORWARD], STRICT)
+    twin.publish(
+        "/robot_1/joint_trajectory_controller/joint_trajectory",
+        {
+            "joint_names": ["joint_1", "joint_2", "joint_3"],
+            "points": [{"positions": [0.5, 0.4, -0.6], "time_from_start": 1.0}],
+        },
+    )
+    goal = twin.send_goal("/robot_1/gripper_controller/gripper_cmd", {"command": {"position": 0.5, "max_effort": 5.0}})
+    twin.advance_to(1.5)
+    assert goal.status == "succeeded"
+    assert twin.robot_state("robot_1").positions[:4] == pytest.approx((0.5, 0.4, -0.6, 0.5), abs=0.01)

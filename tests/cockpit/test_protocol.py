@@ -15,6 +15,7 @@ from drake_twin.cockpit.protocol import parse
         ({"do": "Step", "count": 5}, protocol.Step(5)),
         ({"do": "RunTo", "time": 2}, protocol.RunTo(2.0)),
         ({"do": "Switch", "robot": "r", "controller": "c", "active": True}, protocol.Switch("r", "c", True)),
+        ({"do": "SwitchTo", "robot": "r", "controller": "c"}, protocol.SwitchTo("r", "c")),
         ({"do": "MoveJoint", "topic": "/t", "index": 1, "value": 0.5}, protocol.MoveJoint("/t", 1, 0.5)),
         (
             {"do": "Spawn", "file": "f", "name": "n", "xyz": [1, 2, 3], "rpy": [0, 0, 0.5]},
@@ -54,6 +55,8 @@ def test_a_request_reads_as_what_it_asks_for(message, request_):
         '{"do": "SetRate", "rate": ' + "9" * 400 + "}",
         '{"do": "SetRate", "rate": ' + "9" * 5000 + "}",
         '{"do": "Delete", "robot": 1}',
+        '{"do": "SwitchTo", "robot": "r"}',
+        '{"do": "SwitchTo", "robot": "r", "controller": "c", "active": true}',
         '{"do": "Delete", "robot": "a\\u0000"}',
         json.dumps({"do": "Delete", "robot": "x" * 1001}),
         '{"do": "Spawn", "file": "f", "name": "n", "xyz": [1, 2], "rpy": [0, 0, 0]}',

@@ -29,6 +29,8 @@ def test_the_rovers_topics_are_what_ros_would_name_them(rovers):
             f"{name}/joint_states",
             f"{name}/dynamic_joint_states",
             f"{name}/forward_velocity_controller/commands",
+            f"{name}/drive_controller/cmd_vel",
+            f"{name}/drive_controller/odom",
             f"{name}_robot_description",
             f"{name}/ground_truth/odom",
         }
@@ -41,7 +43,11 @@ def test_a_chain_of_spawners_is_active_at_time_zero(rovers):
     twin = Twin(rovers.scenario)
     for robot in twin.robots:
         states = [(item.name, item.state) for item in twin.controller_manager(robot).list_controllers()]
-        assert states == [("joint_state_broadcaster", "active"), ("forward_velocity_controller", "active")]
+        assert states == [
+            ("joint_state_broadcaster", "active"),
+            ("forward_velocity_controller", "active"),
+            ("drive_controller", "inactive"),
+        ]
     assert (twin.time, twin.latest("/robot_2/joint_states").name[0]) == (0, "robot_2_front_left_wheel_joint")
 
 

@@ -60,6 +60,8 @@ def test_two_rovers_start_one_after_the_other_in_one_world():
         ("/robot_2", "joint_state_broadcaster"),
         ("/robot_1", "forward_velocity_controller"),
         ("/robot_2", "forward_velocity_controller"),
+        ("/robot_1", "drive_controller"),
+        ("/robot_2", "drive_controller"),
     ]
     assert {process.start_time for process in launched.processes} == {0.0}
 

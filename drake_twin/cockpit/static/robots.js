@@ -51,6 +51,19 @@ class RobotFolder {
     });
   }
 
+  // A button that activates an inactive controller in place of those that command the same joints.
+  switchTo(controller, verb) {
+    const text = `${verb} with ${controller}`;
+    return element("button", {
+      class: "small switch-to",
+      hidden: true,
+      text,
+      "aria-label": `${this.name}: ${text}`,
+      title: `Activates ${controller} and deactivates the controllers that command the same joints`,
+      onclick: () => this.ask("SwitchTo", { robot: this.name, controller }),
+    });
+  }
+
   addCommands(robot) {
     this.groups = robot.groups.map((group) => {
       const heading = element("h3", { text: group.controller, title: group.topic });
@@ -63,16 +76,19 @@ class RobotFolder {
             onmove: (value) => this.ask("MoveJoint", { topic: group.topic, index, value }),
           }),
       );
-      this.node.append(element("div", { class: "commands" }, heading, ...sliders.map((slider) => slider.node)));
-      return { ...group, sliders };
+      const button = this.switchTo(group.controller, "Move");
+      this.node.append(element("div", { class: "commands" }, heading, button, ...sliders.map((slider) => slider.node)));
+      return { ...group, sliders, button };
     });
   }
 
   addDrives(robot) {
     this.drives = robot.drives.map((drive) => {
       const pad = this.teleop.pad(robot.name, drive.topic);
+      const button = this.switchTo(drive.controller, "Drive");
+      pad.node.firstChild.after(button);
       this.node.append(pad.node);
-      return { ...drive, pad };
+      return { ...drive, pad, button };
     });
   }
 
@@ -149,6 +165,9 @@ class RobotFolder {
       });
     }
     for (const { controller, pad } of this.drives ?? []) pad.disabled = state.controllers[controller] !== "active" || state.stopped;
+    for (const { controller, button } of [...(this.groups ?? []), ...(this.drives ?? [])]) {
+      button.hidden = state.controllers[controller] !== "inactive";
+    }
     for (const [name, { input, state: shown }] of Object.entries(this.switches ?? {})) {
       const now = state.controllers[name] ?? "unloaded";
       input.checked = now === "active";
