@@ -29,7 +29,7 @@ def named_paths(page: Path) -> set[Path]:
     """The files and folders that a page names: targets of its links, and quoted paths from the top of the tree."""
     text = page.read_text(encoding="utf-8")
     links = {page.parent / link for link in re.findall(r"\]\((?!https?:)([^)#\s]+)[^)]*\)", text)}
-    quoted = re.findall(r"`((?:drake_twin|models|diagrams|tests|\.github|\.ci)/[\w/.-]*)`", text)
+    quoted = re.findall(r"`((?:drake_twin|models|diagrams|tests|\.github|\.ci)/(?:[\w/.-]*/|[\w/.-]+\.\w+)?)`", text)
     return links | {ROOT / path for path in quoted}
 
 

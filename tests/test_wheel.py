@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import venv
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -17,6 +18,9 @@ def test_the_wheel_alone_runs_two_robots_from_another_folder(tmp_path):
         capture_output=True,
     )
     (wheel,) = (tmp_path / "dist").glob("drake_twin-*.whl")
+    names = set(zipfile.ZipFile(wheel).namelist())
+    assert {"drake_twin/py.typed", "drake_twin/docs/start.md", "drake_twin/share/diagrams/tour.ipynb"} <= names
+    assert [name for name in names if name.startswith("drake_twin/docs/") and not name.endswith(".md")] == []
     venv.create(tmp_path / "env", with_pip=True)
     python = tmp_path / "env" / "bin" / "python"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
