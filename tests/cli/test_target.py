@@ -118,7 +118,7 @@ def publishing(folder: Path, topic: str, data: str = "{data: [1, 0, 0, 0]}") -> 
 
 def test_what_is_typed_goes_before_what_the_launch_file_publishes(tmp_path):
     file = publishing(tmp_path, COMMANDS)
-    assert target(file).scenario.commands == (Command(COMMANDS, (1, 0, 0, 0)),)
+    assert target(file).scenario.commands == (Command(COMMANDS, (1, 0, 0, 0), optional=True),)
     assert target(file, "--pub", COMMANDS, "[0, 1, 0, 0]").scenario.commands == (Command(COMMANDS, (0, 1, 0, 0)),)
 
 
