@@ -65,7 +65,7 @@ def parse_parameter_value(entity: Entity, parser: Parser) -> Any:
     value, kind = entity.raw("value"), entity.get_attr("type", optional=True)
     separators = [entity.get_attr(name, optional=True) for name in ("sep", "value-sep")]
     if value is None:
-        raise entity.error("the attribute 'value' is missing")
+        value = entity.get_attr("value")  # which refuses that it is missing
     if kind is not None and kind not in _TYPES:
         raise entity.error(f"unknown type {kind!r}", value=kind, valid=_TYPES)
     value_type = None if kind is None else _TYPES[kind]

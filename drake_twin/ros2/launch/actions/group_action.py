@@ -47,15 +47,15 @@ class GroupAction(Action):
         """Return the class and its arguments for ``<group>``."""
         _, arguments = super().parse(entity, parser)
 
-        for name in ("scoped", "forwarding"):
-            flag = entity.get_attr(name, data_type=bool, optional=True, can_be_str=False)
-            if flag is not None:
-                arguments[name] = flag
         kept = {
             child.get_attr("name", optional=True) or "": parser.parse_required(child, "value")["value"]
             for child in entity.children_named("keep")
         }
         actions = [parser.parse_action(child) for child in entity.children if child.type_name != "keep"]
+        for name in ("scoped", "forwarding"):
+            flag = entity.get_attr(name, data_type=bool, optional=True, can_be_str=False)
+            if flag is not None:
+                arguments[name] = flag
         return cls, {**arguments, "actions": actions, "launch_configurations": kept}
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, list[Any]]]:

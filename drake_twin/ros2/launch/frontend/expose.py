@@ -59,6 +59,10 @@ class Registry:
                 return method
         return None
 
+    def is_of_package(self, name: str) -> bool:
+        """Return whether a launch file or one of its packages registered a name."""
+        return name in self._others
+
     def names(self) -> list[str]:
         """Return the names that are known, sorted."""
         return sorted({*self._own, *self._others})
