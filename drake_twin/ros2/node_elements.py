@@ -1,18 +1,13 @@
 """The ``<param>`` and ``<remap>`` elements of nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from drake_twin.ros2.launch.frontend.entity import Entity
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterFile, ParameterValue
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
-
 
 _TYPES: Mapping[str, Any] = {
     "str": str,

@@ -1,7 +1,5 @@
 """XML launch files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from lxml import etree

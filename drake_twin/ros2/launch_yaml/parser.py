@@ -1,7 +1,5 @@
 """YAML launch files."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument

@@ -4,8 +4,6 @@ A class or a parse method registers itself with `expose_action` or `expose_subst
 imported when a name is looked up that is not registered yet, and then the launch extensions of the user's packages.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial

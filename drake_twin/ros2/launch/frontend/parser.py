@@ -1,7 +1,5 @@
 """From the elements of XML and YAML launch files to actions (``launch.frontend.parser``)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.errors import InputError
