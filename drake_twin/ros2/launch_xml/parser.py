@@ -13,6 +13,8 @@ from drake_twin.ros2.launch.launch_description_sources.frontend_launch_file_util
     read_launch_file,
 )
 
+__all__: list[str] = []  # launch files find nothing of ROS's here
+
 
 def load_xml_file(path: str) -> LaunchDescription:
     """Return the launch description of an XML launch file.

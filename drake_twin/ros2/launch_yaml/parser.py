@@ -11,6 +11,8 @@ from drake_twin.ros2.launch.launch_description_sources.frontend_launch_file_util
     read_launch_file,
 )
 
+__all__: list[str] = []  # launch files find nothing of ROS's here
+
 _CHILDREN = "children"
 
 
