@@ -1,7 +1,5 @@
 """Packages that are built in: the launch files of Gazebo's packages, as what including them starts."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

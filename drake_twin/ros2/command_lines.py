@@ -1,7 +1,5 @@
 """The command lines of XML and YAML launch files."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 from drake_twin.ros2.launch.substitution import Substitution

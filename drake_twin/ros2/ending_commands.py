@@ -1,7 +1,5 @@
 """Which programs do their work and end, and which keep running."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Sequence

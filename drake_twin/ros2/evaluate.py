@@ -4,8 +4,6 @@ A launch file is code and runs as its user's, as with ``ros2 launch``: Python fi
 PythonExpression are executed.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path

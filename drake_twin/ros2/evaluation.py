@@ -1,7 +1,5 @@
 """Which evaluation is active: what code of a launch file that is given no context belongs to."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

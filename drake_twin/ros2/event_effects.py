@@ -1,18 +1,14 @@
 """What an event does by itself, beside running its handlers."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.event import Event
 from drake_twin.ros2.launch.events.include_launch_description import IncludeLaunchDescription
 from drake_twin.ros2.launch.events.shutdown import Shutdown
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch_ros.events.lifecycle import ChangeState, StateTransition
 from drake_twin.ros2.lifecycle_msgs.msg import Transition
 from drake_twin.ros2.visiting import visit_all
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _STATES = {
     Transition.TRANSITION_CONFIGURE: ("configuring", "inactive"),

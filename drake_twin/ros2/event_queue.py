@@ -1,7 +1,5 @@
 """The events of a launch in simulation time, and the handlers that wait for them."""
 
-from __future__ import annotations
-
 import heapq
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol

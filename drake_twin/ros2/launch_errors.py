@@ -1,19 +1,14 @@
 """Errors of a launch file's own Python code, reported with the lines of that file only."""
 
-from __future__ import annotations
-
 import sysconfig
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Place
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.packages import AbsentError, absent_package_in
 from drake_twin.ros2.stand_in_modules import exports
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _HIDDEN_FOLDERS = (
     str(Path(__file__).parent),

@@ -3,8 +3,6 @@
 A package names its extensions as entry points of the group ``launch.frontend.launch_extension``.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib
 import os

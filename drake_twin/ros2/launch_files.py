@@ -1,23 +1,19 @@
 """Launch files: finding, reading and entering them."""
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import built_in_arguments, built_in_processes
 from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
+from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch_xml.parser import load_xml_file
 from drake_twin.ros2.launch_yaml.parser import load_yaml_file
 from drake_twin.ros2.packages import AbsentError, absent_package_in
 from drake_twin.ros2.python_file import load_python_file
 from drake_twin.ros2.visiting import every_entity, visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
-    from drake_twin.ros2.launch.launch_description import LaunchDescription
 
 
 def load_launch_file(path: str, context: LaunchContext, form: str | None = None) -> LaunchDescription:

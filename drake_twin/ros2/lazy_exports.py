@@ -1,7 +1,5 @@
 """The names of a stand-in package, each imported from its module when it is first asked for."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from collections.abc import Callable, Mapping

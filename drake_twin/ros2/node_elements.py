@@ -1,18 +1,13 @@
 """The ``<param>`` and ``<remap>`` elements of nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from drake_twin.ros2.launch.frontend.entity import Entity
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterFile, ParameterValue
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
-
 
 _TYPES: Mapping[str, Any] = {
     "str": str,
@@ -65,7 +60,7 @@ def parse_parameter_value(entity: Entity, parser: Parser) -> Any:
     value, kind = entity.raw("value"), entity.get_attr("type", optional=True)
     separators = [entity.get_attr(name, optional=True) for name in ("sep", "value-sep")]
     if value is None:
-        raise entity.error("the attribute 'value' is missing")
+        value = entity.get_attr("value")  # which refuses that it is missing
     if kind is not None and kind not in _TYPES:
         raise entity.error(f"unknown type {kind!r}", value=kind, valid=_TYPES)
     value_type = None if kind is None else _TYPES[kind]

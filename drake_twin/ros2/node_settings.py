@@ -1,14 +1,10 @@
 """What is set for all nodes of a scope: their parameters and remappings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 def add_global(context: LaunchContext, key: str, item: Any) -> None:

@@ -1,22 +1,18 @@
 """The values of parameters, by ROS's typing rules."""
 
-from __future__ import annotations
-
 import os
 import typing
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import yaml
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launched import ParameterValue as Value
 from drake_twin.ros2.launched import Scalar
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _SCALARS = (bool, int, float, str, bytes)
 

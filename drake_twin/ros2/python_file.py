@@ -1,19 +1,15 @@
 """Python launch files: they are executed, as they use loops, ``open()``, ``os.environ`` and classes freely."""
 
-from __future__ import annotations
-
 import builtins
 import sys
 import types
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch_errors import launch_error
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _MODULE_NAME = "python_launch_file"  # as ros2 launch names it
 

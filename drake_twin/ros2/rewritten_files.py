@@ -1,20 +1,15 @@
 """Files that are rewritten during the evaluation: ``$(var …)`` filled in, keys and texts replaced."""
 
-from __future__ import annotations
-
 import os
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launched import ParameterText
 from drake_twin.ros2.packages import AbsentError, absent_package_in, lasting_folder
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class RewrittenFile(Substitution, ABC):

@@ -5,8 +5,6 @@ Afterwards ``sys.modules``, ``sys.path``, ``os.environ`` and the working directo
 itself and of its site-packages stay: a later import would find the same, and some (NumPy) cannot be loaded twice.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.abc
 import importlib.machinery

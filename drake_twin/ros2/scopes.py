@@ -1,7 +1,5 @@
 """Launch configurations and environment variables, and the scopes that save and restore them."""
 
-from __future__ import annotations
-
 import copy
 import os
 from collections.abc import Iterator, Mapping, MutableMapping

@@ -1,24 +1,20 @@
 """The arguments of a launch file and of the files that it includes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.built_in_packages import built_in_arguments
 from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
 from drake_twin.ros2.launch.actions.include_launch_description import IncludeLaunchDescription
 from drake_twin.ros2.launch.actions.set_launch_configuration import SetLaunchConfiguration
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch_files import existing_file, load_launch_file
 from drake_twin.ros2.launched import LaunchArgument
 from drake_twin.ros2.packages import BUILT_IN
 from drake_twin.ros2.text_parts import as_text
 from drake_twin.ros2.visiting import every_entity
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 _DEEPEST = 20
 

@@ -4,8 +4,6 @@
 them these modules under ROS's own names.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.abc
 import importlib.machinery

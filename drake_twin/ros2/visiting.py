@@ -1,15 +1,11 @@
 """Visiting entities in order, as ROS does."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch_errors import launch_error
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 def visit_all(entity: Any, context: LaunchContext) -> None:

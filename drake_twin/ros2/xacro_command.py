@@ -1,17 +1,12 @@
 """``xacro FILE name:=value`` in a launch file, expanded here instead of in another process."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.packages import AbsentError, absent_package_in
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 # Options of the xacro command that change nothing in the result.
 _HARMLESS = ("--inorder", "-i", "--xacro-ns", "-q", "--check-order")

@@ -51,7 +51,6 @@ def test_children_are_found_by_their_tag():
     ("call", "reason"),
     [
         (lambda element: element.get_attr("other"), r"x.launch.xml:3: <tag>: the attribute 'other' is missing"),
-        (lambda element: element.get_attr("nam"), r"unknown attribute 'name'. Did you mean 'nam'"),
         (lambda element: element.get_attr("c", data_type=list[Entity]), "the attribute 'c' is missing"),
         (
             lambda element: element.get_attr("name", data_type=int, can_be_str=False),

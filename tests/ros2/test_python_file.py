@@ -56,6 +56,12 @@ def test_a_module_that_ros_does_not_have_is_refused(tmp_path):
     )
 
 
+@pytest.mark.parametrize("module", ["launch_xml.parser", "launch.launch_description_sources.any_launch_file_utilities"])
+def test_a_module_that_the_twin_has_no_stand_in_for_is_absent(tmp_path, module):
+    text = refused(tmp_path, "", before=f"from {module} import x")
+    assert f"needs the Python module {module}, which is not there" in text
+
+
 def test_a_file_without_generate_launch_description_is_refused(tmp_path):
     with pytest.raises(InputError, match="has a function generate_launch_description"):
         evaluate(write(tmp_path / "x.launch.py", "x = 1\n"))

@@ -135,6 +135,8 @@ def test_gazebos_own_elements(tmp_path):
     [
         ("<nod/>", r"xml:2: <nod>: unknown element. Did you mean 'node'"),
         ('<node pkg="p"/>', r"xml:2: <node>: the attribute 'exec' is missing"),
+        ('<node pkg="p" exe="e"/>', r"xml:2: <node>: unknown attribute 'exe'. Did you mean 'exec'\?.* unless"),
+        ('<set_parameter nam="x"/>', r"<set_parameter>: unknown attribute 'nam'. Did you mean 'name'\?.* value-sep"),
         ('<node pkg="p" exec="e" nam="x"/>', r"xml:2: <node>: unknown attribute 'nam'. Did you mean 'name'"),
         ('<node pkg="p" exec="e"><parm/></node>', r"<parm>: not an element of <node>. Did you mean 'param'"),
         ('<node pkg="p" exec="e"><param value="1"/></node>', r"<param>: a param has a name or a file"),

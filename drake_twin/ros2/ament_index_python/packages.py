@@ -1,7 +1,5 @@
 """``ament_index_python.packages`` for launch files: packages of the twin's index."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

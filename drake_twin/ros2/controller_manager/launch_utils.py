@@ -1,7 +1,5 @@
 """``controller_manager.launch_utils``: launch descriptions that spawn controllers."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

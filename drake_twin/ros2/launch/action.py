@@ -1,20 +1,16 @@
 """Actions: entities that do something when they are visited."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.conditions.if_condition import IfCondition
 from drake_twin.ros2.launch.conditions.unless_condition import UnlessCondition
+from drake_twin.ros2.launch.frontend.entity import Entity
+from drake_twin.ros2.launch.frontend.expose import Parsed
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description_entity import LaunchDescriptionEntity
 from drake_twin.ros2.places import place_of_caller
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.expose import Parsed
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class Action(LaunchDescriptionEntity):

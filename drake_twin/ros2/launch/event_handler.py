@@ -1,18 +1,14 @@
 """Event handlers: actions that wait for an event."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.findings import Place
 from drake_twin.ros2.launch.event import Event
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
 from drake_twin.ros2.places import place_of_caller
 from drake_twin.ros2.visiting import visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 __all__ = ["BaseEventHandler", "EventHandler"]
 

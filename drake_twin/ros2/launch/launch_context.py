@@ -1,7 +1,5 @@
 """What is known at one moment of a launch: configurations, the file at hand, what has started."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from dataclasses import replace

@@ -1,17 +1,13 @@
 """Launch descriptions: lists of entities that are visited in turn."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description_entity import LaunchDescriptionEntity
 from drake_twin.ros2.places import place_of_caller
 from drake_twin.ros2.visiting import every_entity
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class LaunchDescription(LaunchDescriptionEntity):

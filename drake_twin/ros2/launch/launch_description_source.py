@@ -1,17 +1,11 @@
 """Sources of launch descriptions."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.described_substitutions import described_text
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launch_files import load_launch_file
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class LaunchDescriptionSource:

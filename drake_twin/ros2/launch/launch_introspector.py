@@ -1,7 +1,5 @@
 """Launch descriptions as text."""
 
-from __future__ import annotations
-
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 
 

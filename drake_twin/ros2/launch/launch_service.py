@@ -1,7 +1,5 @@
 """ROS's own runner of launch descriptions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.errors import InputError

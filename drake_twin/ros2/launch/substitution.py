@@ -5,13 +5,11 @@ from __future__ import annotations
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import Parsed, instantiate_substitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 __all__ = ["Substitution"]
 

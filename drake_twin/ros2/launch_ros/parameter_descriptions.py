@@ -1,23 +1,19 @@
 """Parameters of nodes: single values, and files of them."""
 
-from __future__ import annotations
-
 import os
 import typing
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.parse_substitution import parse_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launched import ParameterText
 from drake_twin.ros2.launched import ParameterValue as Value
 from drake_twin.ros2.parameter_values import as_type, items_as, typed_value
 from drake_twin.ros2.rewritten_files import read_parameter_file, write_rewritten
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class ParameterValue:

@@ -1,7 +1,5 @@
 """XML launch files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from lxml import etree
@@ -14,6 +12,8 @@ from drake_twin.ros2.launch.launch_description_sources.frontend_launch_file_util
     parse_description,
     read_launch_file,
 )
+
+__all__: list[str] = []  # launch files find nothing of ROS's here
 
 
 def load_xml_file(path: str) -> LaunchDescription:

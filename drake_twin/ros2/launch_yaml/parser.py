@@ -1,7 +1,5 @@
 """YAML launch files."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
@@ -12,6 +10,8 @@ from drake_twin.ros2.launch.launch_description_sources.frontend_launch_file_util
     parse_description,
     read_launch_file,
 )
+
+__all__: list[str] = []  # launch files find nothing of ROS's here
 
 _CHILDREN = "children"
 

@@ -1,9 +1,7 @@
 """Starts a process."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.findings import Place
 from drake_twin.ros2.ending_commands import command_ends, duration, shell_words
@@ -12,15 +10,13 @@ from drake_twin.ros2.launch.action import Action
 from drake_twin.ros2.launch.descriptions.executable import Executable
 from drake_twin.ros2.launch.events.execution_complete import ExecutionComplete
 from drake_twin.ros2.launch.events.process import ProcessExited, ProcessStarted
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
 from drake_twin.ros2.launched import (
     PROCESS,
     LaunchedProcess,
 )
 from drake_twin.ros2.visiting import visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class ExecuteLocal(Action):

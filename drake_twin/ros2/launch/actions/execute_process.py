@@ -1,21 +1,16 @@
 """Starts a command."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.command_lines import split_command_line
 from drake_twin.ros2.launch.actions.execute_local import ExecuteLocal
 from drake_twin.ros2.launch.actions.shutdown_action import Shutdown
 from drake_twin.ros2.launch.descriptions.executable import Executable
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-
 
 # What ROS knows and the twin ignores: it starts no process.
 _IGNORED = (

@@ -1,20 +1,16 @@
 """Loops over numbers and over sets of values."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.visiting import visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class ForLoop(Action):

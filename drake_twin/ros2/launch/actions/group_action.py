@@ -1,19 +1,15 @@
 """Actions with configurations of their own."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
 from drake_twin.ros2.visiting import visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("group")
@@ -47,15 +43,15 @@ class GroupAction(Action):
         """Return the class and its arguments for ``<group>``."""
         _, arguments = super().parse(entity, parser)
 
-        for name in ("scoped", "forwarding"):
-            flag = entity.get_attr(name, data_type=bool, optional=True, can_be_str=False)
-            if flag is not None:
-                arguments[name] = flag
         kept = {
             child.get_attr("name", optional=True) or "": parser.parse_required(child, "value")["value"]
             for child in entity.children_named("keep")
         }
         actions = [parser.parse_action(child) for child in entity.children if child.type_name != "keep"]
+        for name in ("scoped", "forwarding"):
+            flag = entity.get_attr(name, data_type=bool, optional=True, can_be_str=False)
+            if flag is not None:
+                arguments[name] = flag
         return cls, {**arguments, "actions": actions, "launch_configurations": kept}
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, list[Any]]]:

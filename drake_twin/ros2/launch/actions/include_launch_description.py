@@ -1,15 +1,16 @@
 """Includes a launch file in another."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch.launch_description_source import LaunchDescriptionSource
 from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
@@ -18,11 +19,6 @@ from drake_twin.ros2.launched import FailedInclude
 from drake_twin.ros2.packages import BUILT_IN, AbsentError
 from drake_twin.ros2.text_parts import as_text
 from drake_twin.ros2.visiting import visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 # A file may include itself with other arguments, but hardly more often than this.
 _DEEPEST_REPETITION = 8

@@ -1,19 +1,15 @@
 """Logs messages."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.text_parts import as_text
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("log_info")

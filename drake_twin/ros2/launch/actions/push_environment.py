@@ -1,14 +1,8 @@
 """Saves the environment variables."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.action import Action
 from drake_twin.ros2.launch.frontend.expose import expose_action
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("push_environment")

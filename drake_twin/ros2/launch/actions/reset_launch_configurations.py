@@ -1,15 +1,11 @@
 """Removes all launch configurations but those given."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.action import Action
 from drake_twin.ros2.launch.frontend.expose import expose_action
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("reset")

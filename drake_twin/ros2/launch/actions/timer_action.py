@@ -1,20 +1,16 @@
 """Actions that are executed after a time."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_entities_impl import normalize_to_list_of_entities
 from drake_twin.ros2.visiting import visit_list
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("timer")

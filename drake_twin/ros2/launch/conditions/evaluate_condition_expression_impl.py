@@ -1,15 +1,8 @@
 """The truth value of a condition's text."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.conditions.invalid_condition_expression_error import InvalidConditionExpressionError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
-
 
 _TRUE = ("true", "1")
 _FALSE = ("false", "0")

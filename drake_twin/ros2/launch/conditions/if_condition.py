@@ -1,16 +1,10 @@
 """A condition that holds if its text says true."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.condition import Condition
 from drake_twin.ros2.launch.conditions.evaluate_condition_expression_impl import evaluate_condition_expression
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class IfCondition(Condition):

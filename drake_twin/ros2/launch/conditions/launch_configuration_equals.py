@@ -1,14 +1,8 @@
 """A condition that holds if a launch configuration has a value."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.condition import Condition
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class LaunchConfigurationEquals(Condition):

@@ -1,13 +1,7 @@
 """A condition that holds if a launch configuration has another value."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.conditions.launch_configuration_equals import LaunchConfigurationEquals
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class LaunchConfigurationNotEquals(LaunchConfigurationEquals):

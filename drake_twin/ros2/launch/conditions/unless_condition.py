@@ -1,13 +1,7 @@
 """A condition that holds if its text says false."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.conditions.if_condition import IfCondition
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class UnlessCondition(IfCondition):

@@ -1,7 +1,5 @@
 """A command line as data."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Handlers of the events of actions."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.ros2.launch.event_handler import EventHandler

@@ -1,7 +1,5 @@
 """Waits for text of a process, which never comes: the twin starts no process."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.ros2.launch.event_handlers.on_action_event_base import OnActionEventBase

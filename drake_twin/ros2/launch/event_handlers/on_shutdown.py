@@ -1,7 +1,5 @@
 """Waits for the end of the launch."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.ros2.launch.event_handler import EventHandler

@@ -1,7 +1,5 @@
 """Events of processes, and matchers of the actions that start them (``launch.events.process``)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

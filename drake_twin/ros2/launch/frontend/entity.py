@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import yaml
@@ -14,6 +13,21 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Place
 
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
+
+
+class MissingAttributeError(InputError):
+    """Raised for an attribute that an element needs and does not have.
+
+    Args:
+        entity: The element.
+        name: The attribute.
+    """
+
+    def __init__(self, entity: Entity, name: str):
+        super().__init__(
+            f"<{entity.type_name}>: the attribute {name!r} is missing", file=entity.place.file, line=entity.place.line
+        )
+        self.entity = entity
 
 
 class Entity:
@@ -47,6 +61,7 @@ class Entity:
         self._known: dict[str, None] = {}
         self._known_children: set[str] = set()
         self._closed = False
+        self._searched = False
         for child in self.children:
             child.parent = self
 
@@ -69,13 +84,15 @@ class Entity:
         if _item_type(data_type) is Entity:
             children = self.children_named(name)
             if not children and not optional:
-                raise self._missing(name)
+                raise MissingAttributeError(self, name)
             return children or None
         value = self.raw(name)
         if value is None:
-            if not optional:
-                raise self._missing(name)
-            return None
+            if optional:
+                return None
+            if self._searched:
+                return ""
+            raise MissingAttributeError(self, name)
         separator = self.raw(f"{name}-sep") if _item_type(data_type) is not None and isinstance(value, str) else None
         if separator is not None:
             value = value.split(str(separator))
@@ -102,6 +119,19 @@ class Entity:
         """Refuse, in `assert_entity_completely_parsed`, children with tags that were not asked for."""
         self._closed = True
 
+    def refuse_unknown(self, parse: Callable[[Entity], object]) -> None:
+        """Check that a parse method which failed for a missing attribute knows all those that the element has.
+
+        Raises:
+            InputError: If it does not: the missing one may be misspelled.
+        """
+        self._searched = True  # parse to the end, to learn what the method asks for
+        try:
+            parse(self)
+        except Exception:  # another attribute is wrong, too
+            return
+        self.assert_entity_completely_parsed()
+
     def assert_entity_completely_parsed(self) -> None:
         """Check that all attributes have been asked for.
 
@@ -116,22 +146,12 @@ class Entity:
         known = {_spelled(name) for name in self._known}
         for name in self._attributes:
             if name not in known:
-                raise self._unknown(name)
+                written = self._names[name]
+                raise self.error(f"unknown attribute {written!r}", value=written, valid=sorted(self._known))
 
     def error(self, message: str, **more: Any) -> InputError:
         """Return an error that points at the element."""
         return InputError(f"<{self.type_name}>: {message}", file=self.place.file, line=self.place.line, **more)
-
-    def _missing(self, name: str) -> InputError:
-        """Return the error of a missing attribute, or of one that is probably it, misspelled."""
-        others = set(self._attributes) - {_spelled(known) for known in self._known}
-        for close in get_close_matches(_spelled(name), others, n=1):
-            return self._unknown(close)
-        return self.error(f"the attribute {name!r} is missing")
-
-    def _unknown(self, name: str) -> InputError:
-        written = self._names[name]
-        return self.error(f"unknown attribute {written!r}", value=written, valid=sorted(self._known))
 
 
 def _spelled(name: str) -> str:

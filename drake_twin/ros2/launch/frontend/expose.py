@@ -4,8 +4,6 @@ A class or a parse method registers itself with `expose_action` or `expose_subst
 imported when a name is looked up that is not registered yet, and then the launch extensions of the user's packages.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -58,6 +56,10 @@ class Registry:
             if method is not None:
                 return method
         return None
+
+    def is_of_package(self, name: str) -> bool:
+        """Return whether a launch file or one of its packages registered a name."""
+        return name in self._others
 
     def names(self) -> list[str]:
         """Return the names that are known, sorted."""

@@ -1,7 +1,5 @@
 """``$(name arguments)`` in the text of XML and YAML launch files and of parameter files."""
 
-from __future__ import annotations
-
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import instantiate_substitution
 from drake_twin.ros2.launch.substitution import Substitution

@@ -1,12 +1,10 @@
 """From the elements of XML and YAML launch files to actions (``launch.frontend.parser``)."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.evaluation import current_context
-from drake_twin.ros2.launch.frontend.entity import Entity, attribute_text
+from drake_twin.ros2.launch.frontend.entity import Entity, MissingAttributeError, attribute_text
 from drake_twin.ros2.launch.frontend.expose import ACTIONS
 from drake_twin.ros2.launch.frontend.parse_substitution import parse_substitution
 from drake_twin.ros2.launch.launch_description_entity import LaunchDescriptionEntity
@@ -15,7 +13,6 @@ from drake_twin.ros2.launch_errors import launch_error
 from drake_twin.ros2.launch_extensions import extension_problems
 
 _OF_ROS_1 = ("env", "machine", "param", "remap", "rosparam", "test")
-_WITH_NS_IN_ROS_1 = ("group", "include", "node")
 
 
 class Parser:
@@ -29,10 +26,9 @@ class Parser:
         """
         tag = entity.type_name.replace("-", "_")
         method = ACTIONS.find(tag)
-        if method is None or tag in _WITH_NS_IN_ROS_1:
-            of_ros_1 = (method is None and tag in _OF_ROS_1) or "ns" in entity or (tag == "node" and "type" in entity)
-            if of_ros_1:
-                raise entity.error("this is a ROS 1 launch file, and the twin reads those of ROS 2")
+        of_ros_1 = tag in _OF_ROS_1 or "ns" in entity or (tag == "node" and "type" in entity)
+        if of_ros_1 and not ACTIONS.is_of_package(tag):
+            raise entity.error("this is a ROS 1 launch file, and the twin reads those of ROS 2")
         if method is None:
             message = f"unknown element{extension_problems()}"
             raise entity.error(message, value=entity.type_name, valid=ACTIONS.names())
@@ -40,6 +36,10 @@ class Parser:
             kind, arguments = method(entity, self)
             entity.assert_entity_completely_parsed()
             action: LaunchDescriptionEntity = kind(**arguments)
+        except MissingAttributeError as error:
+            if error.entity is entity:
+                entity.refuse_unknown(lambda entity: method(entity, self))
+            raise
         except InputError as error:
             if error.file is not None:
                 raise

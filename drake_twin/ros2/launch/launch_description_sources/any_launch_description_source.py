@@ -1,7 +1,5 @@
 """The source of a launch file of any kind."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from drake_twin.ros2.launch.launch_description_source import LaunchDescriptionSource

@@ -7,7 +7,7 @@ from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.parser import Parser
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 
-__all__: list[str] = []
+__all__: list[str] = []  # launch files find nothing of ROS's here
 
 
 def read_launch_file(path: str) -> str:

@@ -1,22 +1,17 @@
 """What a command prints."""
 
-from __future__ import annotations
-
 import shlex
 import subprocess
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.packages import AbsentError, absent_package_in
 from drake_twin.ros2.xacro_command import run_xacro
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("command")

@@ -1,18 +1,14 @@
 """Whether two texts are equal."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch.substitutions.boolean_substitution import boolean_of, text_of
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.text_parts import as_texts
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("equals")

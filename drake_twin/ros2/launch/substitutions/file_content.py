@@ -1,17 +1,11 @@
 """The text of a file."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.packages import AbsentError, absent_package_in
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("file-content")

@@ -1,15 +1,10 @@
 """The folder of the log files."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
 
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("launch_log_dir")

@@ -1,14 +1,8 @@
 """A value of the context's locals."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class LocalSubstitution(Substitution):

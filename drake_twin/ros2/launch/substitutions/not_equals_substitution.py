@@ -1,15 +1,9 @@
 """Whether two texts differ."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitutions.boolean_substitution import text_of
 from drake_twin.ros2.launch.substitutions.equals_substitution import EqualsSubstitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("not-equals")

@@ -1,14 +1,9 @@
 """Text as it is."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class TextSubstitution(Substitution):

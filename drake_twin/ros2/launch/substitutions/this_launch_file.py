@@ -1,15 +1,9 @@
 """The path of the launch file."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("filename")

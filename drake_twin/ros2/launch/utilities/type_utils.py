@@ -1,13 +1,9 @@
 """Stand-ins for ``launch.utilities.type_utils``."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterValue
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 def normalize_typed_substitution(value: Any, data_type: Any = None) -> Any:

@@ -1,19 +1,15 @@
 """Starts a container and loads nodes into it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch_ros.actions.load_composable_nodes import LoadComposableNodes, parse_composable_nodes
 from drake_twin.ros2.launch_ros.actions.node import Node
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("node_container")

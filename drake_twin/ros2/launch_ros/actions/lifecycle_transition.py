@@ -1,7 +1,5 @@
 """Asks lifecycle nodes for transitions."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,24 +1,20 @@
 """Loads nodes into a container."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.findings import Place
 from drake_twin.ros2.launch.action import Action
 from drake_twin.ros2.launch.actions.execute_local import performed
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch_ros.actions.node import Node
 from drake_twin.ros2.launch_ros.descriptions.composable_node import ComposableNode
 from drake_twin.ros2.launch_ros.utilities.evaluate_parameters import evaluate_parameters
 from drake_twin.ros2.launched import COMPONENT, LaunchedProcess, absolute_name, joined_namespace
 from drake_twin.ros2.node_settings import global_parameters, remapping_pairs
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_action("load_composable_node")

@@ -1,9 +1,7 @@
 """Starts a ROS executable."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.findings import Place
 from drake_twin.ros2.command_lines import split_command_line
@@ -11,7 +9,10 @@ from drake_twin.ros2.ending_commands import node_ends
 from drake_twin.ros2.launch.actions.execute_local import ExecuteLocal, performed
 from drake_twin.ros2.launch.actions.execute_process import process_arguments
 from drake_twin.ros2.launch.descriptions.executable import Executable
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launch_ros.utilities.evaluate_parameters import evaluate_parameters
@@ -19,12 +20,6 @@ from drake_twin.ros2.launched import NODE, LaunchedProcess, joined_namespace
 from drake_twin.ros2.node_elements import parse_parameters, parse_remappings
 from drake_twin.ros2.node_settings import global_parameters, remapping_pairs
 from drake_twin.ros2.ros_arguments import split_ros_arguments
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-    from drake_twin.ros2.launch.launch_context import LaunchContext
-
 
 # What ROS knows and the twin ignores.
 _IGNORED = ("exec_name", "machine", "autostart")

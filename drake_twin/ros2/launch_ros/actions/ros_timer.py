@@ -1,7 +1,5 @@
 """A timer on ROS's clock."""
 
-from __future__ import annotations
-
 from drake_twin.ros2.launch.actions.timer_action import TimerAction
 from drake_twin.ros2.launch.frontend.expose import expose_action
 

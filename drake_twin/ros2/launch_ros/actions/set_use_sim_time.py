@@ -1,16 +1,12 @@
 """Sets whether all nodes use simulation time."""
 
-from __future__ import annotations
+from typing import Any
 
-from typing import TYPE_CHECKING, Any
-
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
+from drake_twin.ros2.launch.frontend.parser import Parser
 from drake_twin.ros2.launch_ros.actions.set_parameter import SetParameter
 from drake_twin.ros2.node_elements import parse_parameter_value
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
 
 
 @expose_action("set_use_sim_time")

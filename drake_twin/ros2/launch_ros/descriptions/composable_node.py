@@ -1,19 +1,14 @@
 """A node that is loaded into a container."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed
+from drake_twin.ros2.launch.frontend.parser import Parser
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.node_elements import parse_parameters, parse_remappings
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.frontend.entity import Entity
-    from drake_twin.ros2.launch.frontend.parser import Parser
-
 
 __all__ = ["ComposableLifecycleNode", "ComposableNode"]
 

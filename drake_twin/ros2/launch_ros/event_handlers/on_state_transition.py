@@ -1,7 +1,5 @@
 """Waits until a lifecycle node has changed its state."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,18 +1,12 @@
 """The value of a parameter of all nodes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import yaml
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 @expose_substitution("param")

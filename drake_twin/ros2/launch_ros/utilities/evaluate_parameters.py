@@ -1,22 +1,18 @@
 """The parameters of a node."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch_ros.parameter_descriptions import Parameter, ParameterFile, ParameterValue
 from drake_twin.ros2.launched import ParameterText
 from drake_twin.ros2.launched import ParameterValue as Value
 from drake_twin.ros2.packages import AbsentError
 from drake_twin.ros2.parameter_values import is_text, typed_value
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 def evaluate_parameters(

@@ -1,7 +1,5 @@
 """Marks the start of tests."""
 
-from __future__ import annotations
-
 from drake_twin.ros2.launch.action import Action
 
 

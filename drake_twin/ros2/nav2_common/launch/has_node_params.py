@@ -1,16 +1,10 @@
 """Whether a parameter file has an entry for a node."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from drake_twin.description.bounded_yaml import load_yaml
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.rewritten_files import source_of
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class HasNodeParams(Substitution):

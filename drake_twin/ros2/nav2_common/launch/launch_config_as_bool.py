@@ -1,13 +1,7 @@
 """A launch configuration as a truth value."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 class LaunchConfigAsBool(Substitution):

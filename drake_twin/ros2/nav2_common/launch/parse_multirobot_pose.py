@@ -1,7 +1,5 @@
 """Poses of robots from the command line."""
 
-from __future__ import annotations
-
 import sys
 
 from drake_twin.description.bounded_yaml import load_yaml

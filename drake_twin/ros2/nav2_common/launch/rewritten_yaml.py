@@ -1,20 +1,16 @@
 """A parameter file with other values or keys."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import yaml
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
+from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launched import ParameterText
 from drake_twin.ros2.rewritten_files import RewrittenFile
-
-if TYPE_CHECKING:
-    from drake_twin.ros2.launch.launch_context import LaunchContext
 
 # Aliases let a few lines stand for gigabytes.
 _MOST_VALUES = 200_000

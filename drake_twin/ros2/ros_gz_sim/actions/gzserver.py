@@ -1,7 +1,5 @@
 """Starts gz's server."""
 
-from __future__ import annotations
-
 from drake_twin.ros2.built_in_action import BuiltInAction
 from drake_twin.ros2.launch.frontend.expose import expose_action
 from drake_twin.ros2.packages import BUILT_IN
