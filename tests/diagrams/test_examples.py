@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 DIAGRAMS = Path(__file__).resolve().parents[2] / "diagrams"
-COMMAND = re.compile(r"(?:Run it: +|runs with `)(python [^`\n]+)")
+COMMAND = re.compile(r"(?:Run it: +|runs with `+)(python [^`\n]+)")
 PICTURES = (".svg", ".png")
 WORLDS = ("crates.sdf",)
 EXAMPLES = sorted(
