@@ -819,7 +819,7 @@ def test_parameters_without_effect_are_told():
         constraints=TrajectoryConstraints(goal_time=2.0, decelerate_on_cancel=True),
     )
     assert [text.split(" ")[0] for text in dut.warnings] == [
-        "there",
+        "gains",
         "cmd_timeout",
         "decelerate_on_cancel",
     ]

@@ -196,7 +196,7 @@ def test_chained_references_take_the_place_of_the_topic():
             {"steering_joints_state_names": ["a", "b"]},
             "has 1 steering joint, but steering_joints_state_names has",
         ),
-        (ACKERMANN, {"traction_joints_names": ["a", "a"]}, "traction_joints_names has a name twice"),
+        (ACKERMANN, {"traction_joints_names": ["a", "a"]}, "traction_joints_names has a duplicate name"),
         (BICYCLE, {"traction_wheel_radius": 0.0}, "the radius of the traction wheels is missing or not positive"),
         (
             TRICYCLE,
