@@ -461,7 +461,7 @@ def test_limits_that_leave_no_velocity_keep_a_controller_from_starting(tmp_path)
         "</param></command_interface></joint></ros2_control></robot>"
     )
     result = summary_of(tmp_path, file, "--duration", 0.1)
-    assert "no velocity is within both its URDF and its <ros2_control> limits" in result["not_started"][0]
+    assert "the URDF and <ros2_control> limits of velocity do not overlap" in result["not_started"][0]
     assert result["robots"]["r"]["velocities"] == pytest.approx([0], abs=1e-6)
 
 
@@ -692,7 +692,7 @@ def test_strict_refuses_what_is_not_started(tmp_path, capsys):
     file = launch_arm(tmp_path, '<node pkg="rviz2" exec="rviz2"/><node pkg="foo" exec="bar"/>')
     assert main([str(file), "--headless", "--duration", "0.1"]) == 0
     assert capsys.readouterr().err == (
-        "not started: foo/bar (the twin runs no nodes: what it publishes can come from --pub or Twin.publish)"
+        "not started: foo/bar (the twin runs no nodes: publish its messages by --pub or Twin.publish)"
         f" ({file.name}:1)\n"
         f"window: rviz2/rviz2 (the page shows the robots) ({file.name}:1)\n"
     )

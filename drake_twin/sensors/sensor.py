@@ -11,7 +11,7 @@ from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
 class SensorSystem(WitnesslessSystem):
-    """A sensor: a LeafSystem that turns the plant's ports into one vector of measured values.
+    """Turn the plant's ports into one vector of measured values.
 
     Attributes:
         size: The number of its values.
@@ -22,8 +22,8 @@ class SensorSystem(WitnesslessSystem):
     @classmethod
     def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> Self:
         """Return the sensor of a robot in a finalized plant, whose defaults are the robot's start state."""
-        raise TypeError(f"{cls.__name__} does not say how it is made of a <sensor> tag: define of()")
+        raise TypeError(f"{cls.__name__} cannot be made from a <sensor> tag: define of()")
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Return pairs of one of the plant's output ports and the input port of this system that takes it."""
+        """Return pairs of the plant's output ports and this system's input ports to connect."""
         return ()
