@@ -316,9 +316,9 @@ def test_an_update_that_is_faster_than_physics_is_said_and_done_at_every_step(ma
     twin = make("ramp", **ramp, time_step=0.002)
     (text,) = [text for text in twin.warnings if "Hz" in text]
     assert text.startswith(
-        "r: controller broadcaster, controller ramp, the controller manager: an update rate of 1000 Hz"
+        "r: controller broadcaster, controller ramp, the controller manager: the update rate of 1000 Hz"
     )
-    assert text.endswith("is faster than the physics, which steps every 0.002 s: updated at 500 Hz")
+    assert text.endswith("is higher than that of the physics, which steps every 0.002 s: reduced to 500 Hz")
     twin.step(8)
     assert velocity(twin, "wheel") > 3  # at the default 100 Hz it would be told 2 at most
 

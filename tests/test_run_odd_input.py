@@ -88,7 +88,7 @@ def test_limits_that_leave_no_velocity_keep_a_controller_from_starting(tmp_path)
         "</param></command_interface></joint></ros2_control></robot>"
     )
     result = summary_of(tmp_path, file, "--duration", 0.1)
-    assert "no velocity is within both its URDF and its <ros2_control> limits" in result["not_started"][0]
+    assert "the URDF and <ros2_control> limits of velocity do not overlap" in result["not_started"][0]
     assert result["robots"]["r"]["velocities"] == pytest.approx([0], abs=1e-6)
 
 

@@ -320,7 +320,7 @@ def test_a_mistake_in_a_parameters_file_is_told_with_its_line(make, text, messag
 )
 def test_a_parameters_file_without_controllers_is_told(make, text):
     (warning,) = make(controllers=text).warnings
-    assert "controllers.yaml: no controllers for the namespace '/r' are there" in warning
+    assert "controllers.yaml: no controllers found for the namespace '/r'" in warning
 
 
 @pytest.mark.parametrize("name", ["joint_servo", "joint_state_publisher", "robot_state_publisher"])

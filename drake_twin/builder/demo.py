@@ -1,4 +1,4 @@
-"""The scenarios of ``--robots N``: rovers that drive about, arms that wave."""
+"""The scenarios of ``--robots N``: rovers that drive, arms that wave."""
 
 from collections.abc import Callable, Iterator, Mapping
 
@@ -7,7 +7,7 @@ from drake_twin.scenario import Scenario
 
 
 def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
-    """Rovers in rows, each driving a circle of its own to its left, faster and slower."""
+    """Add rovers in rows, each driving a circle of its own to its left, at different speeds."""
     model = "package://rover_description/urdf/rover.urdf.xacro"
     files = [f"package://rover_description/config/rover_{name}.yaml" for name in ("controllers", "drive")]
     for name, x, y in _in_rows(count, spacing=2.5):
@@ -20,7 +20,7 @@ def add_rovers(builder: TwinBuilder, count: int, *, drive: bool) -> None:
 
 
 def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
-    """Arms in rows that turn, bend and open their gripper, and come back."""
+    """Add arms in rows that turn, bend and open their gripper, and return."""
     model = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
     files = [
         f"package://arduinobot_description/config/arduinobot_{name}.yaml" for name in ("controllers", "trajectories")
@@ -29,7 +29,7 @@ def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
     side = -1.0
     for name, x, y in _in_rows(count, spacing=1.5):
         builder.robot(name, model, xyz=(x, y, 0.0), controllers=files, inactive_controllers=inactive)
-        side = -side  # neighbours turn opposite ways
+        side = -side  # neighbors turn in opposite directions
         if drive:
             topic = f"/{name}/forward_velocity_controller/commands"
             there = (0.5 * side, 0.25, -0.35, 0.3)
@@ -39,7 +39,7 @@ def add_arms(builder: TwinBuilder, count: int, *, drive: bool) -> None:
 
 
 def _in_rows(count: int, spacing: float) -> Iterator[tuple[str, float, float]]:
-    """Name and places (m) of robots that stand eight abreast."""
+    """Yield names and positions (m) of robots, eight in a row."""
     for index in range(count):
         row, column = divmod(index, 8)
         yield f"robot_{index + 1}", spacing * row, spacing * column
@@ -53,8 +53,8 @@ def demo_scenario(robot: str, count: int, *, drive: bool = True, time_step: floa
 
     Args:
         robot: One of `DEMOS`.
-        count: How many.
-        drive: Whether they are commanded to move.
+        count: The number of robots.
+        drive: Whether they get commands to move.
         time_step: The physics step (s).
     """
     builder = TwinBuilder(time_step=time_step)

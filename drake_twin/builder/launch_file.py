@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class LaunchedTwin(PlannedScenario):
-    """A launch file as a scenario, whose findings name what the launch file asks for and the twin does not do.
+    """A launch file as a scenario, with findings of what the twin does not do.
 
     Attributes:
-        paused: Whether the simulator is started paused, as gz without ``-r``.
-        only_displayed: Whether no robot is spawned or controlled, so that there is no physics.
-        log: What the launch file prints, and what was assumed.
+        paused: Whether the simulator starts paused, like gz without ``-r``.
+        only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
+        log: The output of the launch file, and the assumptions made.
     """
 
     paused: bool
@@ -48,11 +48,11 @@ def launch_file_scenario(
     Args:
         file: A Python, XML or YAML launch file.
         arguments: Values for its arguments.
-        package_paths: Folders of ROS packages to look in first.
+        package_paths: Folders of ROS packages to search first.
         time_step: The physics step (s); by default the world's, or 0.001.
 
     Raises:
-        InputError: If the file cannot be used, or starts no robot; the text names all that is missing.
+        InputError: If the file cannot be used or starts no robot; the text names everything that is missing.
     """
     from drake_twin.ros2.evaluate import evaluate
 
@@ -117,10 +117,10 @@ def _planned(hint: RobotHint, launched: LaunchedEntities, taken: set[str], findi
 
 
 def _without_missing_controllers(plan: RobotPlan, hint: RobotHint, findings: list[Finding]) -> RobotPlan:
-    """Drop the controllers that are missing or wrong, with a finding: a spawner would wait for them in vain.
+    """Drop the controllers that are missing or wrong, each with a finding: their spawners would wait in vain.
 
     Raises:
-        InputError: If a wrong controller is not one that a spawner asks for, but a Gazebo plugin's.
+        InputError: If a controller of a Gazebo plugin is wrong.
     """
     failed = {item.name: item.error for item in plan.controllers if item.error is not None}
     if not failed:
@@ -144,7 +144,7 @@ def _without_missing_controllers(plan: RobotPlan, hint: RobotHint, findings: lis
 
 
 def _displayed(plan: RobotPlan) -> RobotPlan:
-    """Activate the joint state broadcaster alone, in place of a joint_state_publisher."""
+    """Activate only the joint state broadcaster, which replaces a joint_state_publisher."""
     first = next((item for item in plan.controllers if item.type == JOINT_STATE_BROADCASTER), None)
     names = () if first is None else (first.name,)
     controllers = [
@@ -160,7 +160,7 @@ def _displayed(plan: RobotPlan) -> RobotPlan:
 def _usable_frames(
     frames: Sequence[LaunchedFrame], plans: Sequence[RobotPlan], findings: list[Finding]
 ) -> Iterator[StaticTransform]:
-    """Yield the static transforms that leave each frame, those of the robots included, one parent."""
+    """Yield the static transforms with which each frame, including the robots', has one parent."""
     parents = {
         plan.frame_prefix + joint.child: plan.frame_prefix + joint.parent
         for plan in plans
@@ -169,9 +169,9 @@ def _usable_frames(
     for frame in frames:
         parent, child = frame.transform.parent, frame.transform.child
         if child in parents:
-            reason = f"it hangs on {parents[child]!r} already"
+            reason = f"its parent is {parents[child]!r} already"
         elif child in _ancestors(parent, parents):
-            reason = "it would hang on itself"
+            reason = "it would be its own ancestor"
         else:
             parents[child] = parent
             yield frame.transform

@@ -13,7 +13,7 @@ from drake_twin.scenario import Robot, Scenario, name_in_twin
 
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
 
-_CLEARANCE = 1e-4  # robots start this far above the ground (m): none is pushed out of it, none is seen to fall
+_CLEARANCE = 1e-4  # height above the ground at which robots start (m): none penetrates it or falls visibly
 
 
 def robot_file_scenario(
@@ -30,7 +30,7 @@ def robot_file_scenario(
 
 @dataclass(frozen=True)
 class PlannedScenario:
-    """A scenario, and the plans of those of its robots that are planned already."""
+    """A scenario, and the plans of those of its robots that are already planned."""
 
     scenario: Scenario
     plans: tuple[RobotPlan, ...] = ()
@@ -46,14 +46,14 @@ def planned_robots(
 ) -> PlannedScenario:
     """Place robots of one file side by side on the ground.
 
-    A single robot keeps the name that its file gives it. Several are named ``robot_1``, ``robot_2``, …; where the
-    xacro file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
+    A single robot keeps the name that its file gives it. Several are named ``robot_1``, ``robot_2``, …; where the xacro
+    file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
 
     Args:
         file: A xacro, URDF, SDF or MJCF file.
         count: The number of robots; None for one under its own name.
         xacro_args: Values for the file's ``<xacro:arg>``s.
-        package_paths: Folders of ROS packages to look in first.
+        package_paths: Folders of ROS packages to search first.
         time_step: The physics step (s).
 
     Raises:
@@ -80,12 +80,12 @@ def planned_robots(
 
 
 def height_on_ground(plan: RobotPlan) -> float:
-    """Return the height of the root link of a robot that stands on the ground (m); zero for one that is fixed."""
+    """Return the height of the root link of a robot that stands on the ground (m); zero for a fixed robot."""
     return 0.0 if plan.model.is_fixed else round(_CLEARANCE - footprint(plan).lower[2], 6)
 
 
 def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
-    """Return the name that the file gives the robot, as a name in the twin."""
+    """Return the robot's name in its file, as a valid name in the twin."""
     return name_in_twin(robot_name_in_file(file, packages, xacro_args))
 
 
@@ -97,6 +97,6 @@ def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: Packag
 
 
 def _spacing(room: Footprint) -> float:
-    """Return twice the robot's larger side, so that each has room to turn, in steps of a decimetre (m)."""
+    """Return twice the robot's larger side, so that it has room to turn, rounded up to 0.1 m."""
     larger = max(room.upper[0] - room.lower[0], room.upper[1] - room.lower[1])
     return max(0.5, round(2.0 * larger, 1))

@@ -26,7 +26,7 @@ _log = logging.getLogger(__name__)
 
 
 class TwinBuilder:
-    """Collects what a launch file would say, and builds a `Scenario` or a running `Twin` of it.
+    """Collect robots, frames and commands like a launch file, and build a `Scenario` or a running `Twin`.
 
     Every call returns the builder, so calls can be chained::
 
@@ -39,11 +39,11 @@ class TwinBuilder:
         )
 
     Args:
-        time_step: The physics step (s); by default the one that a launched world asks for, or 0.001.
+        time_step: The physics step (s); by default that of a launched world, or 0.001.
         contact_approximation: Drake's discrete contact solver: lagged, similar or sap.
         engine: ``discrete``, or ``cenic`` for Drake's convex integrator with error control.
-        accuracy: What ``cenic`` is asked for.
-        world: Gravity, ground, and a world file.
+        accuracy: The accuracy of ``cenic``.
+        world: The world: gravity, ground, and a world file.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class TwinBuilder:
         self._extensions: list[Extension] = []
 
     def package_path(self, folder: str | Path) -> TwinBuilder:
-        """Look for ROS packages in a folder first."""
+        """Search a folder first for ROS packages."""
         self._package_paths.append(absolute_path(folder))
         return self
 
@@ -94,7 +94,7 @@ class TwinBuilder:
         remappings: Mapping[str, str] | None = None,
         without_repairs: Iterable[str] = (),
     ) -> TwinBuilder:
-        """Add a robot; see `drake_twin.scenario.Robot` for what each argument means."""
+        """Add a robot; see `drake_twin.scenario.Robot` for the arguments."""
         files = [controllers] if isinstance(controllers, str | Path) else list(controllers)
         self._robots.append(
             Robot(
@@ -124,11 +124,11 @@ class TwinBuilder:
         """Add a controller to a robot, beside those of its parameters files.
 
         Args:
-            robot: The robot's name; it has been added before.
-            name: The controller's name; its topics stand below it.
-            type: The controller's type, as a parameters file names it: ``my_pkg/MyController`` may be your own.
+            robot: The name of a robot that has been added.
+            name: The controller's name, the prefix of its topics.
+            type: The controller's type as in a parameters file; ``my_pkg/MyController`` may be your own.
             parameters: Its parameters, as below ``ros__parameters`` in a parameters file.
-            active: Whether it is active at the start, instead of loaded and inactive.
+            active: Whether it is active at the start instead of inactive.
 
         Raises:
             InputError: If the robot is unknown.
@@ -151,20 +151,20 @@ class TwinBuilder:
 
         Args:
             extension: Called with the ``DiagramBuilder`` and the `DiagramParts` before the diagram is built, and again
-                whenever it is built anew, as when a robot is spawned.
+                whenever it is rebuilt, for example after a robot is spawned.
         """
         self._extensions.append(extension)
         return self
 
     def launch(self, what: LaunchDescription | str | Path, **arguments: object) -> TwinBuilder:
-        """Add all that a launch description or a launch file starts: robots, frames, commands and its world.
+        """Add everything that a launch description or a launch file starts: robots, frames, commands and its world.
 
         Args:
             what: A description made of `drake_twin.launch`'s entities, or a Python, XML or YAML launch file.
-            **arguments: values for its arguments.
+            **arguments: Values for its arguments.
 
         Raises:
-            InputError: If it cannot be used, or starts no robot.
+            InputError: If it cannot be used or starts no robot.
         """
         from drake_twin.builder.launch_file import launch_description_scenario, launch_file_scenario
 
@@ -196,7 +196,7 @@ class TwinBuilder:
         xyz: Iterable[float] = (0.0, 0.0, 0.0),
         rpy: Iterable[float] = (0.0, 0.0, 0.0),
     ) -> TwinBuilder:
-        """Fix the frame ``child`` in the frame ``parent`` (m, rad), as static_transform_publisher does."""
+        """Fix the frame ``child`` in the frame ``parent`` (m, rad), like static_transform_publisher."""
         what = f"of static transform {parent!r} to {child!r}"
         self._static_transforms.append(
             StaticTransform(parent, child, _vector3(xyz, f"xyz {what}"), _vector3(rpy, f"rpy {what}"))
@@ -211,13 +211,13 @@ class TwinBuilder:
         time: float = 0.0,
         period: float | None = None,
     ) -> TwinBuilder:
-        """Publish a command at a simulation time (s), and again every ``period`` seconds if that is given.
+        """Publish a command at a simulation time, and again at a period if that is given.
 
         Args:
             topic: The full topic name.
-            data: The numbers of a ``Float64MultiArray``, or the fields of any message as ``ros2 topic pub`` takes them.
-            time: When (s).
-            period: How often it is published again (s).
+            data: The numbers of a ``Float64MultiArray``, or the fields of any message as for ``ros2 topic pub``.
+            time: The simulation time (s).
+            period: The period (s).
 
         Raises:
             InputError: If the data are neither.
@@ -231,10 +231,11 @@ class TwinBuilder:
         return self
 
     def scenario(self) -> Scenario:
-        """Return what was collected, as plain data.
+        """Return the collected scenario as plain data.
 
         Raises:
-            InputError: If two robots of one name, a step that is not above zero, a frame with two parents, …
+            InputError: If it is invalid: two robots of one name, a time step that is not positive, a frame with two
+                parents, …
         """
         return Scenario(
             robots=tuple(self._robots),
@@ -264,7 +265,7 @@ class TwinBuilder:
 
 
 def _address(file: str | Path) -> str:
-    """Return a file as a scenario names it: an address as it is, a path made absolute."""
+    """Return a file's address as in a scenario: an address unchanged, a path made absolute."""
     return str(file) if "://" in str(file) else absolute_path(file)
 
 

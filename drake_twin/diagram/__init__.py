@@ -1,1 +1,1 @@
-"""Scenario → Drake diagram: the plant and its robots, one sub-diagram a robot, then clock, tf and viewer."""
+"""Scenario → Drake diagram: the plant and its robots, one sub-diagram per robot, clock, tf and viewer."""

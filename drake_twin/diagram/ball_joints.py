@@ -1,8 +1,8 @@
-"""Models with ball joints, which turn every way for ever.
+"""Models with ball joints, whose orientation is unlimited.
 
-Drake's own ball joint counts its orientation in roll, pitch and yaw, and ends the run where the pitch comes to 90°.
-Here the orientation is a quaternion: the child hangs on a joint of six degrees of freedom, and a constraint holds its
-centre. Only the discrete engine has such constraints.
+Drake's own ball joint has roll, pitch and yaw as coordinates, and the run ends at a pitch of 90°. Here the orientation
+is a quaternion: the child moves on a joint with six degrees of freedom, and a constraint holds its center. Only the
+discrete engine has such constraints.
 """
 
 from lxml import etree
@@ -25,8 +25,8 @@ _ON_PARENT = ".on_parent"
 def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]:
     """Parse SDF into a plant, as Drake's parser does except for ball joints.
 
-    A plant that has constraints lets no joint be removed. So each ball joint is taken out of the text, and stays as two
-    frames that say where it is.
+    Joints cannot be removed from a plant that has constraints. So each ball joint is replaced in the text by two frames
+    at its pose.
 
     Args:
         plant: The plant, not yet finalized; it is changed.
@@ -36,8 +36,8 @@ def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]
         The model instances of the outermost models.
 
     Raises:
-        InputError: If the engine is ``cenic``, and there is a ball joint: the error's ``value`` is its name.
-        RuntimeError: Drake refuses the text.
+        InputError: If there is a ball joint and the engine is ``cenic``; the error's ``value`` is the joint's name.
+        RuntimeError: If Drake refuses the text.
     """
     root = etree.fromstring(text.encode())
     balls = [joint for joint in root.iter("joint") if joint.get("type") == "ball"]
@@ -45,10 +45,8 @@ def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]
         return list(Parser(plant).AddModelsFromString(text, "sdf"))
     if plant.time_step() == 0.0:
         name = balls[0].get("name", "")
-        what = (
-            f"the engine {CENIC} has no ball joints, and {name!r} is one: use the engine {DISCRETE}, or make the joint"
-        )
-        raise InputError(f"{what} fixed, revolute or universal", value=name)
+        what = f"the engine {CENIC} does not support the ball joint {name!r}: use the engine {DISCRETE}, or make"
+        raise InputError(f"{what} the joint fixed, revolute or universal", value=name)
     places = [(_scope(joint), joint.get("name", ""), _damping(joint)) for joint in balls]
     for joint in balls:
         _leave_frames(joint)
@@ -59,7 +57,7 @@ def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]
 
 
 def _scope(joint: etree._Element) -> str:
-    """Return the name of the model that a joint belongs to, as Drake has it."""
+    """Return the name of the model that a joint belongs to, as in Drake."""
     return "::".join([model.get("name", "") for model in joint.iterancestors("model")][::-1])
 
 
@@ -68,7 +66,7 @@ def _damping(joint: etree._Element) -> float:
 
 
 def _leave_frames(joint: etree._Element) -> None:
-    """Change a joint to a frame on its child link, and one at the same place on its parent link."""
+    """Replace a joint by a frame on its child link, and one at the same pose on its parent link."""
     model, name = joint.getparent(), joint.get("name", "")
     assert model is not None
     child, parent = ((joint.findtext(end) or "").strip() for end in ("child", "parent"))
@@ -88,7 +86,7 @@ def _add_ball_joint(plant: MultibodyPlant, instance: ModelInstanceIndex, name: s
     if plant.HasFrameNamed(f"{name}{_ON_PARENT}", instance):
         F = plant.GetFrameByName(f"{name}{_ON_PARENT}", instance)
         parent = F.body()
-    else:  # on the world, a constraint to which crashes Drake 1.51
+    else:  # on the world: Drake 1.51 crashes on a constraint with the world
         called = f"{plant.GetModelInstanceName(instance)}.{name}"
         parent = plant.AddRigidBody(called, default_model_instance(), SpatialInertia.Zero())
         plant.WeldFrames(plant.world_frame(), parent.body_frame())

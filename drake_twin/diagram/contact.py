@@ -1,9 +1,9 @@
-"""How collision shapes touch: with their faces or in a point, how rough a pair is, and which shapes meet at all.
+"""The contact of collision shapes: on faces or in a point, the friction of a pair, and which shapes meet.
 
 Drake's point contact gives a pair of convex shapes one point, so that a box stands on one corner at a time: friction is
-misjudged, stacks sink, boxes fall through slopes. Its hydroelastic contact integrates a pressure over the faces that
-meet. So all flat shapes touch that way here; round ones (wheels, spheres, capsules, ellipsoids) touch in a point, which
-is what they do anyway, and costs less.
+wrong, stacks sink, boxes fall through slopes. Its hydroelastic contact integrates a pressure over the faces that meet.
+So all flat shapes use hydroelastic contact; round ones (wheels, spheres, capsules, ellipsoids) touch in a point, which
+is exact for them and cheaper.
 """
 
 from collections.abc import Sequence
@@ -18,22 +18,22 @@ from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
 from drake_twin.diagram.contact_shapes import ShapeReader
 
-# How a shape touches, as reports say it.
+# How a shape touches, as named in reports.
 FACES, IN_A_POINT, WHEEL = "faces", "point", "wheel"
 
-_DEFAULT_FRICTION = 1.0  # ODE's, DART's and Drake's
+_DEFAULT_FRICTION = 1.0  # the default of ODE, DART and Drake
 
 
 @dataclass(frozen=True)
 class TouchingShape:
-    """How a collision shape touches.
+    """The contact of a collision shape.
 
     Attributes:
-        model: The robot or the model of the world; empty for what does not move in the world.
+        model: The robot or the model of the world; empty for static parts of the world.
         body: The body B in the plant.
         name: The shape's name in the scene graph.
-        shape: What contact takes it for: a mesh's convex hull, a wheel's ellipsoid.
-        X_BG: Where that is on the body.
+        shape: The shape that contact uses: a mesh's convex hull, a wheel's ellipsoid.
+        X_BG: The pose of that shape on the body.
         touches: `FACES`, `IN_A_POINT`, or `WHEEL` for a point of an ellipsoid in place of a cylinder.
         friction: Its coefficient of friction.
     """
@@ -54,17 +54,17 @@ def give_contact(
     world_contact: str,
     warnings: list[str],
 ) -> tuple[TouchingShape, ...]:
-    """Decide how every collision shape of a plant touches.
+    """Decide on the contact of every collision shape of a plant.
 
     Args:
         plant: The plant, with all shapes, not yet finalized; it is changed.
         scene_graph: Its scene graph; it is changed.
-        models: The robots, and what moves in the world.
-        world_contact: ``hydroelastic`` or ``point``, for what does not move in the world.
-        warnings: Is extended by shapes that cannot touch with their faces.
+        models: The robots and the moving models of the world.
+        world_contact: ``hydroelastic`` or ``point``, for static parts of the world.
+        warnings: Is extended by shapes that cannot have hydroelastic contact.
 
     Returns:
-        How each shape touches, in the order of registration.
+        The contact of each shape, in the order of registration.
     """
     inspector = scene_graph.model_inspector()
     reader = ShapeReader(plant, models, world_contact)
@@ -75,7 +75,7 @@ def give_contact(
         friction = _DEFAULT_FRICTION
         if properties.HasProperty("material", "coulomb_friction"):
             friction = properties.GetProperty("material", "coulomb_friction").dynamic_friction()
-        # Copies: what the inspector gives lies in the scene graph, which is about to be changed.
+        # Copies: the inspector returns references into the scene graph, which is about to be changed.
         shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))
         shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
     registry = Registry(plant, scene_graph)
@@ -88,7 +88,7 @@ def give_contact(
         touches = WHEEL if shape.is_wheel else FACES if shape.is_flat else IN_A_POINT
         if shape.geometry in registry.without_faces:
             touches = IN_A_POINT
-            what = f"a collision shape of {shape.body.name()} touches in a point, for Drake cannot give it a pressure"
+            what = f"a collision shape of {shape.body.name()} touches in a point: Drake cannot compute its pressure"
             warnings.append(f"{shape.group.model if shape.group else 'the world'}: {what}")
         model = "" if shape.group is None else shape.group.model
         body = shape.body.index()

@@ -1,4 +1,4 @@
-"""How stiff shapes are, how they damp, and the meshes that Drake makes of them for contact."""
+"""Stiffness and damping of shapes, and the meshes that Drake makes of them for contact."""
 
 from collections.abc import Iterator
 
@@ -19,25 +19,25 @@ from pydrake.multibody.plant import CoulombFriction
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_shapes import ContactShape
 
-# A face yields as if the thing that it belongs to stood on a spring of this natural frequency, squared (1/s²): whatever
-# its size and mass, it sinks by g / this = 25 µm under its own weight. With 2e5 a stack of three on a slope of 12°
-# leans by 4 mm, with 1e5 it falls. With more, at a step of 10 ms, what slides on something that moves trembles, which
-# brakes it: 1e6 by up to 6 % at a friction of 0.8, 4e5 by 2 %. With 1.6e7 stacks of light crates wander.
+# A face yields as if its model stood on a spring of this natural frequency, squared (1/s²): whatever the size and mass,
+# it sinks by g / this = 25 µm under its own weight. With 2e5 a stack of three on a slope of 12° leans by 4 mm, with 1e5
+# it falls. With more, at a step of 10 ms, a body that slides on a moving one trembles, which brakes it: 1e6 by up to 6
+# % at a friction of 0.8, 4e5 by 2 %. With 1.6e7 stacks of light crates drift.
 _FACE_STIFFNESS = 4e5
 
-# The same for shapes that touch in a point.
+# The same for shapes with point contact.
 _POINT_STIFFNESS = 1e5
-_RIGID = 1e12  # N/m; a point of what does not move
+_RIGID = 1e12  # N/m; for a point of a static shape
 
-# Hunt and Crossley's dissipation (s/m). What has sunk in comes out at 1/this at most: Drake's default of 50 lets it
-# creep, 1 lets it jump.
+# Hunt and Crossley's dissipation (s/m). A body that has sunk in comes out at 1/this at most: at Drake's default of 50
+# it creeps out, at 1 it jumps.
 _DISSIPATION = 5.0
 
-# Faces nearer to each other than this take part in the solution of a step before they touch (m), so that a step does
-# not let them sink into each other. Without it, at a step of 10 ms, a box that is set down sticks where it should
-# slide: friction follows from the depth at the start of a step.
+# Faces that are closer than this take part in the solution of a step before they touch (m), so that they do not sink
+# into each other in a step. Without it, at a step of 10 ms, a box that is set down sticks where it should slide:
+# friction follows from the depth at the start of a step.
 _MARGIN = 1e-3
-_MARGIN_OF_THIN = 0.05  # of the smallest side
+_MARGIN_OF_THIN = 0.05  # relative to the smallest side
 
 _THINNEST = 1e-6  # m
 
@@ -45,14 +45,15 @@ _THINNEST = 1e-6  # m
 def candidates(
     shape: ContactShape, friction: float, *, is_soft: bool, is_rigid: bool
 ) -> Iterator[tuple[bool, ProximityProperties]]:
-    """Yield what a shape's properties can be, the best first; whether each has faces. The last is what Drake always
-    takes.
+    """Yield the possible properties of a shape, the best first, each with whether it has faces.
+
+    Drake accepts the last one for every shape.
 
     Args:
         shape: The shape.
         friction: The coefficient of friction.
         is_soft: Whether its faces yield.
-        is_rigid: Whether it has faces that do not.
+        is_rigid: Whether it has faces that do not yield.
     """
     if is_soft:
         modulus, hint = _modulus(shape), _resolution(shape.shape)
@@ -82,7 +83,7 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
 
 
 def _margin(shape: Shape) -> float:
-    if isinstance(shape, Convex):  # with a margin, hulls sink in by millimetres
+    if isinstance(shape, Convex):  # with a margin, hulls sink in by millimeters
         return 0.0
     return min(_MARGIN, _MARGIN_OF_THIN * float(min(_extent(shape))))
 
@@ -97,12 +98,12 @@ def _modulus(shape: ContactShape) -> float:
 
 
 def _resolution(shape: Shape) -> float:
-    """Return how long the edges of a cylinder's facets are (m); boxes and hulls have their own."""
+    """Return the edge length of a cylinder's facets (m); boxes and hulls have their own."""
     return shape.radius() / 3 if isinstance(shape, Cylinder) else 1.0
 
 
 def _extent(shape: Shape) -> np.ndarray:
-    """Return the sides of a shape's bounding box (m)."""
+    """Return the side lengths of a shape's bounding box (m)."""
     assert not isinstance(shape, HalfSpace)
     if isinstance(shape, Box):
         return np.array(shape.size())

@@ -1,4 +1,4 @@
-"""What shapes belong to: things that touch each other."""
+"""The owners of shapes: robots and moving models of the world."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 @dataclass(frozen=True)
 class ContactModel:
-    """A robot, or something that moves in the world.
+    """A robot or a moving model of the world.
 
     Attributes:
         name: Its name.
         instances: Its model instances.
         contact: ``hydroelastic`` or ``point``.
-        root_pose: Its root body in the world at the start; None for the default pose that the plant has of it.
+        root_pose: The pose of its root body in the world at the start; None for the plant's default pose.
         colliding: The bodies that collide with others of the same model; None for all of them.
     """
 

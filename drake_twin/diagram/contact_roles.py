@@ -1,17 +1,17 @@
-"""Which shapes meet, and as what.
+"""The pairs of shapes that meet, and the role of each shape in a pair.
 
-Two things that Drake has once for a shape depend on its partner: whether it yields, and its friction. So a shape is
+Drake stores two properties per shape that depend on its partner: whether it yields, and its friction. So a shape is
 registered once for each kind of partner that needs another value, and collision filters let each pair of shapes meet
 exactly once:
 
-- *Yielding.* Of two shapes one has to yield. What does not move never does. Of two things that move, the lighter one
-  yields and the heavier one is hard: between two that yield alike the pressure stands on the tilted rim of the patch,
-  which brakes a slide by 16 % too much at 3 m/s. Robots with joints both yield where they meet each other: shapes that
-  are there twice would cost in every step, and robots rarely slide on one another.
-- *Friction.* Gazebo takes the smaller coefficient of two shapes, Drake 2·a·b/(a + b). A shape is there at its own level
-  of friction and, where it meets smoother ones, at theirs: at each level both partners have the same coefficient. Of
-  hundreds of shapes that do not move there is one each: what moves is there for them, with the coefficient that gives
-  the smaller one together with theirs.
+- *Yielding.* Of two shapes one has to yield. Static shapes never do. Of two moving shapes the lighter one yields and
+  the heavier one is hard: if both yield alike, the pressure acts on the tilted rim of the patch, which brakes a slide
+  by 16 % too much at 3 m/s. Two robots with joints both yield: doubled shapes would cost time in every step, and robots
+  rarely slide on one another.
+- *Friction.* Gazebo uses the smaller coefficient of two shapes, Drake 2·a·b/(a + b). A shape is registered at its own
+  level of friction and at the levels of the smoother shapes that it meets: at each level both partners have the same
+  coefficient. Of hundreds of static shapes each is registered once; for them, moving shapes are registered with the
+  coefficient whose combination with theirs is the smaller one.
 """
 
 from collections import Counter, defaultdict
@@ -29,23 +29,24 @@ from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group
 from drake_twin.diagram.yielding_shapes import yielding
 
-# What a shape is towards a partner: rigid because it does not move, yielding, rigid because the partner yields, or
-# something that touches in a point.
+# The role of a shape towards a partner: rigid because it is static, yielding, rigid because the partner yields, or with
+# point contact.
 STATIC, SOFT, HARD, POINTED = "static", "soft", "hard", "pointed"
 
 
-# More shapes that do not move than this are there once (a plant takes time and memory with the square of their number).
+# Above this number of static shapes each is registered once (a plant takes time and memory with the square of their
+# number).
 _MOST_STATIC = 100
 _MOST_PLANES = 12  # Drake 1.51 crashes with more than 14 half spaces
-_ONE_FOR_ALL = -1.0  # the level at which they are
+_ONE_FOR_ALL = -1.0  # the level of such shapes
 
 
 @dataclass(frozen=True)
 class Variant:
-    """A shape towards some of its partners.
+    """A shape as some of its partners meet it.
 
     Attributes:
-        level: Shapes of one level can meet: the coefficient of friction that both have, or `_ONE_FOR_ALL`.
+        level: The coefficient of friction that two shapes share so that they can meet, or `_ONE_FOR_ALL`.
         role: `STATIC`, `SOFT`, `HARD` or `POINTED`.
         friction: The coefficient of friction.
     """
@@ -56,14 +57,14 @@ class Variant:
 
 
 def usual_role(shape: ContactShape) -> str:
-    """Return what a shape is towards most partners."""
+    """Return the role of a shape towards most partners."""
     if not shape.is_flat:
         return POINTED
     return STATIC if shape.is_static else SOFT
 
 
 def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[Variant]]:
-    """Return the variants in which each shape meets others, its usual one first where it has that.
+    """Return the variants in which each shape meets others, its usual one first if it has that.
 
     Args:
         shapes: All shapes.
@@ -102,7 +103,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
 
 
 def _towards(partner: float, friction: float) -> float:
-    """Return the coefficient that gives the smaller one of two together with a partner's, as Drake combines them."""
+    """Return the coefficient whose combination with a partner's in Drake is the smaller of the two."""
     if friction >= partner:
         return partner
     return friction * partner / (2 * partner - friction)
@@ -114,14 +115,12 @@ def _inexact(common: float, static: Collection[float], moving: Collection[float]
             own, wanted = _towards(common, friction), min(partner, friction)
             acts = 2 * own * partner / (own + partner) if own + partner > 0 else 0.0
             if abs(acts - wanted) > 1e-9:
-                what = (
-                    f"the friction of {friction:g} on shapes of {partner:g} acts as {acts:.3g} in place of {wanted:g}"
-                )
+                what = f"the friction of {friction:g} on shapes of {partner:g} acts as {acts:.3g} instead of {wanted:g}"
                 yield f"the world has too many shapes: {what}"
 
 
 def _meet(one: Group | None, other: Group | None) -> bool:
-    """Return whether shapes of two groups meet; bodies of one model do so where both are groups of their own."""
+    """Return whether shapes of two groups meet; those of one model do if its bodies collide with each other."""
     if one is None or other is None or one.model != other.model:
         return True
     return one != other and min(one.body, other.body) >= 0
@@ -135,10 +134,10 @@ class _Registered:
 
 
 class Registry:
-    """Registers shapes in their variants, and lets each pair of shapes meet once.
+    """Register shapes in their variants, and let each pair of shapes meet once.
 
     Attributes:
-        without_faces: The shapes that were to touch with their faces and cannot.
+        without_faces: The shapes that cannot have the hydroelastic contact that they should have.
     """
 
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph):
@@ -148,7 +147,7 @@ class Registry:
         self.without_faces: set[GeometryId] = set()
 
     def add(self, shape: ContactShape, wanted: Sequence[Variant]) -> None:
-        """Make a shape's geometry the first variant, and registers the others beside it."""
+        """Make a shape's geometry the first variant, and register the others beside it."""
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
             is_soft, is_rigid = variant.role == SOFT, variant.role in (STATIC, HARD)
@@ -157,7 +156,7 @@ class Registry:
             if number == 0:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)
             for has_faces, properties in candidates(shape, variant.friction, is_soft=is_soft, is_rigid=is_rigid):  # noqa: B007
-                # Drake warns that deformable bodies, of which there are none, would pass through a half space.
+                # Drake warns that deformable bodies would pass through a half space; the twin has none.
                 with suppress(RuntimeError), captured_warnings():
                     if number == 0:
                         self._scene_graph.AssignRole(source, geometry, properties, RoleAssign.kReplace)
@@ -170,7 +169,7 @@ class Registry:
             self._registered.append(_Registered(geometry, shape, variant))
 
     def filter(self) -> None:
-        """Let each pair of shapes meet at the smoother one's level, and the lighter one yield."""
+        """Let each pair of shapes meet at the smoother one's level, with the lighter one yielding."""
         levels: dict[float, list[_Registered]] = defaultdict(list)
         roles: dict[str, list[_Registered]] = defaultdict(list)
         soft: dict[Group, list[_Registered]] = defaultdict(list)
@@ -184,7 +183,7 @@ class Registry:
         ascending = sorted(levels)
         for index, level in enumerate(ascending):
             self._exclude_between(levels[level], [item for above in ascending[index + 1 :] for item in levels[above]])
-            # Shapes that are rougher than the level are there for those whose level it is.
+            # Shapes that are rougher than the level are registered there for those whose level it is.
             self._exclude_within(
                 item
                 for item in levels[level]
@@ -214,7 +213,7 @@ class Registry:
 
 
 def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models: Sequence[ContactModel]) -> None:
-    """Let links of one model pass through each other, as in Gazebo, but for those that are said to collide."""
+    """Let links of one model pass through each other, as in Gazebo, except those declared to collide."""
     manager = scene_graph.collision_filter_manager()
     for model in models:
         if model.colliding is None:

@@ -1,4 +1,4 @@
-"""Collision shapes, with what decides how they touch."""
+"""Collision shapes with the properties that decide on their contact."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ _LEAST_MASS = 1e-3  # kg
 
 @dataclass(frozen=True, order=True)
 class Group:
-    """Shapes that do not meet each other; groups are ordered by their mass.
+    """Shapes that do not meet each other; groups are ordered by mass.
 
     Attributes:
-        mass: Of the whole model (kg).
-        model: Its name.
-        body: The body's index where the model's own bodies collide with each other; else -1.
+        mass: The mass of the whole model (kg).
+        model: The model's name.
+        body: The body's index if the model's bodies collide with each other; else -1.
     """
 
     mass: float
@@ -40,15 +40,15 @@ class ContactShape:
         geometry: Its geometry.
         body: Its body.
         name: Its name in the scene graph.
-        shape: What contact takes it for.
-        X_BG: Where that is on the body.
+        shape: The shape that contact uses.
+        X_BG: The pose of that shape on the body.
         friction: Its coefficient of friction.
-        group: Whose it is; None for what does not move in the world.
+        group: The group that it belongs to; None for static parts of the world.
         is_static: Whether it never moves.
-        is_flat: Whether it touches with its faces.
-        is_wheel: Whether it is an ellipsoid in place of a wheel's cylinder.
-        is_loose: Whether its whole model is one rigid body that moves, such as a crate.
-        mass: What it is to bear (kg).
+        is_flat: Whether it has hydroelastic contact.
+        is_wheel: Whether it is an ellipsoid instead of a wheel's cylinder.
+        is_loose: Whether its whole model is one moving rigid body, such as a crate.
+        mass: The mass that it may have to bear (kg).
     """
 
     geometry: GeometryId
@@ -66,12 +66,12 @@ class ContactShape:
 
 
 class ShapeReader:
-    """Tells what a shape is, and whose.
+    """Read the properties and the owner of a shape.
 
     Args:
         plant: The plant, not yet finalized.
-        models: The robots, and what moves in the world.
-        world_contact: ``hydroelastic`` or ``point``, for what does not move in the world.
+        models: The robots and the moving models of the world.
+        world_contact: ``hydroelastic`` or ``point``, for static parts of the world.
     """
 
     def __init__(self, plant: MultibodyPlant, models: Sequence[ContactModel], world_contact: str):
@@ -86,7 +86,7 @@ class ShapeReader:
     def read(
         self, geometry: GeometryId, body: RigidBody, name: str, shape: Shape, X_BG: RigidTransform, friction: float
     ) -> ContactShape:
-        """Return a geometry of the plant as contact takes it."""
+        """Return a geometry of the plant as contact uses it."""
         model = self._models.get(body.model_instance())
         is_static = body.index() in self._static
         contact = self._world_contact if model is None else model.contact
@@ -113,7 +113,8 @@ class ShapeReader:
             is_flat=contact != POINT and not isinstance(shape, _ROUND),
             is_wheel=wheel is not None,
             is_loose=not is_static and model is not None and self._is_one_body(model, body),
-            # A link may have to bear the whole model, and must not be too stiff for itself: the mean of both.
+            # A link may have to bear the whole model, but must not be too stiff for its own mass: the geometric mean of
+            # both.
             mass=sqrt(max(own, _LEAST_MASS) * max(total, own, _LEAST_MASS)),
         )
 

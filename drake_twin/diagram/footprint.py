@@ -1,4 +1,4 @@
-"""How much room a robot takes, and how high its root link must be for it to stand on the ground."""
+"""The space that a robot takes, and the height of its root link when it stands on the ground."""
 
 from dataclasses import dataclass, replace
 
@@ -27,16 +27,16 @@ _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
 
 @dataclass(frozen=True)
 class Footprint:
-    """The box around a robot at its start positions, in the frame of its root link (m)."""
+    """The bounding box of a robot at its start positions, in the frame of its root link (m)."""
 
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
 
 
 def footprint(plan: RobotPlan) -> Footprint:
-    """Return the box around a robot's collision shapes, or around what is drawn of it when it has none."""
+    """Return the bounding box of a robot's collision shapes, or of its visual shapes if it has none."""
     builder = DiagramBuilder()
-    plan = replace(plan, robot=replace(plan.robot, contact=POINT))  # Drake makes no meshes for that
+    plan = replace(plan, robot=replace(plan.robot, contact=POINT))  # Drake makes no meshes for these
     scenario = Scenario(robots=(plan.robot,), world=World(ground=False))
     parts = add_plant(builder, scenario, [plan])
     diagram = builder.Build()
@@ -59,7 +59,7 @@ def footprint(plan: RobotPlan) -> Footprint:
 
 
 def _reach(query: QueryObject, geometry: GeometryId, direction: np.ndarray) -> float:
-    """Return how far a shape reaches from its own origin in a direction of its own frame (its support function)."""
+    """Return the extent of a shape from its origin in a direction of its own frame (its support function)."""
     shape = query.inspector().GetShape(geometry)
     across = float(np.hypot(direction[0], direction[1]))
     along = abs(float(direction[2]))

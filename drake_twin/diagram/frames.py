@@ -1,4 +1,4 @@
-"""The frames of all robots on /tf and /tf_static."""
+"""The frames of all robots on ``/tf`` and ``/tf_static``."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -15,7 +15,7 @@ from drake_twin.planning.topics import ROBOT_DESCRIPTION, robot_topic
 from drake_twin.scenario import Scenario
 from drake_twin.systems.robot_state_publisher import FixedFrame, LinkFrame, RobotFrames, RobotStatePublisher
 
-TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is no topic of its own
+TF_ODOMETRY = "tf_odometry"  # the port of a drive's transform, which is not a topic of its own
 
 
 def add_frames(
@@ -28,10 +28,10 @@ def add_frames(
 ) -> RobotStatePublisher:
     """Add the system that publishes the robots' descriptions and all frames.
 
-    A frame has one parent: a true base pose goes to tf only where nothing else places that frame.
+    A frame has one parent: a true base pose is published only if nothing else places that frame.
 
     Raises:
-        InputError: If two robots have a frame of one name, or a frame would have two parents or hang on itself.
+        InputError: If two robots have a frame of one name, or a frame would have two parents or be its own ancestor.
     """
     static_transforms = [
         FixedFrame(item.parent, item.child, Pose(item.xyz, item.rpy)) for item in scenario.static_transforms
@@ -96,7 +96,7 @@ def add_frames(
 
 
 def _posed_links(parts: PlantOfTwin, plan: RobotPlan) -> Iterator[LinkFrame]:
-    """Yield the links at joints whose positions do not say where they are."""
+    """Yield the links at joints whose poses do not follow from joint positions."""
     for joint in plan.description.joints:
         if joint.type in POSED_JOINT_TYPES:
             parent, child = (
@@ -107,7 +107,11 @@ def _posed_links(parts: PlantOfTwin, plan: RobotPlan) -> Iterator[LinkFrame]:
 
 
 def _refuse_circles(plans: Sequence[RobotPlan], static_transforms: Sequence[FixedFrame]) -> None:
-    """A static transform may place a robot's base in another frame, but not in one that hangs on that base."""
+    """Refuse static transforms that place a robot's base in a frame below that base.
+
+    Raises:
+        InputError: If there is such a circle.
+    """
     parents = {frame.child: frame.parent for frame in static_transforms}
     for plan in plans:
         parents.update({plan.frame_prefix + j.child: plan.frame_prefix + j.parent for j in plan.description.joints})

@@ -1,10 +1,10 @@
-"""Dry friction in joints, which Drake does not have: what stands for it in each engine.
+"""Dry friction in joints, which Drake does not have, modeled in another way in each engine.
 
-In the discrete engine it is an actuator that brakes towards zero velocity and can do no more than the friction. Drake's
-CENIC adds up the actuators of a joint and bounds their sum by one effort limit, so a joint that has a motor is braked
-there by a contact: a shoe on the child link is pressed onto a plate on the parent link with a constant force. All that
-is left of it is its torque about the joint's axis, or its force along it: the link is pushed as much as its parent is
-pushed back, at the same point.
+In the discrete engine an actuator brakes towards zero velocity with at most the friction. Drake's CENIC adds up the
+actuators of a joint and limits their sum by one effort limit. So in a continuous plant a contact brakes the joint: a
+shoe on the child link is pressed onto a plate on the parent link with a constant force. Only its torque about the
+joint's axis, or its force along it, has an effect: the link is pushed as much as its parent is pushed back, at the same
+point.
 """
 
 from collections.abc import Iterable
@@ -28,22 +28,22 @@ from pydrake.multibody.tree import Frame, Joint, PrismaticJoint, RevoluteJoint, 
 
 from drake_twin.scenario import LONGEST_STEP
 
-FRICTION_SUFFIX = "/friction"  # of an actuator's name
-_ENDINGS = ("/friction/shoe", "/friction/plate")  # of the names of a brake's geometries
+FRICTION_SUFFIX = "/friction"  # prefix of an actuator's name
+_ENDINGS = ("/friction/shoe", "/friction/plate")  # prefix of the names of a brake's geometries
 
-# What the friction should hold creeps at this velocity under the full friction (rad/s or m/s).
+# A joint that the friction should hold creeps at this velocity under the full friction (rad/s or m/s).
 CREEP = 1e-3
 
 _RADIUS = 0.01  # of the shoe (m)
-_DEPTH = 0.005  # to which it is pressed into the plate (m)
-_MARGIN = 0.5  # by which the plate of a slide is longer than its range (m)
-_LONGEST_SLIDE = 100.0  # of one without limits, to either side (m)
+_DEPTH = 0.005  # depth of the shoe in the plate (m)
+_MARGIN = 0.5  # extra length of a slide's plate beyond its range (m)
+_LONGEST_SLIDE = 100.0  # length of the plate of a slide without limits, to either side (m)
 
-# CENIC lets a contact slip at this share of the velocity that its friction gives the bodies' masses in a step
+# CENIC lets a contact slip at this ratio to the velocity that its friction gives the bodies' masses in a step
 # (multibody/contact_solvers/icf/patch_constraints_pool.cc). A long lever makes a small force of the friction, so that a
-# hinge creeps no faster than it should in the longest step.
+# hinge does not creep faster than it should in the longest step.
 _SLIP = 2.65e-3
-_LEAST_LEVER = 0.02  # where the plant's stiction tolerance is a creep of half of that (m)
+_LEAST_LEVER = 0.02  # with which the plant's stiction tolerance is half of that creep (m)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Brake:
 
 
 def can_have_brake(joint: Joint) -> bool:
-    """Return whether a joint turns about an axis or slides along one."""
+    """Return whether a joint rotates about an axis or slides along one."""
     return isinstance(joint, RevoluteJoint | PrismaticJoint)
 
 
@@ -63,9 +63,9 @@ def add_brake(plant: MultibodyPlant, joint: Joint, friction: float) -> Brake:
     """Brake a joint of a continuous plant.
 
     Args:
-        plant: The plant, not yet finalized, whose other shapes have been dealt with.
-        joint: It turns about an axis, or slides along one.
-        friction: N·m, or N.
+        plant: The plant, not yet finalized, with the contact of all other shapes decided.
+        joint: A joint that rotates about an axis or slides along one.
+        friction: The friction (N·m or N).
     """
     if isinstance(joint, RevoluteJoint):
         lever = _lever(joint, friction)
@@ -76,12 +76,12 @@ def add_brake(plant: MultibodyPlant, joint: Joint, friction: float) -> Brake:
         lower, upper = joint.position_lower_limit(), joint.position_upper_limit()
         reach = min(max(abs(lower), abs(upper)) + _MARGIN, _LONGEST_SLIDE)
         X_J = RigidTransform(RotationMatrix.MakeFromOneVector(joint.translation_axis(), 0))
-    # The plate's face is z = 0 of J, a frame at the joint, and the joint moves the shoe within that face.
+    # The plate's face is z = 0 of J, a frame at the joint. The joint moves the shoe within that face.
     X_shoe = X_J @ RigidTransform([lever, 0.0, _RADIUS - _DEPTH])
     X_plate = X_J @ RigidTransform([0.0, 0.0, -_RADIUS])
     side = 2 * (reach + _RADIUS)
     properties = ProximityProperties()
-    # Two alike are half as stiff, and as rough, as one.
+    # Two equal stiffnesses in series are half as stiff; two equal frictions combine to the same.
     AddContactMaterial(0.0, 2 * force / _DEPTH, CoulombFriction(1.0, 1.0), properties)
     child, parent = joint.frame_on_child(), joint.frame_on_parent()
     return Brake(
@@ -91,7 +91,7 @@ def add_brake(plant: MultibodyPlant, joint: Joint, friction: float) -> Brake:
 
 
 def isolate_brakes(scene_graph: SceneGraph, brakes: Iterable[Brake]) -> None:
-    """Let the halves of each brake touch each other only, once the plant is finalized and has its own filters."""
+    """Let the two halves of each brake touch only each other, once the plant is finalized and has its own filters."""
     brakes = list(brakes)
     if not brakes:
         return
@@ -104,7 +104,7 @@ def isolate_brakes(scene_graph: SceneGraph, brakes: Iterable[Brake]) -> None:
 
 
 def is_brake(inspector: SceneGraphInspector, geometry: GeometryId) -> bool:
-    """Return whether a geometry is a brake's, and nothing that anyone should see."""
+    """Return whether a geometry belongs to a brake, and is not to be shown."""
     return str(inspector.GetName(geometry)).endswith(_ENDINGS)
 
 

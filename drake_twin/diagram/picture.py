@@ -1,4 +1,4 @@
-"""The picture of a diagram: DOT text that is the same in every run, and SVG that carries its DOT text."""
+"""The picture of a diagram: DOT text that is the same in every run, and SVG that contains its DOT text."""
 
 import re
 import shutil
@@ -19,7 +19,7 @@ _DOT_IN_SVG = re.compile(r"<metadata><!\[CDATA\[(.*?)\]\]></metadata>", re.DOTAL
 def dot_text(diagram: Diagram) -> str:
     """Return the diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs."""
     text = diagram.GetGraphvizString(max_depth=2, options={"plant/split": "I/O"})
-    numbers: dict[str, str] = {}  # Drake numbers systems by how many the process has made before
+    numbers: dict[str, str] = {}  # Drake numbers systems by the number created before in the process
     text = _IDENTIFIER.sub(lambda match: match[1] + numbers.setdefault(match[2], str(len(numbers))), text)
     return "\n".join(_with_sorted_edges(text.splitlines())) + "\n"
 
@@ -32,8 +32,8 @@ def write_picture(diagram: Diagram, file: Path) -> None:
         file: A ``.dot`` file, or an ``.svg`` file, for which Graphviz's ``dot`` program must be installed.
 
     Raises:
-        InputError: If another suffix, no ``dot`` program, or a file that cannot be written.
-        RunError: ``dot`` failed.
+        InputError: If the suffix is another one, ``dot`` is not installed, or the file cannot be written.
+        RunError: If ``dot`` fails.
     """
     text = dot_text(diagram)
     if file.suffix == ".svg":
@@ -43,23 +43,23 @@ def write_picture(diagram: Diagram, file: Path) -> None:
     try:
         write_whole(file, text)
     except OSError as error:
-        raise InputError(f"the picture cannot be written ({error.strerror})", file=file) from None
+        raise InputError(f"cannot write the picture ({error.strerror})", file=file) from None
 
 
 def dot_text_of_svg(svg: str) -> str:
     """Return the DOT text that an SVG of `write_picture` was drawn from.
 
     Raises:
-        InputError: If the SVG carries none.
+        InputError: If the SVG contains none.
     """
     match = _DOT_IN_SVG.search(svg)
     if match is None:
-        raise InputError("the SVG carries no DOT text: it was not written by drake_twin")
+        raise InputError("the SVG contains no DOT text: it was not written by drake_twin")
     return match[1]
 
 
 def _with_sorted_edges(lines: list[str]) -> Iterator[str]:
-    """Drake lists a system's edges in the order of a hash table: runs of edges are sorted, other lines stay."""
+    """Sort the runs of edges: Drake lists a system's edges in the order of a hash table."""
     for is_edge, run in groupby(lines, key=lambda line: " -> " in line):
         run_of_lines = list(run)
         yield from sorted(run_of_lines) if is_edge else run_of_lines

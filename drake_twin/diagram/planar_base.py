@@ -1,12 +1,13 @@
-"""A base that is moved over the plane: driven joints between the world and the root link, in place of a free base.
+"""A base that a controller moves over the plane: driven joints between the world and the root link instead of a free
+base.
 
-Gazebo's plugins set the velocity of the whole robot. Here the robot hangs on three slides along the axes of its spawn
-pose, seen from above, and a turn about z; the slides x and y and the turn have velocity servos in the plant. The slide
-along z is free: the robot lies on the ground, and roll and pitch stay what they are at the start, as the plugins set
-their rates to zero. All joints are at zero at the start.
+Gazebo's plugins set the velocity of the whole robot. Here the root link is on three slides along the axes of its spawn
+pose, projected onto the ground plane, and a rotation about z. The slides x and y and the rotation have velocity servos
+in the plant. The slide along z is free, so that the robot rests on the ground; roll and pitch keep their start values,
+as the plugins set their rates to zero. All joints are at zero at the start.
 
 Feet that rub with a friction of 1 slow the base by 8e-5 m/s, at any velocity, in Drake's contact approximation
-``lagged``. In ``similar`` and ``sap``, whatever is driven along while it rubs hops, and loses up to a tenth.
+``lagged``. In ``similar`` and ``sap`` a driven body that rubs hops, and loses up to a tenth of its velocity.
 """
 
 import numpy as np
@@ -32,9 +33,9 @@ _TURN = (0, 0, 1)
 
 _LEAST_MASS = 1e-6  # kg
 
-# The drive's largest force for the robot's mass (N/kg): three times its weight on Earth. Two surfaces of which one has
-# a friction of at most 1 have together less than 2, so this drags along even what slides, and accelerates at 1 g
-# besides. With much more, a robot would push itself into walls.
+# The drive's largest force relative to the robot's mass (N/kg): three times its weight on Earth. The combined friction
+# of two surfaces, one of which has at most 1, is less than 2, so this moves even a base that slides, and accelerates it
+# at 1 g besides. With much more, a robot would push itself into walls.
 _PUSH = 30.0
 
 
@@ -44,13 +45,13 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
     Args:
         plant: The plant, not yet finalized.
         root: The robot's root link.
-        spawn_pose: The root link in the world while all joints are at zero.
+        spawn_pose: The pose of the root link in the world with all joints at zero.
     """
     instance = root.model_instance()
     roll, pitch, yaw = spawn_pose.rpy
     start = RigidTransform(RollPitchYaw(0.0, 0.0, yaw), np.array(spawn_pose.xyz))
     frame = plant.AddFrame(FixedOffsetFrame("base.start", plant.world_frame(), start, instance))
-    # CENIC divides by the mass of what a joint moves, without what hangs on it by further joints.
+    # CENIC divides by the mass that a joint moves, without the bodies behind further joints.
     inertia = SpatialInertia.Zero() if plant.time_step() else SpatialInertia.SolidSphereWithMass(_LEAST_MASS, 0.01)
     for name, axis in _SLIDES.items():
         carriage = plant.AddRigidBody(name, instance, inertia).body_frame()
@@ -62,12 +63,12 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
 
 
 def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> None:
-    """Give the drive its largest force, which follows from the robot's mass, and torque.
+    """Limit the drive's force and torque, which follow from the robot's mass.
 
     Args:
         plant: The finalized plant.
-        scene_graph: Has the robot's collision shapes.
-        instance: The robot.
+        scene_graph: The scene graph with the robot's collision shapes.
+        instance: The robot's model instance.
     """
     context = plant.CreateDefaultContext()
     mass = plant.CalcTotalMass(context, [instance])
@@ -80,7 +81,9 @@ def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instanc
 
 
 def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> float:
-    """Return the distance of the farthest collision shape's center, a wheel's say, from the axis of the turn (m)."""
+    """Return the distance of the farthest collision shape's center, for example a wheel's, from the rotation's axis
+    (m).
+    """
     context = plant.CreateDefaultContext()
     inspector = scene_graph.model_inspector()
     axis = plant.GetFrameByName("base.upright", instance).CalcPoseInWorld(context).translation()
@@ -93,12 +96,12 @@ def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: Mo
 
 
 def planar_base(plant: MultibodyPlant, instance: ModelInstanceIndex, spawn_pose: Pose) -> PlanarBase:
-    """Return where the joints stand in the robot's state.
+    """Return the indices of the joints in the robot's state.
 
     Args:
         plant: The finalized plant.
-        instance: The robot.
-        spawn_pose: The root link in the world while all joints are at zero.
+        instance: The robot's model instance.
+        spawn_pose: The pose of the root link in the world with all joints at zero.
     """
     num_positions = plant.num_positions(instance)
     positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).astype(int).tolist()

@@ -1,4 +1,4 @@
-"""The one MultibodyPlant and SceneGraph of a twin: the world, the robots, their actuators and where they start."""
+"""The one MultibodyPlant and SceneGraph of a twin: the world, the robots, their actuators and start positions."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -33,7 +33,7 @@ from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
 from drake_twin.systems.state_layout import StateLayout
 
-# What should stick creeps at a fraction of this (m/s). With Drake's 1e-4 a box creeps 1.4 mm in 5 s at 0.95 of the
+# A sticking contact creeps at a fraction of this (m/s). With Drake's 1e-4 a box creeps 1.4 mm in 5 s at 0.95 of the
 # angle of friction.
 _STICTION_TOLERANCE = 1e-5
 
@@ -44,8 +44,8 @@ class RobotInPlant:
 
     Attributes:
         instance: Its model instance.
-        layout: Where its joints stand in its model instance's state.
-        layout_in_plant: Where they stand in the plant's state.
+        layout: The indices of its joints in its model instance's state.
+        layout_in_plant: The indices of its joints in the plant's state.
         gains: The gains of its actuators; None for one that models joint friction.
     """
 
@@ -57,10 +57,10 @@ class RobotInPlant:
 
 @dataclass(frozen=True)
 class PlantOfTwin:
-    """The finalized plant, what is needed to wire robots to it, and what Drake's parser warned of.
+    """The finalized plant, everything needed to wire robots to it, and the warnings of Drake's parser.
 
-    ``world_models`` are the model instances of each thing that moves in the world and is no robot, ``shapes`` are all
-    collision shapes with how they touch.
+    ``world_models`` are the model instances of each moving model of the world that is not a robot, ``shapes`` the
+    contact of all collision shapes.
     """
 
     plant: MultibodyPlant
@@ -86,15 +86,15 @@ def add_plant(
         builder: The root diagram's builder.
         scenario: The world and the step.
         plans: The robots, in the scenario's order.
-        world_file: What the scenario's world file says.
-        known_gains: Robot → the gains of its actuators, where they were found before.
-        sampled_output_ports: Whether the plant's ports keep what was at the last step, as Drake has it by default. Then
+        world_file: The content of the scenario's world file.
+        known_gains: Robot → the gains of its actuators, if they were calculated before.
+        sampled_output_ports: Whether the plant's ports keep the values of the last step, as is Drake's default. Then
             every step is an unrestricted update, for which Drake copies the state of all systems twice and asks each
             for its witness functions: a tenth to a fifth of a step with 8 robots. A port that is computed from the
             present state shares its solution with the step that follows.
 
     Raises:
-        InputError: If a robot has the name of a model of the world, or Drake refuses a robot (with its reason).
+        InputError: If a robot has the name of a model of the world, or Drake refuses a robot (with Drake's reason).
     """
     config = MultibodyPlantConfig(
         time_step=0.0 if scenario.engine == CENIC else scenario.time_step,
@@ -140,11 +140,11 @@ def rigid_transform(pose: Pose) -> RigidTransform:
 
 @contextmanager
 def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
-    """Turn what Drake raises into an error for the user; some of its checks arrive as SystemExit."""
+    """Convert what Drake raises to an error for the user; some of its checks raise SystemExit."""
     try:
         yield
     except DRAKE_RAISES as error:
-        reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
+        reason = without_literal(" ".join(str(error).split())) or "no reason given"
         raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
 
 
@@ -152,8 +152,8 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     with captured_warnings() as messages:
         (instance,) = _parse(plant, plan)
     texts = [*map(without_literal, messages), *_of_ball_joints(plan)]
-    # Drake's parser actuates an SDF's joints; here only what is commanded has an actuator. (Asked for one instance, the
-    # plant lists its actuators only once it is finalized.)
+    # Drake's parser actuates an SDF's joints; here only commanded joints have an actuator. (With an instance as
+    # argument, the plant lists its actuators only once it is finalized.)
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() == instance:
             plant.RemoveJointActuator(actuator)
@@ -161,7 +161,7 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         texts.append("the robot has no collision shape: it falls through the ground")
     for text in texts:
-        is_lost = plan.model.drake_format == "xml" and "will be ignored" in text  # in the words of Drake's parser
+        is_lost = plan.model.drake_format == "xml" and "will be ignored" in text  # words of Drake's parser
         kind = Kind.IGNORED if is_lost else Kind.WARNING
         findings.append(Finding(kind, text, robot=plan.name, file=str(plan.description.file or "")))
     if plan.description.base_joints:
@@ -211,14 +211,14 @@ def _parse(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
 
 
 def _of_ball_joints(plan: RobotPlan) -> Iterator[str]:
-    """Yield what does not work with a robot's ball joints."""
+    """Yield the features that do not work with a robot's ball joints."""
     balls = [joint.name for joint in plan.description.joints if joint.type == "ball"]
     if plan.model.drake_format != "sdf":
         for name in balls:
-            yield f"ball joint {name}: the run ends where its pitch comes to 90°, as it is no SDF joint"
+            yield f"ball joint {name}: the run ends at a pitch of 90°, because the joint does not come from an SDF file"
     for sensor in plan.description.sensors:
         if sensor.joint in balls:
-            yield f"sensor {sensor.name}: it measures nothing in the ball joint {sensor.joint}"
+            yield f"sensor {sensor.name}: it cannot measure in the ball joint {sensor.joint}"
 
 
 def _contact_models(
@@ -244,7 +244,7 @@ def _contact_models(
 
 
 def _state_indices(plant: MultibodyPlant, instance: ModelInstanceIndex) -> list[int]:
-    """Return where each element of an instance's ``[q; v]`` stands in the plant's."""
+    """Return the index in the plant's state of each element of an instance's ``[q; v]``."""
     positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions()))
     velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities()))
     return [*positions.astype(int).tolist(), *(plant.num_positions() + velocities.astype(int)).tolist()]
@@ -275,7 +275,7 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
 
 
 def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout) -> None:
-    """Make the spawn pose and the start positions the defaults, so that every new context begins there."""
+    """Make the spawn pose and the start positions the defaults of every new context."""
     q = plant.GetDefaultPositions(instance)
     for name, position in plan.start_positions.items():
         q[layout.positions[name]] = position

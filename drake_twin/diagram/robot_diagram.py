@@ -1,4 +1,4 @@
-"""A robot's sub-diagram: its controllers, its sensors and its joint servo, wired together."""
+"""A robot's sub-diagram: its controllers, its sensors and its joint servo, connected to each other."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -35,9 +35,9 @@ class RobotDiagram:
     Attributes:
         diagram: The sub-diagram.
         controllers: Controller name → its system, in the order in which they are activated.
-        servo: Combines what the controllers write; None for a robot without actuators.
+        servo: The system that combines the controllers' commands; None for a robot without actuators.
         joints: The joint of each actuator; None for one that models friction.
-        plant_inputs: Input port → the plant's output port that it takes; there is one only if a system needs it.
+        plant_inputs: Input port → the plant's output port to connect; only ports that a system needs.
         always_published: Output port → message type of the topics that no controller publishes.
         sensors: Output port → the sensor that publishes its own topic there.
         warnings: Update rates that cannot be met, parameters without effect.
@@ -65,7 +65,7 @@ def build_robot_diagram(
     Args:
         plan: The robot.
         plant: The finalized plant.
-        in_plant: The robot in it.
+        in_plant: The robot in the plant.
         time_step: The physics step, or the grid of a continuous plant (s).
     """
     instance, layout = in_plant.instance, in_plant.layout
@@ -105,7 +105,7 @@ def build_robot_diagram(
 
 
 class _PlantInputs:
-    """Exports an input port for each port of the plant that a system of the robot needs.
+    """Export an input port for each port of the plant that a system of the robot needs.
 
     Attributes:
         needed: Input port → the plant's output port.
@@ -116,11 +116,11 @@ class _PlantInputs:
         self.needed: dict[str, OutputPort] = {}
 
     def connect(self, output: OutputPort, name: str, port: InputPort) -> None:
-        """Let a port take an output port of the plant.
+        """Connect a system's port to an output port of the plant.
 
         Args:
             output: The plant's port.
-            name: The name of the sub-diagram's port that takes it.
+            name: The name of the sub-diagram's input port.
             port: The port of a system in the sub-diagram.
         """
         if name in self.needed:
@@ -131,7 +131,7 @@ class _PlantInputs:
 
 
 def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout) -> JointStateBroadcaster:
-    """Add the broadcaster of a robot whose files name none: its joint states are published all the same."""
+    """Add a broadcaster for a robot whose files have none, as its joint states are published in any case."""
     parameters = JointStateBroadcasterParameters(frame_id="")
     setup = ControllerSetup("joint_state_broadcaster", parameters, (), plan.description, layout)
     broadcaster: JointStateBroadcaster = builder.AddNamedSystem(
@@ -141,7 +141,7 @@ def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayo
 
 
 def _free_name(builder: DiagramBuilder, name: str) -> str:
-    """Return a name that no system has: Drake ends the process when two are the same."""
+    """Return a name that no system has: Drake ends the process if two systems have the same one."""
     while builder.HasSubsystemNamed(name):
         name += "_"
     return name
@@ -150,12 +150,12 @@ def _free_name(builder: DiagramBuilder, name: str) -> str:
 def _add_controllers(
     builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout, time_step: float, *, continuous: bool
 ) -> tuple[dict[str, Controller], tuple[str, ...]]:
-    """Add a system for each controller that could be activated, now or later."""
+    """Add a system for each controller that can be activated now or later."""
     usable = {item.name: item for item in plan.controllers if item.problem is None}
     depths = {name: _depth(name, usable) for name in usable}
     controllers: dict[str, Controller] = {}
     warnings = _too_fast(plan, time_step)
-    for name, item in sorted(usable.items(), key=lambda entry: depths[entry[0]]):  # a chain from its upper end
+    for name, item in sorted(usable.items(), key=lambda entry: depths[entry[0]]):  # a chain is added from its upper end
         steps = max(1, ceil(1.0 / item.update_rate / time_step - 1e-6))
         setup = ControllerSetup(
             name=name,
@@ -185,24 +185,23 @@ def _add_controllers(
 
 
 def _too_fast(plan: RobotPlan, time_step: float) -> list[str]:
-    """Warn of what is to be updated more often than there are steps: all of one rate in one sentence."""
+    """Return warnings of update rates higher than that of the physics, one sentence for each rate."""
     loaded = [item for item in plan.controllers if item.state != UNLOADED]
     rates = {f"controller {item.name}": item.update_rate for item in loaded}
     if loaded:
         rates["the controller manager"] = plan.update_rate
     return [
-        f"{', '.join(name for name in rates if rates[name] == rate)}: an update rate of {rate:g} Hz is"
-        f" faster than the physics, which steps every {time_step:g} s: updated at {1 / time_step:g} Hz"
+        f"{', '.join(name for name in rates if rates[name] == rate)}: the update rate of {rate:g} Hz is"
+        f" higher than that of the physics, which steps every {time_step:g} s: reduced to {1 / time_step:g} Hz"
         for rate in sorted({rate for rate in rates.values() if rate * time_step > 1 + 1e-9})
     ]
 
 
 def _not_behind(steps: int, time_step: float) -> float:
-    """Return the time of some steps (s), rounded so that none of its multiples comes behind the step that it belongs
-    to.
+    """Return the time of a number of steps (s), rounded so that no multiple of it is later than its step.
 
-    Five steps of 5 ms are 3e-18 s more than five times that as doubles are multiplied: one update in six would come
-    after the plant's step of the same time, and act a step later.
+    As doubles, five steps of 5 ms are 3e-18 s more than a product of five: one update in six would come after the
+    plant's step of the same time, and act one step later.
     """
     period = steps * time_step
     (above, below), (step_above, step_below) = period.as_integer_ratio(), time_step.as_integer_ratio()
@@ -210,7 +209,7 @@ def _not_behind(steps: int, time_step: float) -> float:
 
 
 def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dict[str, tuple[int, ...]]:
-    """Return the controllers that claim references of this one, and which of their values goes to which reference."""
+    """Return the controllers that claim references of this one, and for each the indices of its values by reference."""
     references = [Interface(f"{item.name}/{reference.joint}", reference.name) for reference in item.references]
     return {
         name: tuple(other.claims.index(reference) if reference in other.claims else -1 for reference in references)
@@ -220,7 +219,7 @@ def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dic
 
 
 def _depth(name: str, controllers: Mapping[str, ControllerPlan]) -> int:
-    """Return how many controllers stand above this one in a chain."""
+    """Return the number of controllers above this one in a chain."""
     return max((1 + _depth(other, controllers) for other in _upstream(controllers[name], controllers)), default=0)
 
 
@@ -265,7 +264,7 @@ def _add_servo(
     for name, controller in driving.items():
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))
     builder.ExportOutput(servo.get_desired_state_output_port(), "desired_state")
-    # The actuation port is left unconnected where no effort can be commanded, as reading it is not for nothing.
+    # The actuation port is not connected if no effort can be commanded, because reading it takes time.
     if any(interface.name == "effort" for item in driving.values() for interface in item.interfaces):
         builder.ExportOutput(servo.get_actuation_output_port(), "actuation")
     return servo
@@ -293,14 +292,14 @@ def _add_sensors(
     controllers: Mapping[str, Controller],
     inputs: _PlantInputs,
 ) -> None:
-    """Add the sensors whose broadcasters are there."""
+    """Add the sensors of the robot's broadcasters."""
     for name, controller in controllers.items():
         if not isinstance(controller, SensorBroadcaster):
             continue
         sensor_name = controller.sensor_name(controller.setup.parameters)
         sensor = plan.description.sensor(sensor_name, controller.kind)
         port = controller.get_sensor_input_port()
-        if sensor is None:  # hardware without a simulated sensor behind it measures nothing
+        if sensor is None:  # hardware without a simulated sensor measures nothing
             nothing = builder.AddNamedSystem(
                 _free_name(builder, f"{name}_sensor"), ConstantVectorSource(np.full(port.size(), np.nan))
             )

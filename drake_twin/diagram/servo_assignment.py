@@ -1,4 +1,4 @@
-"""Which controller's values drive each actuator of a robot, and how."""
+"""The assignment of controllers' values to the actuators of a robot."""
 
 from collections.abc import Collection, Mapping, Sequence
 
@@ -7,7 +7,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.servo_gains import EFFORT, FREE, HOLD, POSITION, VELOCITY
 from drake_twin.systems.joint_servo import ServoAssignment
 
-# As in gz_ros2_control, when controllers have claimed several interfaces of one joint.
+# As in gz_ros2_control, if controllers have claimed several interfaces of one joint.
 _PRECEDENCE = (VELOCITY, POSITION, EFFORT)
 
 
@@ -20,19 +20,19 @@ def assign(
     *,
     hold_joints: bool = True,
 ) -> ServoAssignment:
-    """Return the assignment that follows from the active controllers' claims, as long as they write nothing.
+    """Return the assignment that follows from the active controllers' claims while they write nothing.
 
     Of several controllers that claim one joint, the one that claims its velocity drives it, else the one that claims
-    its position. That controller's other values for the joint go with it: a position and a velocity claimed by one
+    its position. Other values of that controller for the joint apply as well: a position and a velocity claimed by one
     controller are followed together.
 
     Args:
         joints: The joint of each actuator; None for one that models friction.
         controllers: The controllers of the robot, in the order of the servo's ports.
-        active: The names of those that are active.
+        active: The names of the active controllers.
         holds: The position to hold where no controller writes one (rad or m).
-        modes: How each actuator is driven where no controller writes to it; by default all are held.
-        hold_joints: Whether a joint that no controller has claimed is held; else it is limp.
+        modes: How each actuator is driven while no controller writes to it; by default all are held.
+        hold_joints: Whether an unclaimed joint is held; else it is limp.
     """
     claimed: dict[Interface, str] = {}
     sources: dict[tuple[str, Interface], int] = {}

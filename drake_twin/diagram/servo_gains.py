@@ -1,7 +1,7 @@
 """Gains of the implicit PD servo that Drake applies at each actuated joint.
 
 They follow from the joint's own inertia and load over its range, so that a robot needs no tuning and one robot's gains
-never depend on another's. Which of a joint's gains are in force follows from the command interface that drives it.
+never depend on another's. The command interface that drives a joint decides which gains apply.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,34 +16,35 @@ from drake_twin.errors import InputError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.state_layout import StateLayout
 
-# A velocity servo reaches its command with this time constant where nothing but inertia resists (s).
+# The time constant with which a velocity servo reaches its command against inertia alone (s).
 _VELOCITY_TIME_CONSTANT = 0.005
-# It yields by this much under the joint's largest gravity load, and under its share of the robot's weight (rad/s, m/s).
+# The velocity error of a servo under the joint's largest gravity load, and under its share of the robot's weight
+# (rad/s, m/s).
 _VELOCITY_ERROR_UNDER_GRAVITY = 2.5e-4
 _VELOCITY_ERROR_UNDER_CONTACT = 1e-2
-_RELATIVE_ERROR_UNDER_DAMPING = 5e-4  # of the commanded velocity
+_RELATIVE_ERROR_UNDER_DAMPING = 5e-4  # relative to the commanded velocity
 
 # A position servo settles in about this time without overshoot (s), and sags by this much under gravity (rad or m).
 SETTLING_TIME = 0.2
 _SAG_UNDER_GRAVITY = 5e-4
 _YIELD_UNDER_CONTACT = 1e-2
 
-# A joint that is stopped brakes as a dry friction of its effort limit would: with all of it above this velocity. It is
-# at rest below, where less than that holds it (rad/s or m/s).
+# A joint that is stopped brakes as a dry friction of its effort limit would: with the full effort above this velocity.
+# Below, where less effort holds it, it is at rest (rad/s or m/s).
 REST_VELOCITY = 1e-3
 
 _SAMPLES = 16
-_LEAST_INERTIA = 1e-9  # keeps the damping above zero: Drake ends the process when both gains are zero
+_LEAST_INERTIA = 1e-9  # keeps the damping positive: Drake ends the process if both gains are zero
 
 
 @dataclass(frozen=True)
 class JointLoad:
-    """What resists a joint.
+    """The load of a joint.
 
     Attributes:
-        inertia: The largest of the joint's own (kg·m² or kg).
-        gravity: The largest gravity load, the joint's dry friction, and what a base drags along (N·m or N).
-        contact: Its share of the robot's weight, where it may have to bear it (N·m or N).
+        inertia: The joint's largest inertia (kg·m² or kg).
+        gravity: The largest gravity load, the joint's dry friction, and the drag of a base (N·m or N).
+        contact: Its share of the robot's weight, if it may have to bear it (N·m or N).
         damping: The joint's viscous damping (N·m·s/rad or N·s/m).
     """
 
@@ -54,12 +55,12 @@ class JointLoad:
 
 
 def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdControllerGains:
-    """Gains of a joint that follows a velocity.
+    """Return the gains of a joint that follows a velocity.
 
     Args:
-        load: What resists the joint.
-        continuous: Whether the engine is ``cenic``, which takes a velocity target with the wrong sign: the velocity
-            then comes as a position far away, with a stiffness that does next to nothing itself.
+        load: The joint's load.
+        continuous: Whether the engine is ``cenic``, which takes a velocity target with the wrong sign: the velocity is
+            then given as a far position, with a stiffness that has almost no effect of its own.
     """
     damping = max(
         load.inertia / _VELOCITY_TIME_CONSTANT,
@@ -71,14 +72,14 @@ def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdController
 
 
 def position_gains(load: JointLoad, time_constant: float | None = None) -> PdControllerGains:
-    """Gains of a joint that goes to a position, or holds one.
+    """Return the gains of a joint that moves to a position or holds one.
 
-    With Kd = Kp · T the servo is overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia. It
-    then moves as gz_ros2_control's does, at a velocity of error / T.
+    With Kd = Kp · T the servo is overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia. The
+    joint then moves as gz_ros2_control's does, at a velocity of error / T.
 
     Args:
-        load: What resists the joint.
-        time_constant: T (s), by default one that suits most joints.
+        load: The joint's load.
+        time_constant: T (s); the default suits most joints.
     """
     T = time_constant or SETTLING_TIME
     stiffness = max(16.0 * load.inertia / T**2, load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT)
@@ -86,11 +87,11 @@ def position_gains(load: JointLoad, time_constant: float | None = None) -> PdCon
 
 
 def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
-    """Gains of a joint that comes to rest.
+    """Return the gains of a joint that comes to rest.
 
     Args:
-        load: What resists the joint, which says how hard one without an effort limit brakes.
-        effort_limit: N·m or N.
+        load: The joint's load, which sets the braking of a joint without an effort limit.
+        effort_limit: The effort limit (N·m or N).
     """
     if np.isfinite(effort_limit):
         return PdControllerGains(p=0.0, d=max(effort_limit / REST_VELOCITY, _LEAST_INERTIA))
@@ -100,26 +101,26 @@ def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
 # In a continuous plant a velocity v is commanded as the position v · this (s).
 VELOCITY_AS_POSITION = 1e7
 
-# What drives a joint: its position is held, one of its command interfaces is written, or nothing holds it. It brakes
-# until it can be held, or rests where a position is too large a number to be held exactly. A position that is far away
-# is approached at the joint's velocity limit, up or down.
+# How a joint is driven: its position is held, one of its command interfaces is written, or nothing holds it. It brakes
+# until it can be held, or rests where its position is too large a number to be held exactly. A far position is
+# approached at the joint's velocity limit, up or down.
 HOLD, POSITION, VELOCITY, EFFORT, FREE = "hold", "position", "velocity", "effort", "free"
 BRAKE, REST, UP, DOWN = "brake", "rest", "up", "down"
 MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE, BRAKE, REST, UP, DOWN)
 
-# Drake ends the process when both gains are zero. This damping does nothing.
+# Drake ends the process if both gains are zero. This damping has no effect.
 _NO_GAINS = PdControllerGains(p=0.0, d=1e-9)
 
 
 @dataclass(frozen=True)
 class ServoGains:
-    """The gains of one actuator in each way of driving it.
+    """The gains of one actuator in each mode.
 
     Attributes:
-        position: When a position is commanded or held.
-        velocity: When a velocity is commanded, or a position is approached at the velocity limit.
-        brake: When the joint comes to rest.
-        effort_limit: What the actuator can do (N·m or N).
+        position: For a commanded or held position.
+        velocity: For a commanded velocity, or a position that is approached at the velocity limit.
+        brake: For a joint that comes to rest.
+        effort_limit: The largest effort of the actuator (N·m or N).
     """
 
     position: PdControllerGains
@@ -128,14 +129,12 @@ class ServoGains:
     effort_limit: float
 
     def velocity_as_position(self, mode: str) -> float:
-        """Return how far ahead a position stands for a velocity (s): damping over stiffness; 0 where there is no
-        stiffness.
-        """
+        """Return the lead of a position that replaces a velocity (s): damping over stiffness; 0 without stiffness."""
         gains = self.of(mode)
         return float(gains.d / gains.p) if gains.p > 0 else 0.0
 
     def of(self, mode: str) -> PdControllerGains:
-        """Return the gains for a way of driving the joint."""
+        """Return the gains of a mode."""
         if mode in (HOLD, POSITION):
             return self.position
         if mode in (VELOCITY, UP, DOWN):
@@ -150,15 +149,15 @@ def servo_gains(
 ) -> dict[str, tuple[ServoGains | None, ...]]:
     """Return the gains of every robot's actuators, in their order; None for one that models friction.
 
-    The friction's own gains are set once and for all; the servos' are put in force with `set_gains`.
+    The friction's own gains are set here; the servos' are applied by `set_gains`.
 
     Args:
         plant: The finalized plant.
-        robots: The robots in it.
-        known: Gains that were found before.
+        robots: The robots in the plant.
+        known: Gains that were calculated before.
 
     Raises:
-        InputError: If a joint for which there are no gains, because its limits are beyond all measure.
+        InputError: If a joint's limits are so large that gains cannot be calculated.
     """
     known = known or {}
     servos: list[tuple[RobotPlan, JointActuator]] = []
@@ -175,7 +174,7 @@ def servo_gains(
         if not np.isfinite((load.inertia, load.gravity, load.contact)).all():
             raise InputError(
                 f"robot {plan.name!r}: joint {actuator.joint().name()!r} cannot be driven: within the joints' limits"
-                " its inertia or load is beyond what a number holds",
+                " its inertia or load is too large for a floating-point number",
                 file=plan.description.file,
             )
     gains = {
@@ -199,13 +198,13 @@ def set_gains(
     gains: Sequence[ServoGains | None],
     modes: Sequence[str],
 ) -> None:
-    """Put gains in force; they are the plant's, not the Context's.
+    """Apply gains; they belong to the plant, not to the Context.
 
     Args:
         plant: The plant.
-        instance: The robot's.
-        gains: Of its actuators.
-        modes: What drives each of its actuators.
+        instance: The robot's model instance.
+        gains: The gains of its actuators.
+        modes: The mode of each of its actuators.
     """
     for index, servo, mode in zip(plant.GetJointActuatorIndices(instance), gains, modes, strict=True):
         if servo is not None:
@@ -217,17 +216,17 @@ def _joint_loads(
     robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
     actuators: Sequence[tuple[RobotPlan, JointActuator]],
 ) -> list[JointLoad]:
-    """Largest inertia and gravity load of each actuated joint over sampled configurations."""
+    """Return the largest inertia and gravity load of each actuated joint over sampled configurations."""
     if not actuators:
         return []
     context = plant.CreateDefaultContext()
     velocities = [actuator.joint().velocity_start() for _, actuator in actuators]
     inertia = np.full(len(actuators), _LEAST_INERTIA)
     gravity = np.zeros(len(actuators))
-    samplers = [np.random.default_rng(0) for _ in robots]  # one a robot: its samples do not depend on its neighbours
+    samplers = [np.random.default_rng(0) for _ in robots]  # one per robot: its samples do not depend on other robots
     for sample in range(_SAMPLES):
         for sampler, (plan, instance, layout) in zip(samplers, robots, strict=True):
-            if sample > 0:  # the first sample is where the robots start
+            if sample > 0:  # the first sample is the start configuration
                 q = plant.GetPositions(context, instance)
                 _sample_joints(q, plan, layout, sampler)
                 plant.SetPositions(context, instance, q)
@@ -252,7 +251,7 @@ def _friction(plan: RobotPlan, actuator: JointActuator) -> float:
 
 
 def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
-    """Return what wheels that slide on the ground may do to a joint that moves the base."""
+    """Return the load that sliding wheels may put on a joint that moves the base."""
     is_of_base = any(joint.name == actuator.joint().name() for joint in plan.description.base_joints)
     return float(actuator.effort_limit()) if is_of_base else 0.0
 
@@ -260,7 +259,7 @@ def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
 def _contact_load(
     plant: MultibodyPlant, plan: RobotPlan, actuator: JointActuator, inertia: float, weight: float
 ) -> float:
-    """Return the load when the joint bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
+    """Return the load of a joint that bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
     if plan.model.is_fixed:
         return 0.0
     joint = actuator.joint()

@@ -1,12 +1,12 @@
-"""How each joint of a robot is driven at a moment: it follows what is commanded, brakes, or is held.
+"""The mode of each joint of a robot: it follows a command, brakes, or is held.
 
-A joint of which no motion is commanded brakes with all of its effort until it is at rest, and is held there. So does
-one whose commanded velocity is zero: it does not creep under a load, as it would by following the zero. Where more than
-its effort pushes it away, it is held where that leaves it.
+A joint without a commanded motion brakes with its full effort until it is at rest, and is held there. The same applies
+to a commanded velocity of zero: a joint that followed the zero would creep under a load. If more than its effort pushes
+it away, it is held where that leaves it.
 
 A position that is farther away than its servo could approach within the joint's velocity limit is approached at that
 limit. In Gazebo, gz_ros2_control writes ``gain · error`` as the velocity of a position interface, and the physics clamp
-it to the joint's limit, whatever ``enforce_command_limits`` says.
+it to the joint's limit, with any value of ``enforce_command_limits``.
 """
 
 from collections.abc import Collection, Sequence
@@ -31,17 +31,17 @@ from drake_twin.diagram.servo_gains import (
 )
 from drake_twin.systems.joint_servo import ServoAssignment
 
-# How often joints that brake or approach a far position are looked at, and those held against a commanded velocity of
-# zero, which may be pushed away (s).
+# The period of checks of joints that brake or approach a far position, and of those held against a commanded velocity
+# of zero, which may be pushed away (s).
 CHECK_PERIOD = 0.01
 _SLIP_PERIOD = 0.2
 
-# A joint at rest that is this close to its commanded position is held at that, not where it is: what it bears makes
-# the difference, or what it grips (rad or m).
+# A joint that rests this close to its commanded position is held at the command instead of its present position: the
+# difference comes from its load, or from the object that it grips (rad or m).
 _REACHED = 1e-2
 
-# Farther than this from zero a joint is not held at its position, but goes on braking (rad or m): Drake's servo works
-# with the position itself, and its solver fails for a light wheel that has turned by 1000 rad.
+# Farther than this from zero a joint is not held at its position, but continues to brake (rad or m): Drake's servo uses
+# the position itself, and its solver fails for a light wheel that has turned by 1000 rad.
 _FAR = 100.0
 
 _ROUNDING = 1e-9
@@ -49,14 +49,14 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class DrivenJoint:
-    """What limits the joint of an actuator.
+    """The limits of an actuator's joint.
 
     Attributes:
-        stiffness: Its position servo's (N·m/rad or N/m).
-        time_constant: At which that approaches a position, and comes to rest (s).
-        yields: How far it is from where it is held once all of its effort holds it (rad or m).
-        lower: The lowest position at which it is held (rad or m).
-        upper: The highest.
+        stiffness: Its position servo's stiffness (N·m/rad or N/m).
+        time_constant: The time constant with which the servo approaches a position and comes to rest (s).
+        yields: The deviation from a held position at which the servo applies its full effort (rad or m).
+        lower: The lowest position at which the joint is held (rad or m).
+        upper: The highest position at which it is held (rad or m).
         velocity_limit: The largest velocity at which it approaches a position (rad/s or m/s).
     """
 
@@ -70,14 +70,14 @@ class DrivenJoint:
 
 @dataclass(frozen=True)
 class JointMotion:
-    """How the joints of a robot's actuators move, and what is commanded of them; an element for each actuator.
+    """The motion and commands of the joints of a robot's actuators; an element for each actuator.
 
     Attributes:
-        positions: Where they are (rad or m).
-        velocities: How they move (rad/s or m/s).
-        gravity: What gravity does to them (N·m or N); needed at a check.
-        commanded_positions: NaN where none is commanded.
-        commanded_velocities: Likewise.
+        positions: The positions (rad or m).
+        velocities: The velocities (rad/s or m/s).
+        gravity: The gravity loads (N·m or N); used at a check.
+        commanded_positions: The commanded positions; NaN without a command.
+        commanded_velocities: The commanded velocities; NaN without a command.
     """
 
     positions: Sequence[float]
@@ -88,7 +88,7 @@ class JointMotion:
 
 
 def velocity_limits(description: RobotDescription, joints: Sequence[str | None]) -> list[float]:
-    """Return the velocity limit of each actuator's joint (rad/s or m/s); infinite where its file has none."""
+    """Return the velocity limit of each actuator's joint (rad/s or m/s); infinite if its file has none."""
     limits = [inf if joint is None else description.joints_by_name[joint].limits.velocity for joint in joints]
     return [limit if limit > 0 else inf for limit in limits]
 
@@ -96,7 +96,7 @@ def velocity_limits(description: RobotDescription, joints: Sequence[str | None])
 def driven_joints(
     description: RobotDescription, joints: Sequence[str | None], gains: Sequence[ServoGains | None]
 ) -> tuple[DrivenJoint | None, ...]:
-    """Return what limits each actuator's joint; None for an actuator that models friction."""
+    """Return the limits of each actuator's joint; None for an actuator that models friction."""
     driven: list[DrivenJoint | None] = []
     for joint, servo, velocity_limit in zip(joints, gains, velocity_limits(description, joints), strict=True):
         if joint is None or servo is None:
@@ -111,13 +111,13 @@ def driven_joints(
 def next_modes(
     now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion, *, is_check: bool
 ) -> ServoAssignment:
-    """Return the assignment with the modes that follow from what is commanded and how the joints move.
+    """Return the assignment with the modes that follow from the commands and the joints' motion.
 
     Args:
         now: The present assignment.
-        joints: What limits the joints.
-        motion: How they move.
-        is_check: Whether joints may come to rest or slip now, which they do at the times of `check_period` alone.
+        joints: The limits of the joints.
+        motion: Their motion.
+        is_check: Whether joints may come to rest or slip now, which they do only at the times of `check_period`.
     """
     modes, holds = list(now.modes), list(now.holds)
     for index, joint in enumerate(joints):
@@ -129,9 +129,9 @@ def next_modes(
 def without_commands(
     now: ServoAssignment, joints: Sequence[DrivenJoint | None], motion: JointMotion
 ) -> tuple[tuple[str, ...], tuple[float, ...]]:
-    """Return the modes and held positions of joints that nothing is commanded of any more: none jumps, none turns back.
+    """Return the modes and held positions of joints that lose their commands: no joint jumps or turns back.
 
-    A joint that rests where it was told to be stays held there. Any other one brakes.
+    A joint that rests at its commanded position is held there. Any other one brakes.
     """
     modes, holds = [BRAKE] * len(joints), list(now.holds)
     for index, (joint, mode) in enumerate(zip(joints, now.modes, strict=True)):
@@ -147,19 +147,19 @@ def without_commands(
 
 
 def released(now: ServoAssignment, indices: Collection[int]) -> ServoAssignment:
-    """Return the assignment after joints have been moved by other means: one whose velocity is commanded is not pulled
+    """Return the assignment after joints have been moved by other means: one with a commanded velocity is not pulled
     back.
 
     Args:
         now: The present assignment.
-        indices: Those of the joints' actuators.
+        indices: The indices of the joints' actuators.
     """
     modes = [BRAKE if i in indices and _may_slip(now, i) else mode for i, mode in enumerate(now.modes)]
     return replace(now, modes=tuple(modes))
 
 
 def check_period(assignment: ServoAssignment) -> float | None:
-    """Return how often `next_modes` is to be asked again while nothing is commanded anew (s); None for never."""
+    """Return the period at which to call `next_modes` again while commands stay the same (s); None for never."""
     if any(mode in (BRAKE, UP, DOWN) for mode in assignment.modes):
         return CHECK_PERIOD
     if any(_may_slip(assignment, index) for index in range(len(assignment.modes))):
@@ -170,7 +170,7 @@ def check_period(assignment: ServoAssignment) -> float | None:
 def slipping_range(
     assignment: ServoAssignment, joints: Sequence[DrivenJoint | None]
 ) -> tuple[tuple[int, float, float], ...]:
-    """Return the joints that slip outside of a range: the index of each one's actuator, and the lower and upper end."""
+    """Return the joints that slip outside of a range: actuator index, lower and upper end of each."""
     return tuple(
         (index, assignment.holds[index] - joint.yields, assignment.holds[index] + joint.yields)
         for index, joint in enumerate(joints)
@@ -181,7 +181,7 @@ def slipping_range(
 def _next_mode(
     now: ServoAssignment, index: int, joint: DrivenJoint, motion: JointMotion, *, is_check: bool
 ) -> tuple[str, float]:
-    """Return how a joint is driven from here on, and where it is held."""
+    """Return the next mode of a joint, and its held position."""
     mode, hold = now.modes[index], now.holds[index]
     position, velocity = motion.positions[index], motion.velocities[index]
     target, speed = motion.commanded_positions[index], motion.commanded_velocities[index]

@@ -1,6 +1,6 @@
-"""What does not move in an SDF world, as shapes of the world itself: planes, meshes as solids, and all the rest.
+"""The static parts of an SDF world as shapes of the world body: planes, meshes as solids, and all other shapes.
 
-Such shapes cost nothing in a step, where each link that is welded to the world costs 0.8 µs.
+Such shapes cost nothing in a step, while each link that is welded to the world costs 0.8 µs.
 """
 
 from collections import Counter
@@ -34,29 +34,29 @@ from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
 from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 
-GROUND = "ground"  # the name of the shape that a world has without a file
+GROUND = "ground"  # the name of the shape of a world without a file
 
-# Drake 1.51 crashes where a half space and other shapes (53 were enough), or more than 14 half spaces, stand on the
-# world body: FCL never ends dividing a tree of bounding boxes with an infinite one. So beside a plane all else stands
-# on a body that is welded to the world, where a shape costs 0.1 µs a step, and more where shapes overlap (a terrain of
-# 1,150 triangles: 1.3 ms). Beyond a number of shapes the plane is the upper side of a huge box instead.
+# Drake 1.51 crashes if a half space and other shapes (53 were enough), or more than 14 half spaces, are on the world
+# body: FCL divides a tree of bounding boxes with an infinite one without end. So beside a plane all other shapes are on
+# a body that is welded to the world, where a shape costs 0.1 µs a step, and more where shapes overlap (a terrain of
+# 1,150 triangles: 1.3 ms). Above a number of shapes the plane is replaced by the upper side of a huge box.
 _STATIC_BODY = "static_world"
 _MOST_BESIDE_A_PLANE = 100
 _MOST_PLANES = 8
 _ENDLESS = 10_000.0  # m
 _DEEP = 10.0  # m
 
-# A plane that faces less upwards than this (the z of its normal) is a wall: a slab of its size, not endless ground.
+# A plane whose normal has a smaller z than this is a wall: a slab of its size, not endless ground.
 _GROUND_FACES = 0.1
 
 # Building a plant takes time and memory with the square of the number of shapes (1,000: 0.5 s, 240 MB).
 _MOST_SOLIDS = 1200
-_DETAILS = (0.0, 0.05, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 51.2, 204.8)  # m; each takes a while when a mesh is new
+_DETAILS = (0.0, 0.05, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 51.2, 204.8)  # m; each one takes time if a mesh is new
 
 
 @dataclass(frozen=True)
 class StaticShape:
-    """A shape in the world frame: it collides where it has friction, and is seen where it has a look."""
+    """A shape in the world frame: it collides if it has friction, and is visible if it has a color."""
 
     name: str
     shape: Shape
@@ -67,7 +67,7 @@ class StaticShape:
 
     @property
     def is_plane(self) -> bool:
-        """Whether it is a half space that something can stand on."""
+        """Whether the shape is a half space on which something can stand."""
         return isinstance(self.shape, HalfSpace)
 
 
@@ -77,17 +77,18 @@ def ground_shape(friction: float) -> StaticShape:
 
 
 def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list[StaticShape]:
-    """Return the shapes of a model that does not move.
+    """Return the shapes of a static model.
 
-    Drake's parser says where they are; planes and meshes, which it would take for something else, are stand-ins then.
+    Drake's parser determines their poses; planes and meshes, which it would read differently, are replaced by stand-ins
+    for it.
 
     Args:
         model: The model.
-        detail: What of a mesh is smaller need not be told apart (m); see `bearable_detail`.
-        warnings: Is extended by what was left out.
+        detail: The size below which details of a mesh may be lost (m); see `bearable_detail`.
+        warnings: Is extended by parts that are left out.
 
     Raises:
-        RuntimeError: Drake refuses the model.
+        RuntimeError: If Drake refuses the model.
     """
     root = etree.fromstring(model.text)
     stand_ins = _put_stand_ins(root, detail, model.name, warnings)
@@ -98,7 +99,7 @@ def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list
 
 
 def bearable_detail(models: Sequence[WorldModel]) -> float:
-    """Return how fine the meshes of what does not move can be (m), so that the plant does not get too many solids."""
+    """Return the finest detail of static meshes (m) that does not give the plant too many solids."""
     meshes: Counter[tuple[str, Vector3]] = Counter()
     for model in models:
         if model.is_static:
@@ -107,7 +108,7 @@ def bearable_detail(models: Sequence[WorldModel]) -> float:
     while True:
         detail, total = _DETAILS[step], 0
         for (file, scale), times in meshes.items():
-            with suppress(InputError):  # told where the mesh is needed
+            with suppress(InputError):  # reported where the mesh is used
                 total += times * len(solid_mesh(Path(file), detail / max(map(abs, scale))))
         if total <= _MOST_SOLIDS or step == len(_DETAILS) - 1:
             return detail
@@ -130,12 +131,12 @@ def register_static_shapes(plant: MultibodyPlant, shapes: Sequence[StaticShape])
             _STATIC_BODY, plant.AddModelInstance(_STATIC_BODY), SpatialInertia.SolidSphereWithMass(1.0, 1.0)
         )
         plant.WeldFrames(plant.world_frame(), body.body_frame())
-    numbers = count()  # Drake wants names that differ
+    numbers = count()  # Drake needs unique names
     for item in planes:
         name = f"{item.name}/{next(numbers)}"
         plant.RegisterCollisionGeometry(plant.world_body(), item.pose, item.shape, name, item.friction)
     for item in solids:
-        with suppress(RuntimeError):  # Qhull finds one of a mesh's solids too flat: the others make up for it
+        with suppress(RuntimeError):  # Qhull considers one of a mesh's solids too flat: the others suffice
             plant.RegisterCollisionGeometry(body, item.pose, item.shape, f"{item.name}/{next(numbers)}", item.friction)
     for item in visuals:
         name = f"{item.name}/{next(numbers)}"
@@ -163,14 +164,14 @@ def _same_plane(one: RigidTransform, other: RigidTransform) -> bool:
 
 @dataclass(frozen=True)
 class _StandIn:
-    """What a stand-in stands for: the solids of a mesh, or a plane's size and turn."""
+    """The shapes behind a stand-in: the solids of a mesh, or a plane's size and rotation."""
 
     solids: tuple[np.ndarray, ...] = ()
     size: tuple[float, float] | None = None
     turn: RotationMatrix | None = None
 
     def shapes(self, pose: RigidTransform) -> Iterator[tuple[Shape, RigidTransform]]:
-        """Yield the shapes and their poses in the world, for a stand-in that is there."""
+        """Yield the shapes and their poses in the world, given the stand-in's pose."""
         for points in self.solids:
             yield Convex(points, "part of a mesh"), pose
         if self.size is not None:
@@ -197,7 +198,7 @@ def _shapes(
             found = [(inspector.GetShape(geometry), pose)] if stand_in is None else stand_in.shapes(pose)
             for shape, X in found:
                 yield StaticShape(name, shape, X, friction=friction)
-        else:  # seen, with the material that Drake's parser gave it
+        else:  # visible, with the material of Drake's parser
             look, camera_look = (
                 inspector.GetIllustrationProperties(geometry),
                 inspector.GetPerceptionProperties(geometry),
@@ -206,7 +207,7 @@ def _shapes(
 
 
 def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:
-    """Put small spheres in the place of planes and meshes; returns what each stands for, by its new name."""
+    """Replace planes and meshes by small spheres; return the shapes behind each, by its new name."""
     found: dict[str, _StandIn] = {}
     for collision in [*root.iter("collision")]:
         plane, mesh = collision.find("geometry/plane"), collision.find("geometry/mesh")
@@ -217,7 +218,7 @@ def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: li
             try:
                 solids = solid_mesh(Path(file), detail / max(map(abs, scale))).solids(scale)
             except InputError as error:
-                warnings.append(f"{model}: a collision goes without its mesh: {str(error).rstrip('.')}")
+                warnings.append(f"{model}: a collision shape is left out: {str(error).rstrip('.')}")
                 solids = []
             stand_in = _StandIn(solids=tuple(solids))
         else:

@@ -14,10 +14,10 @@ class PublishedTopic:
 
     Attributes:
         type: The ROS message type.
-        port: Evaluates to the message.
-        rate: How often ROS would publish it (Hz); None when it never changes, so that once is enough.
-        robot: Whose topic it is; empty for the twin's own.
-        controller: The controller that publishes it, while it is active; empty where it is always there.
+        port: The output port of the message.
+        rate: The rate at which ROS would publish it (Hz); None if it never changes, so that once is enough.
+        robot: The robot that it belongs to; empty for the twin's own.
+        controller: The controller that publishes it while active; empty if it is always published.
     """
 
     type: str
@@ -29,11 +29,11 @@ class PublishedTopic:
 
 @dataclass(frozen=True)
 class CommandTopic:
-    """A topic or an action that a controller listens to.
+    """A topic or an action that a controller subscribes to.
 
     Attributes:
         type: The ROS message or action type.
-        port: Takes what the controller's ``read`` makes of a message.
+        port: The input port, for values as the controller's ``read`` returns them.
         robot: The robot.
         controller: The controller's name.
         name: The topic below the controller's name.
@@ -47,7 +47,7 @@ class CommandTopic:
 
 
 class Topics:
-    """Collects the topics while the diagram is built, and exports each topic's port under its name.
+    """Collect the topics while the diagram is built, and export each topic's port under its name.
 
     Attributes:
         published: Topic → message type, rate (Hz), robot and controller.
@@ -66,7 +66,7 @@ class Topics:
     ) -> None:
         """Export an output port under a topic's name.
 
-        Of several controllers of one robot that publish the same type on one topic the first does.
+        If several controllers of one robot publish the same type on one topic, only the first does.
 
         Raises:
             InputError: If another robot publishes on the topic.
@@ -75,7 +75,7 @@ class Topics:
             known, _, (owner, _) = self.published[topic]
             if robot and (known, owner) == (kind, robot):
                 return
-            raise InputError(f"two robots would publish on {topic}: give each a namespace of its own")
+            raise InputError(f"two robots would publish on {topic}: give each its own namespace")
         self._builder.ExportOutput(port, topic[1:])
         self.published[topic] = (kind, rate, (robot, controller))
 
@@ -86,16 +86,16 @@ class Topics:
             topic: The full name.
             port: The controller's port.
             kind: The ROS type.
-            *owner: Robot, controller and the controller's own topic.
-            action: Whether it is an action.
+            *owner: The robot, the controller and the controller's own topic.
+            action: Whether the port is that of an action.
 
         Raises:
-            InputError: If another controller listens to the topic.
+            InputError: If another controller subscribes to the topic.
         """
         robot, controller, name = owner
         known = self.actions if action else self.subscribed
         if topic in known:
-            raise InputError(f"robots {known[topic][1][0]!r} and {robot!r} would both listen to {topic}")
+            raise InputError(f"robots {known[topic][1][0]!r} and {robot!r} would both subscribe to {topic}")
         self._builder.ExportInput(port, topic[1:])
         known[topic] = (kind, (robot, controller, name))
 
@@ -107,7 +107,7 @@ class Topics:
         }
 
     def commanded_of(self, diagram: Diagram) -> dict[str, CommandTopic]:
-        """Return the topics of the built diagram that controllers listen to."""
+        """Return the topics of the built diagram that controllers subscribe to."""
         return _ports(diagram, self.subscribed)
 
     def actions_of(self, diagram: Diagram) -> dict[str, CommandTopic]:

@@ -47,15 +47,15 @@ class TwinDiagram:
     Attributes:
         diagram: The root diagram. Each topic is one of its ports, named like the topic without the leading slash.
         plans: The robots.
-        published: Topic → what the twin publishes on it.
-        commanded: Topic → what listens to it.
-        actions: Action → what does it.
+        published: Topic → its type, port, rate and publisher.
+        commanded: Topic → its type, port and subscriber.
+        actions: Action → its type, port and controller.
         parts: Robot → its controllers and servo.
-        findings: What became of what the files say, where it is not simply used.
-        visualizer: Draws the scene on a Meshcat page when it is asked to; None without a page.
-        world_models: What moves in the world and is no robot, by name: its model instances.
-        shapes: How each collision shape touches.
-        extensions: The systems that a user has added.
+        findings: The findings of the files: entries that were not used as they are.
+        visualizer: Draws the scene on a Meshcat page on demand; None without a page.
+        world_models: Moving model of the world → its model instances.
+        shapes: The contact of each collision shape.
+        extensions: The systems that the user's extensions have added.
     """
 
     diagram: Diagram
@@ -77,7 +77,7 @@ class TwinDiagram:
     findings: tuple[Finding, ...]
 
     def owners(self) -> dict[ModelInstanceIndex, str]:
-        """Model instance → the robot, or the model of the world, that it is part of."""
+        """Return the robot or the model of the world that each model instance belongs to."""
         owners = {parts.instance: name for name, parts in self.robots.items()}
         for name, instances in self.world_models.items():
             owners |= dict.fromkeys(instances, name)
@@ -90,11 +90,11 @@ Extension = Callable[[DiagramBuilder, "DiagramParts"], None]
 
 @dataclass(frozen=True)
 class DiagramParts:
-    """What a user's own systems can be connected to while the diagram is built.
+    """The parts of a diagram to which a user's systems can be connected while it is built.
 
     Attributes:
         plant: The finalized plant.
-        scene_graph: Its shapes.
+        scene_graph: The scene graph with its shapes.
         robots: Robot → its sub-diagram as a system of the builder.
         plans: The robots.
     """
@@ -145,18 +145,18 @@ def build_twin_diagram(
 
     Beside the topics, the root diagram has for each robot the vector ports
 
-    - ``<robot>/state`` (output): ``[q; v]`` of its model instance, of the plant's port of the same meaning;
+    - ``<robot>/state`` (output): ``[q; v]`` of its model instance, the plant's own port;
     - ``<robot>/state_estimated`` (output): positions, then velocities, of its movable joints in file order;
-    - ``<robot>/net_actuation`` (output): the effort of each actuator (N·m or N), where it has actuators.
+    - ``<robot>/net_actuation`` (output): the effort of each actuator (N·m or N), if it has actuators.
 
-    None of them has a direct feedthrough but ``net_actuation``, so a controller that reads ``state_estimated`` and
-    writes a `drake_twin.controllers.vector_command_controller` closes no algebraic loop.
+    Only ``net_actuation`` has a direct feedthrough, so a controller that reads ``state_estimated`` and writes a
+    `drake_twin.controllers.vector_command_controller` closes no algebraic loop.
 
     Args:
-        scenario: What to build.
+        scenario: The scenario to build.
         meshcat: The page to draw on.
-        known: A diagram that was built before: robots and worlds that it has, too, are not read again.
-        plans: Plans of robots that were made before.
+        known: A diagram that was built before: robots and worlds that both have are not read again.
+        plans: Plans of robots, if made before.
         extensions: Called with the builder and `DiagramParts` before the diagram is built, in their order.
 
     Raises:
@@ -189,7 +189,7 @@ def _build(
     world_file: WorldFile | None,
     extensions: Sequence[Extension],
 ) -> TwinDiagram:
-    """Add everything beside the plant, and build the diagram."""
+    """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
     robots = {
         plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step)
@@ -265,7 +265,7 @@ def _add_visualizer(
 ) -> MeshcatVisualizer | None:
     if meshcat is None:
         return None
-    # The page is drawn when the run loop asks for it, in wall time: an event of its own would split CENIC's steps.
+    # The run loop asks for the drawing, in wall time: an event of its own would split CENIC's steps.
     parameters = MeshcatVisualizerParams(role=Role.kIllustration, publish_period=inf)
     visualizer = MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, parameters)
     visualizer.set_name("meshcat_visualizer")
@@ -317,7 +317,7 @@ def _add_robot(
             topics.listen(action_name, port, kind, plan.name, name, own, action=True)
         for own, kind in item.published.items():
             published = controller_topic(plan, plans[name], own)
-            if published is not None and own != TF_ODOMETRY:  # which goes to /tf
+            if published is not None and own != TF_ODOMETRY:  # published on /tf
                 output = system.GetOutputPort(f"{name}/{own}")
                 topics.publish(published, output, kind, plans[name].update_rate, plan.name, name)
     return robot

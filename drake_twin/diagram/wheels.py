@@ -1,8 +1,8 @@
-"""Wheels: a cylinder, or a round mesh, that turns about its own axis.
+"""Wheels: cylinders or round meshes that rotate about their own axis.
 
-A cylinder that lies on a plane touches in one point at one end of its line, and which end is up to rounding: a base
-that turns in place is up to 13 % too slow. An ellipsoid of the same radius and width touches in its middle. It is
-thinner than its cylinder near the rim.
+A cylinder that lies on a plane touches in one point at one end of its line, and rounding decides which end: a base that
+turns in place is up to 13 % too slow. An ellipsoid of the same radius and width touches in its middle. It is thinner
+than its cylinder near the rim.
 """
 
 from collections.abc import Mapping
@@ -16,21 +16,22 @@ from pydrake.multibody.tree import Joint, JointIndex, ModelInstanceIndex, Revolu
 
 from drake_twin.description.hull import corners_of
 
-_PARALLEL = cos(radians(1.0))  # the joint's axis and the cylinder's
-_OFF_CENTER = 0.02  # of the radius
-_UPRIGHT = cos(radians(45.0))  # what turns about a steeper axis than this is a turntable
-_TURNS = 2.0  # a joint that can make more turns than this goes on for ever
+_PARALLEL = cos(radians(1.0))  # angle between the joint's axis and the cylinder's
+_OFF_CENTER = 0.02  # relative to the radius
+_UPRIGHT = cos(radians(45.0))  # a body that rotates about a steeper axis than this is a turntable
+_TURNS = 2.0  # a joint that can make more turns than this counts as unlimited
 _WIDEST = 2.0  # width ÷ diameter
 _WIDEST_MESH = 1.0
-_ROUND_MESH = 0.96  # least ÷ largest radius of a mesh's outline
+_ROUND_MESH = 0.96  # smallest ÷ largest radius of a mesh's outline
 
 
 class WheelFinder:
-    """Finds wheels in a plant that is not finalized.
+    """Find wheels in a plant that is not finalized.
 
     Args:
         plant: The plant.
-        root_poses: Model instance → its root body in the world at the start, where it is not the plant's default.
+        root_poses: Model instance → the pose of its root body in the world at the start, if it is not the plant's
+            default.
     """
 
     def __init__(self, plant: MultibodyPlant, root_poses: Mapping[ModelInstanceIndex, RigidTransform]):
@@ -40,7 +41,7 @@ class WheelFinder:
         self._inboard: dict[int, Joint] = {int(joint.child_body().index()): joint for joint in joints}
 
     def wheel(self, body: RigidBody, shape: Shape, X_BG: RigidTransform) -> tuple[Ellipsoid, RigidTransform] | None:
-        """Return the ellipsoid that stands for a shape, and its pose on the body; None for a shape that is no wheel."""
+        """Return the ellipsoid of a wheel's shape, and its pose on the body; None for a shape that is not a wheel's."""
         if not isinstance(shape, Cylinder | Convex):
             return None
         turned = self._turned_about(body)
@@ -74,7 +75,7 @@ class WheelFinder:
         return None
 
     def _upwards(self, joint: RevoluteJoint) -> float:
-        """Return the vertical part of a joint's axis when the model stands as at the start."""
+        """Return the vertical component of a joint's axis in the start configuration."""
         direction = joint.frame_on_parent().GetFixedPoseInBodyFrame().rotation() @ joint.revolute_axis()
         body = joint.parent_body()
         seen = set()
@@ -93,7 +94,7 @@ class WheelFinder:
 
 
 def _outline(shape: Cylinder | Convex, X_JG: RigidTransform, axis: np.ndarray) -> tuple[float, float, float] | None:
-    """Radius, width and place along the axis (m) of a shape that is round about an axis through the origin."""
+    """Return radius, width and position along an axis through the origin (m) of a shape that is round about it."""
     if isinstance(shape, Cylinder):
         own = X_JG.rotation().matrix()[:, 2]
         center = X_JG.translation()

@@ -1,4 +1,4 @@
-"""The world in the plant: gravity, ground, and the models of an SDF world, those that move and those that do not."""
+"""The world in the plant: gravity, ground, and the static and moving models of an SDF world."""
 
 from dataclasses import replace
 
@@ -32,16 +32,16 @@ def add_world(
 ) -> dict[str, tuple[ModelInstanceIndex, ...]]:
     """Add gravity, ground and the world file's models to a plant.
 
-    A model that Drake refuses is left out, which is a finding. What does not move has no model instance and no body.
+    A model that Drake refuses is left out, which is a finding. Static models have no model instance and no body.
 
     Args:
         plant: The plant; it is changed.
-        scenario: Its world goes before the file, and no robot may have the name of a model.
-        world_file: What the world file says.
-        findings: Is extended by what was left out.
+        scenario: The scenario; its world overrides the file, and no robot may have the name of a model.
+        world_file: The content of the world file.
+        findings: Is extended by models that are left out.
 
     Returns:
-        Model name → its model instance and those of the models in it, of the models that move.
+        Moving model → its model instance and those of the models in it.
 
     Raises:
         InputError: If a robot has the name of a model of the world.
@@ -67,12 +67,12 @@ def _check_names(scenario: Scenario, world_file: WorldFile) -> None:
     names = {model.name for model in world_file.models}
     for robot in scenario.robots:
         if robot.name in names:
-            what = f"robot {robot.name!r} has the name of a model of the world: give it another one"
+            what = f"robot {robot.name!r} has the name of a model of the world: give it another name"
             raise InputError(what, file=world_file.file)
 
 
 def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
-    """Return the shapes, with the ground that the scenario asks for in place of the file's."""
+    """Return the shapes, with the scenario's ground instead of the file's."""
     if world.ground is False:
         return [item for item in shapes if not item.is_plane]
     if world.ground_friction is not None:
@@ -88,7 +88,7 @@ def _add_models(
 ) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]]]:
     detail = bearable_detail(world_file.models)
     if detail > 0:
-        what = f"the world's meshes have too many faces to touch: for contact they are told apart to {detail:g} m only"
+        what = f"the world's meshes have too many faces for contact: their details are reduced to {detail:g} m"
         findings.append(Finding(Kind.WARNING, what, file=str(world_file.file or "")))
     shapes: list[StaticShape] = []
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
@@ -102,8 +102,8 @@ def _add_models(
                     _try_out(model, plant.time_step())
                     moving[model.name] = _add_moving(plant, model)
             except (*DRAKE_RAISES, InputError) as error:
-                reason = without_literal(" ".join(str(error).split())) or "it gives no reason"
-                what = f"{model.name}: the model is left out: Drake refuses it ({reason.rstrip('.')})"
+                reason = without_literal(" ".join(str(error).split())) or "no reason given"
+                what = f"{model.name}: the model is left out, because Drake refuses it ({reason.rstrip('.')})"
                 findings.append(Finding.at(Kind.IGNORED, what, model.place))
         warnings += dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages)
         findings += [Finding.at(Kind.WARNING, warning, model.place) for warning in warnings]
@@ -111,7 +111,7 @@ def _add_models(
 
 
 def _try_out(model: WorldModel, time_step: float) -> None:
-    """Parse a model in a plant of its own: what Drake refuses must not break the twin's."""
+    """Parse a model in a separate plant: a model that Drake refuses must not break the twin's."""
     plant = MultibodyPlant(time_step)
     add_sdf_models(plant, model.text)
     plant.Finalize()
@@ -125,8 +125,8 @@ def _add_moving(plant: MultibodyPlant, model: WorldModel) -> tuple[ModelInstance
         if plant.GetModelInstanceName(index) == model.name
         or plant.GetModelInstanceName(index).startswith(f"{model.name}::")
     ]
-    # Drake's parser actuates joints; nothing commands these. (Asked for one instance, the plant lists its actuators
-    # only once it is finalized.)
+    # Drake's parser actuates joints, but nothing commands these. (With an instance as argument, the plant lists its
+    # actuators only once it is finalized.)
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() in every:
             plant.RemoveJointActuator(actuator)

@@ -1,7 +1,7 @@
-"""The shapes whose faces yield, as meshes that are fine enough to stand and slide.
+"""The shapes with yielding faces, as meshes that are fine enough to stand and slide.
 
-Drake puts one force on each facet where two shapes meet, at its middle. On a face of two triangles a thing rocks about
-the line between the two forces and never comes to rest; and the fewer facets, the more it creeps, for the solver's
+Drake applies one force at the middle of each facet where two shapes meet. On a face of two triangles a body rocks about
+the line between the two forces and never comes to rest. With fewer facets it creeps more, because the solver's
 regularization of friction is divided among them.
 """
 
@@ -18,8 +18,8 @@ from drake_twin.description.hull import corners_of, without_slivers
 from drake_twin.diagram.contact_shapes import ContactShape
 
 _SQUARES = 4  # along a side of a box
-_LONGEST = 0.6  # edge of a hull's triangles, as a part of the hull's size
-_LEAST_AREA = 1e-9  # m²; with a tenth of that, Drake says that it cannot make a plane
+_LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
+_LEAST_AREA = 1e-9  # m²; at a tenth of that, Drake reports that it cannot make a plane
 
 Triangle = tuple[int, int, int]
 
@@ -44,7 +44,7 @@ def _hull_of_file(path: str, scale: tuple[float, ...]) -> str | None:
 
 
 def _fine_hull(shape: Convex) -> str | None:
-    """Return a hull as VTK text, without the slivers that would end the simulation when they touch something.
+    """Return a hull as VTK text, without slivers, which would end the simulation on contact.
 
     Returns:
         None for a hull that is fine enough as it is.
@@ -70,7 +70,7 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
     """Return a surface (n×3, m) whose longest edges are halved until all are shorter than ``longest`` (m)."""
     places = [np.asarray(point) for point in points]
     known = dict(enumerate(triangles))
-    beside: dict[tuple[int, int], int] = {}  # an edge, in the order of its triangle, and that triangle
+    beside: dict[tuple[int, int], int] = {}  # an edge in the order of its triangle → that triangle
     edges: list[tuple[float, int, int]] = []
 
     def add(number: int, triangle: Triangle) -> None:
@@ -118,13 +118,13 @@ def _fine_box(x: float, y: float, z: float) -> str:
                     for across in ((left, low), (right, low), (right, high), (left, high)):
                         point = np.roll((side, *across), axis) * (x, y, z)
                         corners.append(points.setdefault(tuple(point.tolist()), len(points)))
-                    a, b, c, d = corners if side > 0 else corners[::-1]  # seen from outside, counterclockwise
+                    a, b, c, d = corners if side > 0 else corners[::-1]  # counterclockwise, seen from outside
                     triangles += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(b, c, d), (b, d, a)]
     return _vtk(np.array(list(points)), triangles, np.zeros(3))
 
 
 def _vtk(points: np.ndarray, triangles: list[Triangle], center: np.ndarray) -> str:
-    """Return the tetrahedra between a point inside and the triangles of a surface, counterclockwise from outside."""
+    """Return the tetrahedra between an inner point and the triangles of a surface, counterclockwise from outside."""
     lines = ["# vtk DataFile Version 3.0", "yielding shape", "ASCII", "DATASET UNSTRUCTURED_GRID"]
     lines += [
         f"POINTS {len(points) + 1} double",

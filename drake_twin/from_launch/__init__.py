@@ -1,1 +1,1 @@
-"""What an evaluated launch file starts, as a Scenario."""
+"""An evaluated launch file → Scenario."""

@@ -1,4 +1,4 @@
-"""Which Gazebo topics a parameter_bridge renames."""
+"""The Gazebo topics that a parameter_bridge renames."""
 
 from pathlib import Path
 from typing import Any
@@ -9,7 +9,7 @@ from drake_twin.ros2.launched import LaunchedProcess
 
 
 def bridged_topics(process: LaunchedProcess) -> dict[str, str]:
-    """Return Gazebo topic → ROS topic of a parameter_bridge, where the names differ."""
+    """Return Gazebo topic → ROS topic of a parameter_bridge, if the names differ."""
     found = {}
     for word in process.arguments:
         topic = word.partition("@")[0]

@@ -1,4 +1,4 @@
-"""Command lines of ROS's own executables, taken apart."""
+"""Parsing of the command lines of ROS's own executables."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,12 +10,12 @@ from drake_twin.ros2.launched import LaunchedProcess
 
 @dataclass(frozen=True)
 class CommandLine:
-    """Words after an executable.
+    """The words after an executable.
 
     Attributes:
         options: Option without its dashes → its values in order; ``true`` for one without a value.
-        words: What is no option.
-        process: Whose command line it is, for error messages.
+        words: The words that are not options.
+        process: The process, for error messages.
     """
 
     options: Mapping[str, tuple[str, ...]]
@@ -24,7 +24,7 @@ class CommandLine:
     defaults: Mapping[str, object] = field(default_factory=dict)
 
     def text(self, *names: str) -> str | None:
-        """Return an option's last value under the first of several names that is given; None when none is."""
+        """Return the last value of an option under the first given of several names; None if none of them is given."""
         for name in names:
             if name in self.options:
                 return self.options[name][-1]
@@ -33,10 +33,10 @@ class CommandLine:
         return None
 
     def number(self, *names: str) -> float:
-        """Return an option that is a number; zero when it is not given.
+        """Return an option that is a number; zero if it is not given.
 
         Raises:
-            InputError: If it is no finite number.
+            InputError: If it is not a finite number.
         """
         text = self.text(*names)
         try:
@@ -48,7 +48,7 @@ class CommandLine:
         return number
 
     def flag(self, *names: str) -> bool:
-        """Return whether an option is given, or is given as true."""
+        """Return whether an option is given without a value or as true."""
         text = self.text(*names)
         return text is not None and text.lower() not in ("false", "0")
 
@@ -67,15 +67,15 @@ def command_line(
     verbatim: Collection[str] = (),
     defaults: Mapping[str, object] | None = None,
 ) -> CommandLine:
-    """Take a command line apart: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
+    """Parse a command line: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
 
     Args:
-        process: Whose command line it is.
+        process: The process.
         words: The words; the process's own arguments by default.
-        flags: Options that never take the next word as their value; ``-1`` may be one of them.
+        flags: Options without a value; ``-1`` may be one of them.
         lists: Options that take all words up to the next option.
-        verbatim: Options that take the next word as their value, also one that looks like an option.
-        defaults: Values from elsewhere, such as the node's parameters.
+        verbatim: Options that take the next word as their value, even if it looks like an option.
+        defaults: Values of options that are not given, for example from the node's parameters.
     """
     options: dict[str, list[str]] = {}
     rest: list[str] = []

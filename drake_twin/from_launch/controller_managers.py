@@ -1,4 +1,4 @@
-"""Which robot's controller manager each request for a controller goes to."""
+"""The assignment of requests for controllers to robots' controller managers."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -16,25 +16,25 @@ def requests_by_robot(
     Args:
         robots: The robots.
         requests: The requests of all spawners.
-        findings: Takes a finding for each request to a controller manager that does not exist.
-        log: Takes a line for each request that is taken by a controller manager of another name.
+        findings: Is extended by a finding for each request to an unknown controller manager.
+        log: Is extended by a line for each request that goes to a controller manager of another name.
     """
     controlled = [robot for robot in robots if robot.controller_manager is not None]
     found: dict[str, list[ControllerRequest]] = {}
     for request in requests:
         owners = [robot for robot in controlled if robot.controller_manager == request.manager]
         namespace = request.manager.rpartition("/")[0]
-        # A manager of another name is meant all the same where no other can be.
+        # A manager of another name is meant if it is the only one.
         owners = owners or [robot for robot in controlled if namespace.strip("/") == robot.name]
         owners = owners or (controlled if len(controlled) == 1 else [])
         if not owners:
             known = ", ".join(str(robot.controller_manager) for robot in controlled) or "none"
-            why = f"{request.process.what}: there is no {request.manager}; there is {known}"
+            why = f"{request.process.what}: unknown {request.manager}; the launch file has {known}"
             what = f"controller {request.name} ({why})"
             findings.append(Finding.at(Kind.NOT_STARTED, what, request.process.place))
             continue
         manager = str(owners[0].controller_manager)
-        assumed = f"{request.process.what} waits for {request.manager}, and there is {manager}: it is taken"
+        assumed = f"{request.process.what} waits for {request.manager}; {manager} is used instead"
         if manager != request.manager and assumed not in log:
             log.append(assumed)
         found.setdefault(owners[0].name, []).append(request)

@@ -31,16 +31,16 @@ _OF_THE_SHELL = ("source", ".", "cd", "export", "echo", "true", "wait", "exit")
 
 @dataclass(frozen=True)
 class ControllerRequest:
-    """A controller that is to be loaded.
+    """A request to load or unload a controller.
 
     Attributes:
         name: The controller.
         manager: The full name of the controller manager's node.
-        active: Whether it is activated, too.
-        unload: Whether it is taken away instead.
-        parameter_files: Parameters files given with it.
-        remappings: (from, to) as written, for the controller's own names.
-        process: What asks for it.
+        active: Whether it is activated as well.
+        unload: Whether it is unloaded instead.
+        parameter_files: The parameters files given with it.
+        remappings: Pairs (from, to) as written, for the controller's own names.
+        process: The process that makes the request.
     """
 
     name: str
@@ -53,7 +53,7 @@ class ControllerRequest:
 
 
 def as_nodes(process: LaunchedProcess) -> Iterator[LaunchedProcess]:
-    """Yield a shell's line as the commands in it, and ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts."""
+    """Yield the commands of a shell's line, with ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts."""
     words = words_of(process) if process.kind == PROCESS else []
     parts: list[list[str]] = [[]]
     for word in words:
@@ -93,7 +93,7 @@ def _as_node(process: LaunchedProcess) -> LaunchedProcess:
 
 
 def words_of(process: LaunchedProcess) -> list[str]:
-    """Return a command's words, without the shell around them and the full path of the program."""
+    """Return a command's words, without the shell and without the program's folder."""
     words = [process.executable, *process.arguments]
     if len(words) == 1 or (Path(words[0]).name in ("bash", "sh") and "-c" in words):
         try:
@@ -107,7 +107,7 @@ def controller_requests(process: LaunchedProcess) -> list[ControllerRequest] | N
     """Return the controllers that a spawner, an unspawner or a ``ros2 control`` command names; None for anything else.
 
     Raises:
-        InputError: If a command line that names none.
+        InputError: If the command line has no controller.
     """
     if process.package == "controller_manager" and process.executable.split(".")[0] in ("spawner", "unspawner"):
         return _of_spawner(process)
@@ -118,10 +118,10 @@ def controller_requests(process: LaunchedProcess) -> list[ControllerRequest] | N
 
 
 def published_commands(process: LaunchedProcess) -> list[Command] | None:
-    """Return what ``ros2 topic pub`` publishes; None for anything else.
+    """Return the commands that ``ros2 topic pub`` publishes; None for any other process.
 
     Raises:
-        InputError: If no topic, a rate that is none, or data that is no message.
+        InputError: If a topic is missing, a rate is not positive, or data is not a message.
     """
     words = words_of(process)
     if process.kind != PROCESS or words[:3] != ["ros2", "topic", "pub"]:
@@ -133,9 +133,9 @@ def published_commands(process: LaunchedProcess) -> list[Command] | None:
     data = _message(line, line.words[2] if len(line.words) > 2 else "{}")
     rate = line.number("r", "rate") if line.text("r", "rate") is not None else 1.0
     if not rate > 0:
-        raise line.error(f"a rate of {rate:g} Hz is none: it must be above zero")
+        raise line.error(f"a rate of {rate:g} Hz is invalid: it must be positive")
     times = 1 if line.flag("1", "once") else int(line.number("t", "times"))
-    if not 0 < times <= _MOST_TIMES:  # none given, or as good as for ever
+    if not 0 < times <= _MOST_TIMES:  # none given, or practically infinite
         return [Command(topic, data, process.start_time, 1.0 / rate, optional=True)]
     return [Command(topic, data, process.start_time + index / rate, optional=True) for index in range(times)]
 
@@ -145,24 +145,24 @@ def _message(line: CommandLine, text: str) -> tuple[float, ...] | dict[str, Any]
     try:
         data = load_yaml(text)
     except yaml.YAMLError:
-        raise line.error(f"{text!r} is no YAML") from None
+        raise line.error(f"{text!r} is not valid YAML") from None
     if data is None:
         return {}
     if not isinstance(data, dict):
-        raise line.error(f"{text!r} is not a message's fields, such as '{{data: [1.0]}}'")
+        raise line.error(f"{text!r} is not the fields of a message, such as '{{data: [1.0]}}'")
     if [*data] != ["data"] or not isinstance(data["data"], list):
         return data
     try:
         return tuple(float(item) for item in data["data"])
     except (TypeError, ValueError, OverflowError):
-        raise line.error(f"{text!r}: data are not all numbers") from None
+        raise line.error(f"{text!r}: the data must all be numbers") from None
 
 
 def _of_spawner(process: LaunchedProcess) -> list[ControllerRequest]:
     line = command_line(process, flags=_SPAWNER_FLAGS, verbatim=("controller-ros-args",))
     names = line.words
     if not names:
-        raise line.error("it names no controller")
+        raise line.error("it has no controller")
     ros_words = [word for text in line.options.get("controller-ros-args", ()) for word in text.split()]
     return list(
         _requests(
@@ -229,7 +229,7 @@ def _manager(line: CommandLine, process: LaunchedProcess) -> str:
 
 
 def check_parameter_files(request: ControllerRequest) -> InputError | None:
-    """Return the error of a parameters file that is not there; None when all are."""
+    """Return the error of the first missing parameters file; None if all exist."""
     place = request.process.place
     for file in request.parameter_files:
         if not Path(file).is_file():

@@ -1,7 +1,7 @@
 """What an evaluated launch file starts, as robots, frames, commands and a world: plain data and hints.
 
-Nothing is planned here. What depends on a robot's files beyond its description (which controllers they have, how high
-it stands) is a hint that `drake_twin.builder.launch_file` turns into a scenario.
+Nothing is planned here. Values that depend on a robot's files beyond its description (its controllers, its height above
+the ground) are hints that `drake_twin.builder.launch_file` turns into a scenario.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from drake_twin.scenario import Command, Robot, StaticTransform, World, name_in_
 
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
 
-# What the twin does itself.
+# The nodes whose work the twin does itself.
 _BUILT_IN = {
     ("ros_gz_bridge", "parameter_bridge"),
     ("ros_ign_bridge", "parameter_bridge"),
@@ -50,10 +50,10 @@ _BUILT_IN = {
 
 @dataclass(frozen=True)
 class RobotHint:
-    """A robot that is started, as far as its launch file says.
+    """A robot that is started, as far as its launch file defines it.
 
     Attributes:
-        robot: The scenario's entry. Its controllers may be missing, its remappings may name topics of other robots.
+        robot: The scenario's entry. Its controllers may be missing, its remappings may have topics of other robots.
         on_ground: Whether it is spawned without a pose, to stand on the ground.
         requests: Controller → the process that asks for it.
     """
@@ -76,17 +76,17 @@ class LaunchedEntities:
     """What a launch file starts.
 
     Attributes:
-        robots: The robots; one at least.
-        frames: The static transforms; some may place a frame that a robot places.
-        commands: What is published; on some topics there may be no subscriber.
+        robots: The robots, at least one.
+        frames: The static transforms; some may place a frame that a robot also places.
+        commands: The published messages; some topics may have no subscriber.
         world: The world.
-        time_step: The physics step that the world's file asks for (s).
-        packages: Finds the packages that its files name.
+        time_step: The physics step of the world's file (s).
+        packages: Resolves the packages in its files.
         folders: The folders of these packages.
-        paused: Whether the simulator is started paused, as gz without ``-r``.
-        only_displayed: Whether no robot is spawned or controlled, so that there is no physics.
-        findings: What the launch file asks for and the twin does not do.
-        log: What the launch file prints, and what was assumed.
+        paused: Whether the simulator starts paused, like gz without ``-r``.
+        only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
+        findings: The findings of what the twin does not do.
+        log: The output of the launch file, and the assumptions made.
     """
 
     robots: tuple[RobotHint, ...]
@@ -106,12 +106,12 @@ def launched_entities(launched: Launched, file: Path, packages: PackageIndex) ->
     """Sort what a launch file starts.
 
     Args:
-        launched: What its evaluation gave.
+        launched: The result of its evaluation.
         file: The launch file.
-        packages: The folders of packages to look in first.
+        packages: The folders of packages to search first.
 
     Raises:
-        InputError: If it starts no robot; the text names all that is missing.
+        InputError: If it starts no robot; the text names everything that is missing.
     """
     return _Sorter(launched, file, packages).entities()
 
@@ -182,7 +182,7 @@ class _Sorter:
             self._drop(f"{process.what}: {error}", process)
 
     def _drop(self, what: str, process: LaunchedProcess, kind: Kind = Kind.NOT_STARTED) -> None:
-        """Note what is not started, with the place that asks for it."""
+        """Add a finding for something that is not started, with its place in the launch file."""
         self._findings.append(Finding.at(kind, what, process.place))
 
     def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:
@@ -195,17 +195,19 @@ class _Sorter:
             namespace = launched.namespace
             if namespace in namespaces:
                 namespace = f"{namespace.rstrip('/')}/{name}"
-                self._log.append(f"{name}: another robot has its namespace, so that its topics are below {namespace}")
+                self._log.append(f"{name}: another robot uses its namespace, so its topics are below {namespace}")
             namespaces.add(namespace)
             prefix = _frame_prefix(launched)
             if any(prefix + link in links for link in launched.links if prefix + link != "world"):
                 prefix = f"{name}/"
                 self._log.append(
-                    f"{name}: another robot has frames of the same names, so that its own begin with {prefix}"
+                    f"{name}: another robot has frames of the same names, so its frames begin with {prefix}"
                 )
             links |= {prefix + link for link in launched.links}
             if launched.process.start_time > 0:
-                self._log.append(f"{name}: it is spawned after {launched.process.start_time:g} s; here from the start")
+                self._log.append(
+                    f"{name}: it is spawned after {launched.process.start_time:g} s in ROS, but at the start here"
+                )
             pose = launched.pose
             robot = Robot(
                 name=name,
@@ -234,7 +236,7 @@ class _Sorter:
         return tuple(dict.fromkeys((*(launched.parameter_files or launched.plugin_files), *given)))
 
     def _filled_in(self, file: Path) -> str:
-        """Return a spawner's parameters file with the launch configurations for its ``$(var name)``."""
+        """Return a spawner's parameters file with its ``$(var name)`` substituted by launch configurations."""
         text = file.read_text(encoding="utf-8", errors="replace")
         known = self._launched.configurations
         filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
@@ -243,10 +245,10 @@ class _Sorter:
     def _remappings(
         self, launched: LaunchedRobot, requests: Sequence[ControllerRequest], namespace: str
     ) -> dict[str, str]:
-        """Return the topics that the launch file gives another name.
+        """Return the topics that the launch file renames.
 
-        They are the controllers' by what their spawners or the ros2_control_node say, the description's, and Gazebo's
-        own through a bridge.
+        They are those of controllers, by their spawners or the ros2_control_node, of the description, and Gazebo's own
+        through a bridge.
         """
         found = {}
         own = namespace.rstrip("/")
@@ -254,7 +256,7 @@ class _Sorter:
             node = f"{own}/{request.name}"
             for source, target in request.remappings:
                 found[absolute_name(source, namespace, node)] = absolute_name(target, namespace, node)
-        if launched.process.executable == "ros2_control_node":  # the controllers are nodes of its process
+        if launched.process.executable == "ros2_control_node":  # controllers are nodes of its process
             for source, target in launched.process.remappings:
                 if not source.startswith("~"):
                     found[absolute_name(source, namespace)] = absolute_name(target, namespace)
@@ -271,15 +273,15 @@ class _Sorter:
         text = "the launch file starts no robot"
         if self._requests:
             names = ", ".join(dict.fromkeys(request.name for request in self._requests))
-            text += f" for its controllers ({names}): it is a part of a launch, to be included where a robot is"
+            text += f" for its controllers ({names}): include it in a launch file that starts a robot"
         if self._launched.shutdown is not None:
-            text += f": it ends itself ({self._launched.shutdown})"
+            text += f": it shuts itself down ({self._launched.shutdown})"
         reasons = dict.fromkeys(item.what for item in self._findings if item.kind is Kind.NOT_STARTED)
         if reasons:
             text += f". Not started: {'; '.join(reasons)}"
         if self._launched.absent_packages:
             text += (
-                f". Absent packages: {', '.join(self._launched.absent_packages)}: name the folders that hold them with"
+                f". Absent packages: {', '.join(self._launched.absent_packages)}: give the folders that contain them by"
                 " --package-path"
             )
         return InputError(text, file=self._file)

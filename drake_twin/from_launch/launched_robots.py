@@ -1,4 +1,4 @@
-"""The robots that a launch file brings into the world: who describes them, where they stand, who controls them."""
+"""The robots that a launch file starts: their descriptions, poses and controller managers."""
 
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
@@ -34,13 +34,13 @@ class LaunchedRobot:
 
     Attributes:
         name: The entity's name as given.
-        model: Its file: the one that was named, or one made of the description's text.
-        process: What started it.
-        pose: Where it is spawned; None for on the ground at the origin.
-        namespace: Of its controllers and topics; ``/`` for the root.
+        model: Its file, which may be written from the description's text.
+        process: The process that starts it.
+        pose: The spawn pose; None for on the ground at the origin.
+        namespace: The namespace of its controllers and topics; ``/`` for the root.
         controller_manager: The full name of its controller manager's node; None without ros2_control.
-        parameter_files: Its controllers' parameters files, where the launch file and not the description names them.
-        plugin_files: Those that its description names.
+        parameter_files: Its controllers' parameters files, if the launch file has them and not the description.
+        plugin_files: The parameters files in its description.
         publisher: The robot_state_publisher that publishes its description.
         links: The names of its links.
     """
@@ -59,7 +59,7 @@ class LaunchedRobot:
 
 @dataclass(frozen=True)
 class _Source:
-    """A description: its file and what matters of it here."""
+    """A description: its file and the parts that are needed here."""
 
     model: str
     text: str
@@ -70,7 +70,7 @@ class _Source:
 
 
 def is_spawner(process: LaunchedProcess) -> bool:
-    """Return whether a node puts an entity into the world."""
+    """Return whether a node spawns an entity."""
     return (process.package, process.executable) in _SPAWNERS
 
 
@@ -80,16 +80,16 @@ def is_state_publisher(process: LaunchedProcess) -> bool:
 
 
 class LaunchedRobots:
-    """Finds the robots among what a launch file starts.
+    """Find the robots in what a launch file starts.
 
     Args:
-        processes: What it starts.
-        packages: Resolves the files that it names.
+        processes: The processes that it starts.
+        packages: Resolves file addresses.
 
     Attributes:
-        robots: The robots, in the order in which they start.
-        findings: What names a robot and cannot bring it, each with the reason.
-        warnings: What was assumed.
+        robots: The robots, in the order of their start.
+        findings: The findings of robots that cannot be started, each with the reason.
+        warnings: The assumptions made.
     """
 
     def __init__(self, processes: Sequence[LaunchedProcess], packages: PackageIndex):
@@ -110,7 +110,7 @@ class LaunchedRobots:
 
     @property
     def only_displayed(self) -> bool:
-        """Whether nothing is spawned or controlled, so that the robots are only looked at."""
+        """Whether nothing is spawned or controlled, so that the robots are only displayed."""
         return bool(self.robots) and all(is_state_publisher(robot.process) for robot in self.robots)
 
     def _try(self, make: Any, process: LaunchedProcess) -> None:
@@ -125,7 +125,7 @@ class LaunchedRobots:
         own_name = source.name if process.package != "gazebo_ros" else ""
         name = line.text("name", "entity") or own_name
         if not name:
-            raise line.error("the entity has no name: -entity is missing")
+            raise line.error("the entity has no name: give -entity")
         if any(robot.name == name for robot in self.robots):
             own_namespace = line.text("robot_namespace")
             others = {robot.namespace.strip("/") for robot in self.robots if robot.name == name}
@@ -140,10 +140,10 @@ class LaunchedRobots:
         self._add(name, source, process, pose, publisher, namespace)
 
     def _without_simulator(self, process: LaunchedProcess) -> None:
-        """A ros2_control_node is a twin of its own for its robot, unless a simulator brings the robot."""
+        """Add the robots of ros2_control_nodes, unless a simulator starts a robot."""
         source, publisher = self._described(process)
         if any(robot.publisher is publisher and publisher is not None for robot in self.robots):
-            self._drop(f"{process.what} (the simulated robot has a controller manager of its own)", process)
+            self._drop(f"{process.what} (the simulated robot has its own controller manager)", process)
             return
         files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
         self._add(source.name, source, process, None, publisher, process.namespace)
@@ -157,7 +157,7 @@ class LaunchedRobots:
     def _displayed(self, process: LaunchedProcess) -> None:
         source = self._text_source(_description_of(process, self._packages), process.namespace)
         if any((robot.model, robot.namespace) == (source.model, process.namespace) for robot in self.robots):
-            return  # the same once more
+            return  # a duplicate
         name = process.namespace.strip("/").replace("/", "_") or source.name
         self._add(name, source, process, None, process, process.namespace)
         self.robots[-1] = replace(self.robots[-1], controller_manager=None, namespace=process.namespace)
@@ -195,7 +195,7 @@ class LaunchedRobots:
         )
 
     def _source(self, line: CommandLine, process: LaunchedProcess) -> tuple[_Source, LaunchedProcess | None]:
-        """Return what an entity is made of, and the robot_state_publisher of its description where there is one."""
+        """Return an entity's description, and the robot_state_publisher that publishes it, if any."""
         file, text, topic, parameter = (line.text(name) for name in ("file", "string", "topic", "param"))
         if file is not None:
             source = self._file_source(file, process)
@@ -206,9 +206,9 @@ class LaunchedRobots:
             given = parameters(process).get(parameter)
             if isinstance(given, str) and given.strip():
                 return self._text_source(given, ""), None
-            raise line.error(f"-param {parameter}: the node has no such parameter")
+            raise line.error(f"-param {parameter}: the node does not have this parameter")
         if topic is None:
-            raise line.error("it is given neither -topic nor -file, -string or -param")
+            raise line.error("one of -topic, -file, -string and -param is needed")
         return self._published(line, process, topic)
 
     def _published(
@@ -221,11 +221,11 @@ class LaunchedRobots:
         if len(self._publishers) == 1:
             (publisher,) = self._publishers
             there = publisher.resolve("robot_description")
-            self.warnings.append(f"{process.what} waits for {full}, and the description is on {there}: it is taken")
+            self.warnings.append(f"{process.what} waits for {full}; the description on {there} is used instead")
             return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
         topics = [publisher.resolve("robot_description") for publisher in self._publishers]
         raise InputError(
-            f"nobody publishes a description on {full}",
+            f"no node publishes a description on {full}",
             file=process.place.file,
             line=process.place.line,
             value=full,
@@ -235,7 +235,7 @@ class LaunchedRobots:
     def _with_controlled_description(
         self, source: _Source, process: LaunchedProcess
     ) -> tuple[_Source, LaunchedProcess | None]:
-        """Return an SDF whose ros2_control plugin takes the description from another node is that node's robot."""
+        """Return the description that the ros2_control plugin of an SDF reads from another node; else the SDF."""
         control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
         if source.has_hardware or not control:
             publisher = next((item for item in self._publishers if item.namespace == process.namespace), None)
@@ -245,7 +245,7 @@ class LaunchedRobots:
             if publisher.full_name.rpartition("/")[2] == node.rpartition("/")[2]:
                 self.warnings.append(
                     f"{process.what}: {Path(source.model).name} has no <ros2_control>: the robot of"
-                    f" {publisher.full_name} takes its place"
+                    f" {publisher.full_name} replaces it"
                 )
                 return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
         return source, None
@@ -262,7 +262,7 @@ class LaunchedRobots:
             return self._text_source(given, process.namespace), publisher
         if publisher is None:
             raise InputError(
-                "it has no robot_description, and nobody publishes one",
+                "it has no robot_description, and no node publishes one",
                 file=process.place.file,
                 line=process.place.line,
             )
@@ -273,18 +273,18 @@ class LaunchedRobots:
 
     def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
         if file.startswith(("http://", "https://")):
-            raise InputError(f"{file}: nothing is downloaded", file=process.place.file, line=process.place.line)
+            raise InputError(f"{file}: files are not downloaded", file=process.place.file, line=process.place.line)
         try:
             path = self._packages.resolve(file, process.place.file)
             text = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"the file cannot be read ({error})", file=file) from None
+            raise InputError(f"cannot read the file ({error})", file=file) from None
         if path.is_dir():
-            raise InputError("a robot file is needed, and this is a folder", file=path)
+            raise InputError("it is a folder, not a robot file", file=path)
         return _read(str(path), text, path)
 
     def _text_source(self, text: str, what: str) -> _Source:
-        """Return a description's text as a file of the cache, which has the same path in every run."""
+        """Return a description's text as a file of the cache, at the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_folder(text) / f"robot.{suffix}"
         _keep(path, text)
@@ -292,7 +292,7 @@ class LaunchedRobots:
 
 
 def _keep(path: Path, text: str) -> None:
-    """Write a file of the cache, unless it is there with this very text."""
+    """Write a file of the cache, unless it exists with the same text."""
     with contextlib.suppress(OSError, UnicodeDecodeError):
         if path.read_text(encoding="utf-8") == text:
             return
@@ -300,7 +300,7 @@ def _keep(path: Path, text: str) -> None:
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:
-    """Return a node's parameters that the launch file itself gives, the later over the earlier."""
+    """Return a node's parameters in the launch file; later ones override earlier ones."""
     merged: dict[str, Any] = {}
     for item in process.parameters:
         if isinstance(item, Mapping):
@@ -309,7 +309,7 @@ def parameters(process: LaunchedProcess) -> dict[str, Any]:
 
 
 def parameter_file(item: Path | ParameterText) -> str:
-    """Return a parameters file's path; a rewritten one gets a place in the cache."""
+    """Return a parameters file's path; a rewritten file is put into the cache."""
     if isinstance(item, ParameterText):
         path = lasting_folder(item.text) / item.file.name
         _keep(path, item.text)
@@ -351,5 +351,5 @@ def _has(root: etree._Element, paths: Iterable[str]) -> bool:
 
 
 def _element(plugin: GazeboPlugin, *names: str) -> str:
-    """Return the text of the first of a plugin's elements that is there; empty when none is."""
+    """Return the text of the first of a plugin's elements that exists; empty without one."""
     return next((plugin.elements[name][0] for name in names if plugin.elements.get(name, ("",))[0]), "")

@@ -21,13 +21,13 @@ def world_start(process: LaunchedProcess) -> WorldStart | None:
 def launched_world(
     starts: Sequence[tuple[WorldStart, Place]], launch_file: Path, packages: PackageIndex, findings: list[Finding]
 ) -> tuple[World, float | None]:
-    """Return the world of the simulator that is started last, and the physics step that its file asks for (s).
+    """Return the world of the simulator that is started last, and the physics step of its file (s).
 
     Args:
-        starts: The simulators and where they are started.
-        launch_file: The file beside which a world may stand.
+        starts: The simulators and their processes.
+        launch_file: The file whose folder may contain the world.
         packages: Resolves the world's address.
-        findings: Takes a finding if the world cannot be used.
+        findings: Is extended by a finding if the world cannot be used.
     """
     started = next(((start.world, place) for start, place in reversed(starts) if start.world), None)
     if started is None:
@@ -60,7 +60,7 @@ def _world_of_command(process: LaunchedProcess) -> WorldStart | None:
 
 
 def _address(name: str, launch_file: Path) -> str:
-    """Return a world as a scenario names it."""
+    """Return a world's address as in a scenario."""
     if "://" in name or Path(name).is_absolute():
         return name
     beside = launch_file.parent / name

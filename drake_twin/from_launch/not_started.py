@@ -1,11 +1,11 @@
-"""Why a node of a launch file is not started."""
+"""The reasons why nodes of a launch file are not started."""
 
 import re
 from difflib import get_close_matches
 
 from drake_twin.ros2.launched import LaunchedProcess
 
-# A word of "package/executable" → the reason; the first that fits.
+# A word of "package/executable" → the reason; the first match applies.
 _WINDOWS = {
     "rviz": "the page shows the robots",
     "rviz2": "the page shows the robots",
@@ -19,16 +19,16 @@ _REASONS = {
     "joint_state_publisher": "joint states come from the simulation",
     "teleop": "publish commands with --pub or on the page",
     "joy": "it reads a device",
-    "nav2": "navigation is another program's work",
-    "amcl": "navigation is another program's work",
-    "map_server": "navigation is another program's work",
-    "slam": "mapping is another program's work",
-    "cartographer": "mapping is another program's work",
-    "rtabmap": "mapping is another program's work",
-    "moveit": "motion planning is another program's work",
-    "move_group": "motion planning is another program's work",
-    "robot_localization": "localization is another program's work",
-    "ekf": "localization is another program's work",
+    "nav2": "navigation is not a part of the twin",
+    "amcl": "navigation is not a part of the twin",
+    "map_server": "navigation is not a part of the twin",
+    "slam": "mapping is not a part of the twin",
+    "cartographer": "mapping is not a part of the twin",
+    "rtabmap": "mapping is not a part of the twin",
+    "moveit": "motion planning is not a part of the twin",
+    "move_group": "motion planning is not a part of the twin",
+    "robot_localization": "localization is not a part of the twin",
+    "ekf": "localization is not a part of the twin",
     "image": "the twin has no cameras",
     "depth": "the twin has no cameras",
     "laser": "the twin has no lidar",
@@ -37,7 +37,7 @@ _REASONS = {
     "twist_stamper": "the twin takes both kinds of twists",
     "rosbag": "the twin records with --record",
 }
-# What packages of ROS hold that the twin does itself, or leaves out because it belongs to Gazebo.
+# Nodes of ROS packages whose work the twin does itself, or which serve Gazebo alone.
 _EXECUTABLES = {
     "ros_gz_sim": {"create": "", "gzserver": "", "remove": "", "set_entity_pose": "it asks Gazebo's services"},
     "ros_gz_bridge": {"parameter_bridge": "", "static_bridge": "", "bridge_node": ""},
@@ -53,23 +53,23 @@ _EXECUTABLES = {
 
 
 def is_window(process: LaunchedProcess) -> bool:
-    """Return whether it only shows something to people, as the page does."""
+    """Return whether an executable only displays something, as the page does."""
     return _reason(_WINDOWS, process.what) is not None
 
 
 def why_not_started(process: LaunchedProcess) -> str:
-    """``PACKAGE/EXECUTABLE (why)`` for something that a launch file starts and the twin does not."""
+    """Return ``PACKAGE/EXECUTABLE (reason)`` for an executable that the twin does not start."""
     what = process.what
     reason = _reason(_WINDOWS, what) or _reason(_REASONS, what)
     known = _EXECUTABLES.get(process.package or "")
     if known is not None and process.executable not in known:
         if near := get_close_matches(process.executable, known, n=1):
-            reason = f"the twin knows no {process.executable!r} of {process.package}; did you mean {near[0]!r}?"
+            reason = f"{process.executable!r} of {process.package} is unknown; did you mean {near[0]!r}?"
     elif known is not None:
         reason = known[process.executable] or reason
     if reason is None and process.package is None:
         reason = "the twin runs no programs"
-    return f"{what} ({reason or 'the twin runs no nodes: what it publishes can come from --pub or Twin.publish'})"
+    return f"{what} ({reason or 'the twin runs no nodes: publish its messages by --pub or Twin.publish'})"
 
 
 def _reason(reasons: dict[str, str], what: str) -> str | None:

@@ -1,4 +1,4 @@
-"""tf2_ros/static_transform_publisher's command line, in its old and its new form."""
+"""The command line of tf2_ros/static_transform_publisher, in its old and its new form."""
 
 from math import atan2, hypot, isfinite
 
@@ -18,26 +18,26 @@ def static_frame(process: LaunchedProcess) -> StaticTransform:
             parent child``. New form: ``--x 1 --yaw 0.5 --frame-id parent --child-frame-id child``.
 
     Raises:
-        InputError: If neither form, or both at once.
+        InputError: If the command line has neither form, or both.
     """
     line = command_line(process)
     options = {name for name in line.options if name not in ("ros-args",)}
     if line.words and options:
-        raise line.error("it is given both the old form of arguments (numbers and frames) and the new one (--x …)")
+        raise line.error("the old form of arguments (numbers and frames) and the new one (--x …) exclude each other")
     return _new_form(line) if options else _old_form(line)
 
 
 def _new_form(line: CommandLine) -> StaticTransform:
     for name in line.options:
         if name not in (*_NUMBERS, "frame-id", "child-frame-id"):
-            raise line.error(f"there is no option --{name}")
+            raise line.error(f"unknown option --{name}")
     parent, child = line.text("frame-id"), line.text("child-frame-id")
     if parent is None or child is None:
         raise line.error(f"--{'frame-id' if parent is None else 'child-frame-id'} is missing")
     turned = any(name in line.options for name in ("roll", "pitch", "yaw"))
     by_quaternion = any(name in line.options for name in ("qx", "qy", "qz", "qw"))
     if turned and by_quaternion:
-        raise line.error("a rotation is given both as roll, pitch, yaw and as a quaternion")
+        raise line.error("roll, pitch, yaw and a quaternion exclude each other")
     rpy = (line.number("roll"), line.number("pitch"), line.number("yaw"))
     if by_quaternion:
         w = line.number("qw") if "qw" in line.options else 1.0
@@ -50,13 +50,12 @@ def _old_form(line: CommandLine) -> StaticTransform:
     words = line.words
     if len(words) not in (8, 9):
         raise line.error(
-            f"it has {len(words)} arguments, where 8 (x y z yaw pitch roll parent child) or 9 (with a quaternion) are"
-            " needed"
+            f"it has {len(words)} arguments; 8 (x y z yaw pitch roll parent child) or 9 (with a quaternion) are needed"
         )
     try:
         numbers = [float(word) for word in words[:-2]]
     except ValueError:
-        raise line.error(f"{' '.join(words[:-2])!r} are not all numbers") from None
+        raise line.error(f"{' '.join(words[:-2])!r} must all be numbers") from None
     x, y, z = numbers[:3]
     if len(words) == 8:
         yaw, pitch, roll = numbers[3:]
@@ -78,10 +77,10 @@ def _rpy(line: CommandLine, x: float, y: float, z: float, w: float) -> Vector3:
     if not norm > 0:
         raise line.error("the quaternion is zero")
     x, y, z, w = x / norm, y / norm, z / norm, w / norm
-    # The first and the third column's elements of the rotation matrix that roll, pitch and yaw are read from.
+    # The elements of the first and the third column of the rotation matrix from which roll, pitch and yaw follow.
     forward, left = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w)
     level = hypot(forward, left)
     pitch = atan2(2.0 * (w * y - x * z), level)
-    if level < 1e-7:  # looking straight up or down, roll and yaw turn about the same axis: all of it is yaw
+    if level < 1e-7:  # with the x axis vertical, roll and yaw rotate about the same axis: all of it is yaw
         return 0.0, pitch, atan2(2.0 * (w * z - x * y), 1.0 - 2.0 * (x * x + z * z))
     return atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)), pitch, atan2(left, forward)

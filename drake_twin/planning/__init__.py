@@ -1,1 +1,1 @@
-"""Scenario to RobotPlan: which controllers, drives, frames and topics each robot has."""
+"""Scenario → RobotPlan: the controllers, drives, frames and topics of each robot."""

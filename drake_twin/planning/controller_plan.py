@@ -1,4 +1,4 @@
-"""What one controller of a robot amounts to: its typed parameters, its claims and its state at the start."""
+"""The plan of one controller of a robot: its typed parameters, its claims and its state at the start."""
 
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
@@ -14,15 +14,15 @@ UNLOADED, INACTIVE, ACTIVE = "unloaded", "inactive", "active"
 
 @dataclass(frozen=True)
 class Wiring:
-    """How a Gazebo plugin connects the controller that it becomes.
+    """The topics and odometry of a controller that comes from a Gazebo plugin.
 
     Attributes:
-        topics: The controller's topic → the plugin's topic, below the robot's namespace or with a leading ``/``. A
-            topic that is not here does not exist.
+        topics: The controller's topic → the plugin's topic, below the robot's namespace or with a leading ``/``. Other
+            topics do not exist.
         gz_topics: The controller's topic → its name in gz, by which a bridge may rename it; ``{model}`` stands for the
             robot.
-        types: The controller's topic → the ROS type there, where it is another one.
-        true_odometry: Whether its odometry is the true pose instead of what its wheels measure.
+        types: The controller's topic → its ROS type, if the plugin's is another one.
+        true_odometry: Whether its odometry is the true pose instead of an estimate from its wheels.
     """
 
     topics: Mapping[str, str] = field(default_factory=dict)
@@ -36,16 +36,17 @@ class ControllerPlan:
     """A controller of a parameters file or of a Gazebo plugin.
 
     Attributes:
-        name: Its name; its topics stand below it.
-        type: The plugin's name.
-        parameters: An instance of its class's ``Parameters``; None where ``problem`` says why there are none.
-        claims: The command interfaces that it writes while it is active, in order.
-        references: The references that other controllers may write, as they name them.
+        name: The controller's name, the prefix of its topics.
+        type: The name of its plugin.
+        parameters: An instance of its class's ``Parameters``; None if ``problem`` is the reason why they cannot be
+            read.
+        claims: The command interfaces that it writes while active, in order.
+        references: The references that other controllers may write, without its name as prefix.
         state: Its state at the start: unloaded, inactive or active.
         update_rate: The rate of its updates (Hz).
-        problem: Why it cannot be configured or activated; None when it can.
-        error: The same as an error with file and line, for a controller that is to be loaded and is missing or wrong.
-        wiring: How a Gazebo plugin connects it; None for a controller of ros2_control.
+        problem: Why it cannot be configured or activated; None if it can.
+        error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.
+        wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
     """
 
     name: str
@@ -69,7 +70,7 @@ class ControllerPlan:
 
 
 def is_chained(claim: Interface, controllers: Container[str]) -> bool:
-    """Return whether a claim is a reference of another controller; a slash alone is a part of a joint's name."""
+    """Return whether a claim is a reference of another controller; a slash alone may be part of a joint's name."""
     owner, slash, _ = claim.joint.partition("/")
     return bool(slash) and owner in controllers
 

@@ -1,4 +1,4 @@
-"""Robots that a Gazebo plugin drives, planned as if ros2_control drove them."""
+"""The plan of robots that Gazebo plugins drive, as if ros2_control drove them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -17,7 +17,7 @@ from drake_twin.findings import Finding, Kind
 
 
 def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[Finding]]:
-    """Return the plugins that become controllers; why others do not, and what of them changes nothing."""
+    """Return the plugins that become controllers, and findings of other plugins and of unused entries."""
     usable: list[GazeboDrive] = []
     findings: list[Finding] = []
     for drive in drives:
@@ -37,21 +37,20 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
 
 
 def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_base: bool) -> str | None:
-    """Return why a plugin cannot move the base over the plane; None when it can."""
+    """Return why a plugin cannot move the base over the plane; None if it can."""
     if fixed_base:
         return "it moves the base, which is fixed to the world"
     for other in drives:
         wheels, topics = other.controller, {*planar.topics.values()}
         if wheels and wheels.type != PLANAR_MOVE and not topics.isdisjoint(other.topics.values()):
-            return f"it would move the base besides {wheels.name}, which drives wheels by the same topics"
+            return f"it would move the base in addition to {wheels.name}, which drives wheels by the same topics"
     return None
 
 
 def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive]) -> RobotDescription:
-    """Return the robot with a command interface wherever a plugin commands a joint, and with the plugin's effort
-    limits.
+    """Return the robot with a command interface for each joint that a plugin commands, and the plugin's effort limits.
 
-    Where a plugin commands the base, the robot gets the joints for it.
+    If a plugin commands the base, the robot gets the joints for it.
     """
     interfaces: dict[str, list[str]] = {}
     efforts: dict[str, float] = {}
@@ -78,7 +77,7 @@ def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive])
 
 def _states(description: RobotDescription, joint: str) -> tuple[StateInterface, ...]:
     if joint not in description.joints_by_name:
-        return ()  # of the base, whose pose is in its odometry
+        return ()  # of the base, whose pose is in the odometry
     known = description.controlled_joints.get(joint)
     return known.state_interfaces if known else (StateInterface("position"), StateInterface("velocity"))
 

@@ -1,4 +1,4 @@
-"""Plan a robot's controllers: those of its parameters files and those that its Gazebo plugins become."""
+"""The plan of a robot's controllers: those of its parameters files and those of its Gazebo plugins."""
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -33,19 +33,20 @@ def plan_controllers(
     prefix: str,
     drives: Sequence[GazeboDrive] = (),
 ) -> tuple[tuple[ControllerPlan, ...], list[Finding]]:
-    """Plan all controllers of a robot's parameters files.
+    """Plan all controllers of a robot's parameters files and Gazebo plugins.
 
     Args:
-        robot: The scenario's entry; it says which controllers are to be active.
-        path: The place of the entry in the scenario, for error messages.
+        robot: The scenario's entry, with the controllers that should be active.
+        path: The path of the entry in the scenario, for error messages.
         description: The robot.
-        manager: Its parameters files.
-        prefix: The text before the robot's joints that the names in the parameters files lack.
-        drives: Gazebo plugins that become controllers; active from the start.
+        manager: The content of its parameters files.
+        prefix: The prefix of the robot's joints that the names in the parameters files lack.
+        drives: The Gazebo plugins that become controllers; they are active at the start.
 
     Returns:
-        The controllers, those to be loaded first. One that is to be loaded and is missing, or has wrong parameters, has
-        an ``error``. And the findings: which controllers are not active for another reason, and what is ignored.
+        The controllers, first those to be loaded. A controller that should be loaded and is missing or has wrong
+        parameters has an ``error``. And the findings: controllers that are not active for another reason, and ignored
+        entries.
 
     Raises:
         InputError: If controllers claim each other's references in a circle.
@@ -67,7 +68,7 @@ def plan_controllers(
             findings += ignored
     _check_references(plans, by_name)
     for name in plans.keys() - chosen.keys():
-        plans[name] = replace(plans[name], error=None)  # matters to nobody until it is loaded
+        plans[name] = replace(plans[name], error=None)  # irrelevant until it is loaded
     for error in _missing(robot, path, by_name):
         name = str(error.value)
         plans[name] = ControllerPlan(name, "", problem=error.reason, error=error)
@@ -83,7 +84,7 @@ def plan_controllers(
 def _settled(
     chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan]
 ) -> Iterator[tuple[str, ControllerPlan, str | None]]:
-    """Yield each chosen controller with its state at the start, and the conflict that keeps it from being active."""
+    """Yield each chosen controller with its state at the start, and the conflict that prevents its activation."""
     claimed_by: dict[Interface, str] = {}
     for name, wanted in chosen.items():
         plan, state, conflict = plans[name], wanted, None
@@ -99,7 +100,7 @@ def _settled(
 
 
 def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:
-    """Return plugins under unused names; of two joint state broadcasters, ros2_control's is kept."""
+    """Return plugins under unused names; of two joint state broadcasters ros2_control's is kept."""
     has_broadcaster = any(item.type == JOINT_STATE_BROADCASTER for item in taken.values())
     found: dict[str, GazeboDrive] = {}
     for drive in drives:
@@ -113,7 +114,7 @@ def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> 
 
 
 def _chosen(robot: Robot, known: Mapping[str, ControllerParameters]) -> dict[str, str]:
-    """Return the controllers to be loaded, in the order in which they are activated, and their wanted state."""
+    """Return the controllers to load, in the order of their activation, each with its wanted state."""
     active = known if robot.active_controllers is None else robot.active_controllers
     inactive = [name for name in robot.inactive_controllers if robot.active_controllers is None or name not in active]
     chosen = {name: ACTIVE for name in active if name not in inactive}
@@ -122,7 +123,7 @@ def _chosen(robot: Robot, known: Mapping[str, ControllerParameters]) -> dict[str
 
 
 def _missing(robot: Robot, path: ValuePath, known: Mapping[str, ControllerParameters]) -> Iterator[ScenarioError]:
-    """Yield an error for each controller that is to be loaded and that the parameters files lack."""
+    """Yield an error for each controller that should be loaded and is missing in the parameters files."""
     for entry in ("active_controllers", "inactive_controllers"):
         for name in getattr(robot, entry) or ():
             if name not in known:
@@ -177,7 +178,7 @@ def _plan(
 
 
 def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:
-    """Name of joints without their prefix, wherever they stand, as the robot has them."""
+    """Return a parameter with the prefix added to the names of joints, at any depth."""
     if isinstance(value, str):
         return prefix + value if value not in joints and prefix + value in joints else value
     if isinstance(value, Mapping):
@@ -199,12 +200,12 @@ def _check_joints(
             raise controller.error(f"the robot has no joint {claim.joint!r}", *place, value=claim.joint, valid=valid)
         if claim in seen:
             *_, place = _places(controller.parameters, claim.joint)
-            raise controller.error(f"joint {claim.joint!r} stands twice", *place)
+            raise controller.error(f"duplicate joint {claim.joint!r}", *place)
         seen.add(claim)
 
 
 def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Yield where a name stands in the parameters."""
+    """Yield the paths of a name in the parameters."""
     if isinstance(value, str):
         if value == name:
             yield path
@@ -221,20 +222,20 @@ def _unusable(claim: Interface, description: RobotDescription, needs_interface: 
     controlled = description.controlled_joints.get(joint.name)
     interfaces = [item.name for item in controlled.command_interfaces] if controlled else []
     if claim.name not in interfaces and (needs_interface or not interfaces):
-        has = f"it has {', '.join(interfaces)}" if interfaces else "it has none"
+        has = f"it has {', '.join(interfaces)}" if interfaces else "it has no command interface"
         return f"joint {joint.name} has no {claim.name} command interface in <ros2_control> ({has})"
     if joint.mimic is not None:
         return f"joint {joint.name} follows another joint (mimic) and cannot be commanded"
     if claim.name not in ("position", "velocity", "effort"):
-        return f"joint {joint.name}: the command interface {claim.name} has no meaning in the twin"
+        return f"joint {joint.name}: the command interface {claim.name} is not supported"
     lower, upper = description.limits_of_command(joint.name, claim.name)
     if lower > upper:
-        return f"joint {joint.name}: no {claim.name} is within both its URDF and its <ros2_control> limits"
+        return f"joint {joint.name}: the URDF and <ros2_control> limits of {claim.name} do not overlap"
     return None
 
 
 def _check_references(plans: dict[str, ControllerPlan], by_name: Mapping[str, ControllerParameters]) -> None:
-    """Note an error where a controller claims a reference that another one does not have.
+    """Add an error for each claim of a reference that another controller does not have.
 
     Raises:
         InputError: If controllers claim each other's references in a circle.

@@ -1,4 +1,4 @@
-"""Plan all robots of a scenario."""
+"""The plans of all robots of a scenario."""
 
 from collections.abc import Iterable, Mapping
 

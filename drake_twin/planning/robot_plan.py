@@ -1,4 +1,4 @@
-"""What a scenario's robot amounts to once its files are read: its model, its controllers, its frames."""
+"""The plan of a robot whose files have been read: its model, its controllers, its frames."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,14 +29,14 @@ class RobotPlan:
     Attributes:
         robot: The scenario's entry.
         model: Its description and its text for Drake.
-        controllers: The controllers that its parameters files have, in their order.
+        controllers: The controllers of its parameters files and plugins, in order.
         update_rate: Its controller manager's rate (Hz).
         enforce_limits: Whether commands are clamped to the joints' limits.
-        hold_joints: Whether a joint that no controller has claimed is held.
+        hold_joints: Whether an unclaimed joint is held.
         position_time_constant: Error / velocity of its position servos (s); None for the twin's own.
-        frame_prefix: Put before its link names in tf messages.
-        start_positions: Movable joint → position at the start (rad or m).
-        findings: What became of what its files say, where it is not simply used.
+        frame_prefix: The prefix of its link names in tf messages.
+        start_positions: Movable joint → start position (rad or m).
+        findings: The findings of its files: entries that were not used as they are.
     """
 
     robot: Robot
@@ -52,17 +52,17 @@ class RobotPlan:
 
     @property
     def not_started(self) -> tuple[str, ...]:
-        """Controllers and drives that are not active, each with the reason."""
+        """The controllers and drives that are not active, each with the reason."""
         return texts(self.findings, Kind.NOT_STARTED)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was given up or changed."""
+        """The findings of entries that were repaired or have no effect."""
         return texts(self.findings, Kind.WARNING, Kind.MENDED)
 
     @property
     def errors(self) -> tuple[InputError, ...]:
-        """Controllers that are to be loaded and are missing or wrong; those that are missing come first."""
+        """The errors of controllers that should be loaded, first the missing ones."""
         errors = [item.error for item in self.controllers if item.error is not None]
         return tuple(sorted(errors, key=lambda error: not isinstance(error, ScenarioError)))
 
@@ -78,32 +78,32 @@ class RobotPlan:
 
     @property
     def spawn_pose(self) -> Pose:
-        """Where the root link starts, in the world."""
+        """The start pose of the root link in the world."""
         return Pose(self.robot.xyz, self.robot.rpy)
 
     @property
     def friction_joints(self) -> tuple[Joint, ...]:
-        """The joints whose dry friction is modelled; a follower's is its leader's business."""
+        """The joints whose dry friction is modeled; a follower's is part of its leader's."""
         if "joint_friction" in self.robot.without_repairs:
             return ()
         return tuple(joint for joint in self.description.movable_joints if joint.friction > 0 and joint.mimic is None)
 
     @property
     def base_frame(self) -> str:
-        """The root link's frame."""
+        """The frame of the root link."""
         return self.frame_prefix + self.description.root_link
 
 
 def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> RobotPlan:
-    """Read a robot's files and decides what of them the twin starts.
+    """Read a robot's files and plan what the twin starts of them.
 
     Args:
         robot: The scenario's entry.
         packages: Resolves the addresses of files.
-        path: Where the entry stands in the scenario, for error messages.
+        path: The path of the entry in the scenario, for error messages.
 
     Raises:
-        InputError: If a file, a joint or a controller that is missing or wrong.
+        InputError: If a file or a joint is missing or wrong.
     """
     xacro_args = dict(robot.xacro_args)
     try:
@@ -141,8 +141,8 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     files = robot.controllers or own.controller_files
     if files and not manager.controllers:
         warnings.append(
-            f"{', '.join(map(str, files))}: no controllers for the namespace {robot.topic_namespace or '/'!r} are"
-            " there; they stand below 'controller_manager:' and 'ros__parameters:', each with its 'type:'"
+            f"{', '.join(map(str, files))}: no controllers found for the namespace {robot.topic_namespace or '/'!r};"
+            " they must be below 'controller_manager:' and 'ros__parameters:', each with its 'type:'"
         )
     return RobotPlan(
         robot=robot,
@@ -169,19 +169,19 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
 
 
 def _unpublished_sensors(description: RobotDescription, controllers: Sequence[ControllerPlan]) -> Iterator[Finding]:
-    """IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
+    """Yield the IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
     published = {name for controller in controllers if (name := controller.sensor) is not None}
     for sensor in description.sensors:
         if sensor_class(sensor.kind).message_type is not None:
             continue  # it publishes its own topic
         if sensor.name.strip("/") not in published and sensor.name not in published:
             what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
-            reason = f"nothing publishes it; the controllers' file has no {sensor.kind}_sensor_broadcaster for it"
+            reason = f"no controller publishes it; the controllers' file has no {sensor.kind}_sensor_broadcaster for it"
             yield Finding.at(Kind.IGNORED, f"{what}: {reason}", sensor.place)
 
 
 def _settings(description: RobotDescription, name: str) -> Iterator[str]:
-    """Yield a setting of gz_ros2_control's, wherever a robot file may give it: at the hardware or at the plugin."""
+    """Yield a setting of gz_ros2_control from the places where a robot file may have it: hardware and plugin."""
     for system in description.systems:
         if name in system.parameters:
             yield system.parameters[name]
@@ -194,7 +194,9 @@ def _hold_joints(description: RobotDescription) -> bool:
 
 
 def _position_time_constant(description: RobotDescription, update_rate: float) -> float | None:
-    """gz_ros2_control moves a joint at gain · error · update rate; None where no gain is given."""
+    """Return the time constant of gz_ros2_control, which moves a joint at gain · error · update rate; None without a
+    gain.
+    """
     for text in _settings(description, "position_proportional_gain"):
         try:
             gain = float(text)
@@ -202,14 +204,14 @@ def _position_time_constant(description: RobotDescription, update_rate: float) -
             gain = nan
         if not 0 < gain < inf:
             raise InputError(
-                f"position_proportional_gain is {text!r}, which is not a number above zero", file=description.file
+                f"position_proportional_gain is {text!r}, which is not a positive number", file=description.file
             )
         return 1.0 / (gain * update_rate)
     return None
 
 
 def _unused_interfaces(description: RobotDescription) -> list[str]:
-    """``<ros2_control>`` joints that the twin cannot drive: the robot has none of the name, or it has no position."""
+    """Return warnings of ``<ros2_control>`` joints that the twin cannot drive: unknown or without a position."""
     warnings = []
     for system in description.systems:
         for joint in system.joints:
@@ -234,13 +236,13 @@ def _controller_manager(
         raise ScenarioError((*path, "controllers"), str(error)) from None
     parameters = read_controllers(resolved, robot.topic_namespace, placeholders)
     for plugin in description.plugins:
-        if not parameters.controllers and plugin.namespace:  # written for the namespace that the robot's file gives
+        if not parameters.controllers and plugin.namespace:  # for the namespace in the robot's file
             parameters = read_controllers(resolved, f"/{plugin.namespace.strip('/')}", placeholders)
     return parameters
 
 
 def _with_added(robot: Robot, path: ValuePath, manager: ControllerManagerParameters) -> ControllerManagerParameters:
-    """Return the parameters files' controllers with those that the scenario adds."""
+    """Return the parameters files' controllers and those that the scenario adds."""
     added = []
     for name, entry in robot.added_controllers.items():
         parameters = dict(entry)
@@ -248,13 +250,15 @@ def _with_added(robot: Robot, path: ValuePath, manager: ControllerManagerParamet
         if not isinstance(kind, str):
             raise ScenarioError((*path, "added_controllers", name), "the controller has no type")
         if any(controller.name == name for controller in manager.controllers):
-            raise ScenarioError((*path, "added_controllers", name), "the parameters files have one of this name")
+            raise ScenarioError(
+                (*path, "added_controllers", name), "the parameters files have a controller of this name"
+            )
         added.append(ControllerParameters(name, kind, parameters))
     return replace(manager, controllers=(*added, *manager.controllers)) if added else manager
 
 
 def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:
-    """For a robot that names no parameters file: every joint can be commanded all the same, in one way."""
+    """Return the controllers of a robot without parameters files: every joint can be commanded in one way."""
     joints: dict[str, list[str]] = {}
     for joint in description.actuated_joints:
         interfaces = [item.name for item in description.controlled_joints[joint.name].command_interfaces]
@@ -286,13 +290,13 @@ def _frame_prefix(robot: Robot, description: RobotDescription) -> str:
 def _start_positions(
     robot: Robot, path: ValuePath, description: RobotDescription, starts: Mapping[str, float]
 ) -> tuple[dict[str, float], list[str]]:
-    """Positions from the scenario, else the robot's file, else zero; within limits; followers where they belong.
+    """Return positions from the scenario, else the robot's file, else zero; within limits, followers at their places.
 
     Args:
         robot: The scenario's entry.
-        path: Where it stands in the scenario.
-        description: The robot, whose ``initial_value``s count.
-        starts: What Gazebo's plugins begin with.
+        path: The path of the entry in the scenario.
+        description: The robot, with its ``initial_value``s.
+        starts: The start positions of Gazebo's plugins.
     """
     joints = {joint.name: joint for joint in description.movable_joints}
     warnings = []

@@ -1,4 +1,4 @@
-"""The names of a robot's topics: below its namespace, as its parameters, plugins and remappings have them."""
+"""The names of a robot's topics: below its namespace, with its parameters, plugins and remappings applied."""
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.registry import controller_class
@@ -9,7 +9,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 JOINT_STATES, DYNAMIC_JOINT_STATES = "joint_states", "dynamic_joint_states"
 ROBOT_DESCRIPTION, GROUND_TRUTH = "robot_description", "ground_truth/odom"
 
-# Every robot has these below its namespace.
+# The topics of every robot, below its namespace.
 ROBOT_TOPICS = (JOINT_STATES, DYNAMIC_JOINT_STATES, ROBOT_DESCRIPTION, GROUND_TRUTH)
 
 
@@ -19,12 +19,12 @@ def robot_topic(plan: RobotPlan, name: str) -> str:
 
 
 def controller_topic(plan: RobotPlan, controller: ControllerPlan, own: str) -> str | None:
-    """Return the full name of a controller's topic; None where its Gazebo plugin does not have it.
+    """Return the full name of a controller's topic; None if its Gazebo plugin does not have it.
 
     Args:
         plan: The robot.
         controller: One of its controllers.
-        own: The topic as the controller's class names it.
+        own: The topic's name in the controller's class.
     """
     wiring = controller.wiring
     if wiring is None:
@@ -47,7 +47,7 @@ def sensor_topic(plan: RobotPlan, sensor: Sensor) -> str:
 
 
 def topics_with_one_owner(plan: RobotPlan) -> set[str]:
-    """Return the topics that no other robot can have once this robot has them."""
+    """Return the topics of this robot that no other robot may have."""
     robot, namespace = plan.robot, plan.robot.topic_namespace
     names = [f"{namespace}/{name}" for name in ROBOT_TOPICS]
     for item in plan.controllers:

@@ -1,4 +1,4 @@
-"""What a force/torque sensor in a joint measures."""
+"""A force/torque sensor in a joint."""
 
 import numpy as np
 from pydrake.common.value import Value
@@ -16,13 +16,12 @@ from drake_twin.systems.weak_callback import weakly
 
 @sensor("force_torque", on="joint")
 class ForceTorqueSensor(SensorSystem):
-    """Measures the wrench that a joint's two links exert on each other, without noise.
+    """Measure the wrench that a joint's two links exert on each other, without noise.
 
-    As gz-sim's ForceTorque system: the torque is about the sensor's origin, the axes are those of the child link, the
+    Like gz-sim's ForceTorque system: the torque is about the sensor's origin, the axes are those of the child link, the
     parent link or the sensor, and the wrench is the child's on the parent (SDF's ``child_to_parent``, the default) or
-    the parent's on the child. All that goes through the joint is in it, what its actuator exerts included. It is
-    computed when somebody asks. A discrete plant without sampled output ports reports the forces of the step that
-    follows with the commands that hold.
+    the parent's on the child. It includes the actuator's effort. It is computed on demand. A discrete plant without
+    sampled output ports reports the forces of the next step with the present commands.
 
     .. pydrake_system::
 
@@ -34,12 +33,12 @@ class ForceTorqueSensor(SensorSystem):
         - wrench
 
     - ``reaction_forces``: the plant's port of this name.
-    - ``body_poses``: likewise; only declared for the axes of the parent link.
+    - ``body_poses``: the plant's port of this name; only declared for the axes of the parent link.
     - ``wrench``: vector ``[fx fy fz, tx ty tz]`` (N, N·m).
 
     Args:
         joint: The joint.
-        pose: The sensor S in the joint's frame J, which moves with the child link C.
+        pose: The pose of the sensor S in the joint's frame J, which moves with the child link C.
         measured_on: The link that the measured wrench acts on: ``parent`` or ``child``.
         axes: ``child``, ``parent`` or ``sensor``.
     """
@@ -75,7 +74,7 @@ class ForceTorqueSensor(SensorSystem):
         return cls(plant.GetJointByName(sensor.joint, instance), pose, sensor.measured_on, sensor.axes)
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Return which of the plant's ports goes to which of its own."""
+        """Return pairs of the plant's output ports and this system's input ports to connect."""
         forces = (plant.get_reaction_forces_output_port(), self._forces)
         return (forces,) if self._poses is None else (forces, (plant.get_body_poses_output_port(), self._poses))
 

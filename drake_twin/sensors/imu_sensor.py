@@ -1,4 +1,4 @@
-"""What an IMU on a link measures."""
+"""An IMU on a link."""
 
 import numpy as np
 from pydrake.common.value import Value
@@ -17,14 +17,13 @@ from drake_twin.systems.weak_callback import weakly
 
 @sensor("imu")
 class ImuSensor(SensorSystem):
-    """Measures orientation, angular velocity and specific force at a place on a link, without noise.
+    """Measure orientation, angular velocity and specific force at a point of a link, without noise.
 
-    As gz-sim's Imu system: the linear acceleration has gravity in it, so that an IMU that lies still measures +9.81
-    upwards, and the orientation is relative to a reference. It is computed when somebody asks.
+    Like gz-sim's Imu system: the linear acceleration includes gravity, so that an IMU at rest measures +9.81 upwards,
+    and the orientation is relative to a reference. The output is computed on demand.
 
-    The plant's accelerations must be those of the present state, as a continuous plant's always are: a discrete plant's
-    are without sampled output ports (``use_sampled_output_ports=False``): those of the step that follows with the
-    commands that hold.
+    The plant's accelerations must be those of the present state, as a continuous plant's always are. A discrete plant's
+    are without sampled output ports (``use_sampled_output_ports=False``), for the next step with the present commands.
 
     .. pydrake_system::
 
@@ -42,8 +41,8 @@ class ImuSensor(SensorSystem):
 
     Args:
         body: The link's body.
-        pose: The sensor S in the body's frame B.
-        reference: The frame that the orientation is relative to, in the world W.
+        pose: The pose of the sensor S in the body's frame B.
+        reference: The orientation in the world W of the frame that the output is relative to.
         gravity: Gravity in the world (m/s²).
     """
 
@@ -70,7 +69,7 @@ class ImuSensor(SensorSystem):
 
     @classmethod
     def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> "ImuSensor":
-        """Return the IMU of a robot in a finalized plant, whose defaults are how the robot stands at the start."""
+        """Return the IMU of a robot in a finalized plant, whose defaults are the robot's start state."""
         body = plant.GetBodyByName(drake_link_name(sensor.link), instance)
         pose = RigidTransform(RollPitchYaw(*sensor.pose.rpy), np.array(sensor.pose.xyz))
         if sensor.orientation_reference is None:
@@ -81,7 +80,7 @@ class ImuSensor(SensorSystem):
         return cls(body.index(), pose, reference, plant.gravity_field().gravity_vector())
 
     def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Return which of the plant's ports goes to which of its own."""
+        """Return pairs of the plant's output ports and this system's input ports to connect."""
         return (
             (plant.get_body_poses_output_port(), self._poses),
             (plant.get_body_spatial_velocities_output_port(), self._velocities),

@@ -1,4 +1,4 @@
-"""Which kinds of sensors there are: each class registers itself under the type of its ``<sensor>`` tag."""
+"""The kinds of sensors: each class registers itself under the type of its ``<sensor>`` tag."""
 
 from collections.abc import Callable
 from functools import cache

@@ -9,7 +9,7 @@ from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
 class ClockPublisher(WitnesslessSystem):
-    """Puts simulation time into a ``Clock`` message, as Gazebo's ``/clock`` does.
+    """Publish simulation time as a ``Clock`` message, like Gazebo's ``/clock``.
 
     .. pydrake_system::
 

@@ -14,7 +14,7 @@ from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
 class EntityStatePublisher(WitnesslessSystem):
-    """Puts the true state of every model and link into messages, when somebody asks.
+    """Publish the true state of every model and link, computed on demand.
 
     Behaves as ``libgazebo_ros_state.so`` of gazebo_ros_pkgs.
 
@@ -31,11 +31,12 @@ class EntityStatePublisher(WitnesslessSystem):
     - ``body_poses``, ``body_spatial_velocities``: the plant's ports of these names.
     - ``model_states``: ``gazebo_msgs/msg/ModelStates``: each model's root link in the world (m, m/s, rad/s); topic
       ``/model_states``.
-    - ``link_states``: ``gazebo_msgs/msg/LinkStates``: each link likewise, as ``model::link``; topic ``/link_states``.
+    - ``link_states``: ``gazebo_msgs/msg/LinkStates``: each link in the world, named ``model::link``; topic
+      ``/link_states``.
 
     Args:
-        models: Model → index of its root link's body.
-        links: Link in full → index of its body.
+        models: Model → the index of its root link's body.
+        links: Full name of a link → the index of its body.
     """
 
     def __init__(self, models: Mapping[str, int], links: Mapping[str, int]):

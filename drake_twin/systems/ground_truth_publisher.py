@@ -1,4 +1,4 @@
-"""Where the robots' bases really are, as odometry messages."""
+"""The true poses of the robots' bases, as odometry messages."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,11 +28,11 @@ class RobotBase:
     Attributes:
         robot: The robot.
         frame: The root link's frame, with its prefix.
-        layout: Where the base stands in the plant's state.
-        fixed_pose: The root link's pose in the world when it is welded there.
+        layout: The indices of the base in the plant's state.
+        fixed_pose: The root link's pose in the world, if it is welded there.
 
     Raises:
-        ValueError: If it neither moves nor has a fixed pose, or both.
+        ValueError: If the base both moves and has a fixed pose, or neither.
     """
 
     robot: str
@@ -45,7 +45,7 @@ class RobotBase:
             raise ValueError("a base either moves or has a fixed pose")
 
     def position_and_velocity(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """As `StateLayout.base_state`, for a welded base, too."""
+        """Return the pose and velocity of `StateLayout.base_state`, for a welded base as well."""
         if self.fixed_pose is None:
             return self.layout.base_state(state)
         (quaternion,) = quaternion_from_rpy(np.array([self.fixed_pose.rpy]))
@@ -53,9 +53,9 @@ class RobotBase:
 
 
 class GroundTruthPublisher(WitnesslessSystem):
-    """Puts the true pose and velocity of each robot's root link into an ``Odometry`` message, without noise.
+    """Publish the true pose and velocity of each robot's root link as an ``Odometry`` message, without noise.
 
-    Gazebo's OdometryPublisher and p3d plugins give the same. Covariances are zero.
+    Gazebo's OdometryPublisher and p3d plugins do the same. Covariances are zero.
 
     .. pydrake_system::
 
@@ -67,7 +67,7 @@ class GroundTruthPublisher(WitnesslessSystem):
 
     - ``state``: vector ``[q; v]`` of the plant.
     - ``<robot>/ground_truth/odom``: ``nav_msgs/msg/Odometry``; the pose (m, quaternion) in ``world``, the twist (m/s,
-      rad/s) in the root link's own frame, as the message's definition asks.
+      rad/s) in the root link's own frame, as the message's definition requires.
 
     Args:
         bases: The robots' root links.

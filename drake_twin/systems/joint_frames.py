@@ -1,4 +1,4 @@
-"""Where joints place their child links: many joints at once, without trigonometry but for the joint angles."""
+"""The poses of joints' child links: many joints at once, with trigonometry only for the joint angles."""
 
 from collections.abc import Sequence
 
@@ -9,17 +9,17 @@ from drake_twin.systems.rotations import quaternion_from_rpy, quaternion_product
 
 
 class JointFrames:
-    """The pose of each joint's child link in its parent link, for joint positions.
+    """Calculate the pose of each joint's child link in its parent link from joint positions.
 
     Both parts of a pose are linear in few functions of the position ``q``, so that their coefficients are computed
-    once: the quaternion in ``cos(q/2)`` and ``sin(q/2)``, the translation in ``q`` for what slides, and in ``cos(q)``
-    and ``sin(q)`` where the child link lies beside the axis that it turns about, as in some SDF files.
+    once: the quaternion in ``cos(q/2)`` and ``sin(q/2)``, the translation in ``q`` for a sliding joint, and in
+    ``cos(q)`` and ``sin(q)`` if the child link is beside the axis of rotation, as in some SDF files.
 
     Args:
-        joints: Revolute, continuous and prismatic ones, or fixed ones, whose positions are 0.
+        joints: Revolute, continuous and prismatic joints, and fixed ones, whose positions are 0.
 
     Attributes:
-        moves_along: Shape (n,): whether the joint's position changes the translation.
+        moves_along: Whether each joint's position changes the translation, shape (n,).
     """
 
     def __init__(self, joints: Sequence[Joint]):
@@ -32,7 +32,8 @@ class JointFrames:
         self._by_cos_half = quaternion_product(origin, child)
         about_axis = np.hstack([np.zeros((len(joints), 1)), axes])
         self._by_sin_half = quaternion_product(quaternion_product(origin, about_axis), child)
-        # A point turned about an axis: what lies along it stays, the rest turns in the plane across it (Rodrigues).
+        # The rotation of a point about an axis: the component along it stays, the rest rotates in the plane across it
+        # (Rodrigues).
         along = axes * (axes * child_xyz).sum(axis=1, keepdims=True)
         along[~turns] = child_xyz[~turns]
         self._constant = np.array([joint.origin.xyz for joint in joints]).reshape(-1, 3) + rotated(origin, along)
@@ -43,12 +44,12 @@ class JointFrames:
         self.moves_along = (np.abs(self._by_position) + np.abs(self._by_cos)).sum(axis=1) > 0.0
 
     def quaternions(self, positions: np.ndarray) -> np.ndarray:
-        """Rotations (w, x, y, z), shape (n, 4), for positions (rad or m), shape (n,)."""
+        """Return rotations (w, x, y, z), shape (n, 4), for positions (rad or m), shape (n,)."""
         half = positions * self._half
         return np.asarray(np.cos(half)[:, None] * self._by_cos_half + np.sin(half)[:, None] * self._by_sin_half)
 
     def xyz(self, positions: np.ndarray) -> np.ndarray:
-        """Translations (m), shape (n, 3), for positions (rad or m), shape (n,)."""
+        """Return translations (m), shape (n, 3), for positions (rad or m), shape (n,)."""
         xyz = self._constant + positions[:, None] * self._by_position
         if self._is_beside:
             xyz += np.cos(positions)[:, None] * self._by_cos + np.sin(positions)[:, None] * self._by_sin

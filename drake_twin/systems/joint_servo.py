@@ -1,4 +1,4 @@
-"""What the controllers of a robot command, put together into the set-points of its joint servos."""
+"""The combination of a robot's controllers' commands into the set-points of its joint servos."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,17 +23,16 @@ from drake_twin.systems.witnessless_system import WitnesslessSystem
 @saved("ServoAssignment")
 @dataclass(frozen=True)
 class ServoAssignment(Frozen):
-    """Where each actuator's set-points come from.
+    """The sources of each actuator's set-points.
 
-    An element is an index into all controllers' values, one controller after the other in the order of the ports; -1
-    where nothing is commanded.
+    A source is an index into the concatenation of the controllers' ports; -1 without a command.
 
     Attributes:
-        modes: How each actuator is driven, as in `drake_twin.diagram.servo_gains`.
-        holds: The position that is held as long as none is commanded (rad or m).
-        positions: The commanded position.
-        velocities: The commanded velocity, or the one that goes with the position.
-        efforts: The commanded effort.
+        modes: The mode of each actuator, as in `drake_twin.diagram.servo_gains`.
+        holds: The position that is held without a command (rad or m).
+        positions: The source of the commanded position.
+        velocities: The source of the commanded velocity, or of the position's feedforward.
+        efforts: The source of the commanded effort.
     """
 
     modes: tuple[str, ...]
@@ -44,12 +43,12 @@ class ServoAssignment(Frozen):
 
 
 class JointServo(WitnesslessSystem):
-    """Fans what controllers write in to the plant's ports of one robot.
+    """Combine the controllers' commands into the plant's input ports of one robot.
 
     The servo itself is Drake's implicit PD inside the plant, so no Python runs in a physics step. As in
-    gz_ros2_control, a joint that no controller has claimed is held, one whose velocity is claimed and not yet written
-    stands still, and one whose effort is claimed and not yet written has none. The assignment's modes say how a joint
-    is driven at the moment; `drake_twin.diagram.servo_modes` changes them as commands and motion demand.
+    gz_ros2_control, an unclaimed joint is held, a joint with a claimed velocity that is not yet written stands still,
+    and one with a claimed effort that is not yet written has zero effort. The assignment's modes define how each joint
+    is driven at the moment; `drake_twin.diagram.servo_modes` changes them as commands and motion require.
 
     .. pydrake_system::
 
@@ -70,13 +69,13 @@ class JointServo(WitnesslessSystem):
 
     Args:
         controllers: Controller name → the number of its values.
-        assignment: The one at the start.
+        assignment: The assignment at the start.
         as_position: For a continuous plant, the seconds by which a velocity is ahead of its position, for each mode and
-            each actuator: Drake's CENIC takes velocity targets with the wrong sign, so they come as positions. None for
-            a discrete plant.
-        own_velocities: The velocities of the modes that have their own, whatever is commanded (rad/s or m/s).
-        lower: Three rows (position, velocity, effort) of the lowest command for each actuator.
-        upper: Of the highest.
+            each actuator: Drake's CENIC takes velocity targets with the wrong sign, so they are given as positions.
+            None for a discrete plant.
+        own_velocities: The velocities of the modes that do not follow a command (rad/s or m/s).
+        lower: Three rows (position, velocity, effort) of the lowest command of each actuator.
+        upper: Three rows of the highest command of each actuator.
     """
 
     def __init__(
@@ -115,19 +114,19 @@ class JointServo(WitnesslessSystem):
         return self._actuation
 
     def assignment(self, context: Context) -> ServoAssignment:
-        """Return where each actuator's set-points come from at present."""
+        """Return the present sources of each actuator's set-points."""
         assignment: ServoAssignment = context.get_abstract_state(int(self._assignment)).get_value()
         return assignment
 
     def assign(self, context: Context, assignment: ServoAssignment) -> None:
-        """Let the set-points come from elsewhere; the gains that suit the new modes are the plant's business."""
+        """Change the sources of the set-points; the caller applies the gains of the new modes to the plant."""
         context.SetAbstractState(int(self._assignment), assignment)
 
     def check(self, assignment: ServoAssignment) -> None:
-        """Refuse set-points of another robot.
+        """Check that an assignment fits this robot.
 
         Raises:
-            ValueError: If there are more or fewer than actuators, or they come from where there is nothing.
+            ValueError: If it has the wrong number of actuators, or a source does not exist.
         """
         count, values = len(self._lower[0]), sum(port.size() for port in self._ports)
         columns = vars(assignment).values()
@@ -136,14 +135,14 @@ class JointServo(WitnesslessSystem):
             raise ValueError(f"there are {count} actuators, and {values} values of controllers for them")
 
     def commanded(self, context: Context) -> tuple[list[float], list[float]]:
-        """Return the commanded positions and velocities of all actuators, within their limits; NaN for none."""
+        """Return all actuators' commanded positions and velocities, within their limits; NaN without a command."""
         return self._commanded(self.assignment(context), self._values(context))
 
     def _commanded(self, assignment: ServoAssignment, values: Sequence[float]) -> tuple[list[float], list[float]]:
         return self._clamped(0, values, assignment.positions), self._clamped(1, values, assignment.velocities)
 
     def _values(self, context: Context) -> list[float]:
-        """Return all controllers' values, and NaN as the last one."""
+        """Return all controllers' values, with NaN as the last one."""
         values: list[float] = []
         for port in self._ports:
             values += port.Eval(context).tolist()
@@ -151,7 +150,7 @@ class JointServo(WitnesslessSystem):
         return values
 
     def _clamped(self, row: int, values: Sequence[float], sources: Sequence[int]) -> list[float]:
-        """Return the command of each actuator within its limits; NaN for none."""
+        """Return the command of each actuator within its limits; NaN without one."""
         clamped = []
         for source, lower, upper in zip(sources, self._lower[row], self._upper[row], strict=True):
             clamped.append(min(max(values[source], lower), upper))
@@ -163,7 +162,7 @@ class JointServo(WitnesslessSystem):
         for index, source in enumerate(assignment.positions):
             if isnan(positions[index]):
                 positions[index] = assignment.holds[index]
-            # At the end of its range a joint does not continue at the velocity that goes with a position beyond.
+            # At the end of its range a joint must not move on at the velocity of a position beyond.
             at_end = source >= 0 and not self._lower[0][index] < positions[index] < self._upper[0][index]
             if at_end or isnan(velocities[index]):
                 velocities[index] = 0.0

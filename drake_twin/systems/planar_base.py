@@ -1,4 +1,4 @@
-"""The pose and velocity of a base that moves over the plane on joints, from their state."""
+"""The pose and velocity of a base that moves over the plane on joints, from the joints' state."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,14 +12,14 @@ from drake_twin.systems.rotations import quaternion_from_rpy
 
 @dataclass(frozen=True)
 class PlanarBase:
-    """Where the joints of such a base stand in its model instance's state ``[q; v]``.
+    """The indices of such a base's joints in its model instance's state ``[q; v]``.
 
-    The joints are three slides along x, y (turned by the start's yaw) and z, and a turn about z.
+    The joints are three slides along x, y (rotated by the start's yaw) and z, and a rotation about z.
 
     Attributes:
-        start: The root link in the world while they are at zero.
-        positions: Indices of their positions (m, m, m, rad).
-        velocities: Indices of their velocities (m/s, m/s, m/s, rad/s).
+        start: The pose of the root link in the world with the joints at zero.
+        positions: The indices of their positions (m, m, m, rad).
+        velocities: The indices of their velocities (m/s, m/s, m/s, rad/s).
     """
 
     start: Pose
@@ -27,12 +27,12 @@ class PlanarBase:
     velocities: tuple[int, ...]
 
     def within(self, indices: Sequence[int]) -> "PlanarBase":
-        """Return where the same stands in the plant's state; as `StateLayout.within`."""
+        """Return the same indices in the plant's state; see `StateLayout.within`."""
         positions, velocities = ([indices[index] for index in own] for own in (self.positions, self.velocities))
         return replace(self, positions=tuple(positions), velocities=tuple(velocities))
 
     def as_floating(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return what a floating base would have in the same place.
+        """Return the state of a floating base with the same pose and velocity.
 
         Returns:
             The pose (qw, qx, qy, qz, x, y, z) and the velocity (angular, then linear; rad/s, m/s) in the world.

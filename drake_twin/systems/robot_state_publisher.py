@@ -1,4 +1,4 @@
-"""The frames of all robots, as they meet on ROS's ``/tf`` and ``/tf_static``."""
+"""The frames of all robots on ROS's ``/tf`` and ``/tf_static``."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -29,13 +29,13 @@ class FixedFrame:
 
 @dataclass(frozen=True)
 class LinkFrame:
-    """A link's frame in another link's, as the plant has them.
+    """A link's frame in another link's, as in the plant.
 
     Attributes:
-        parent: The frame of the one link.
-        child: The frame of the other.
-        parent_body: The index of the one link's body in the plant.
-        child_body: That of the other.
+        parent: The parent frame.
+        child: The child frame.
+        parent_body: The index of the parent link's body in the plant.
+        child_body: The index of the child link's body in the plant.
     """
 
     parent: str
@@ -49,11 +49,11 @@ class RobotFrames:
     """A robot whose frames are published.
 
     Attributes:
-        name: The robot.
+        name: The robot's name.
         description: Its joints and links, and the text that it was read from.
-        layout: Where its joints and its base stand in the plant's state.
-        frame_prefix: Put before every link's name.
-        base_frame: The frame of its root link, when the true pose of that in ``world`` is to be on ``tf``.
+        layout: The indices of its joints and its base in the plant's state.
+        frame_prefix: The prefix of every link's name.
+        base_frame: The frame of its root link, if its true pose in ``world`` is to be on ``tf``; else None.
     """
 
     name: str
@@ -64,12 +64,13 @@ class RobotFrames:
 
 
 class RobotStatePublisher(WitnesslessSystem):
-    """Turns joint positions into one transform for each joint: the child link in the parent link.
+    """Publish one transform for each joint: the child link in the parent link.
 
     Behaves for each robot as ``robot_state_publisher`` in ROS 2 Jazzy: moving joints on ``tf``, fixed ones on
-    ``tf_static``, the frame prefix put before every frame name, floating and planar joints skipped; and as
-    ``static_transform_publisher`` for further frames. SDF's ball, universal and screw joints, which URDF has not, are
-    on ``tf`` too. One system does it for all robots, since all joints together take hardly longer than those of one.
+    ``tf_static``, the frame prefix before every frame name, floating and planar joints skipped; and as
+    ``static_transform_publisher`` for further frames. SDF's ball, universal and screw joints, which URDF does not have,
+    are on ``tf`` as well. One system serves all robots, because all joints together take hardly longer than those of
+    one robot.
 
     .. pydrake_system::
 
@@ -84,8 +85,8 @@ class RobotStatePublisher(WitnesslessSystem):
         - <robot>/robot_description
 
     - ``state``: vector ``[q; v]`` of the plant (rad, rad/s, or m, m/s).
-    - ``body_poses``: the plant's port of this name; only declared where there are ``links``.
-    - ``<robot>/<controller>/tf_odometry``: ``tf2_msgs/msg/TFMessage``, or ``None``, from the drives' controllers.
+    - ``body_poses``: the plant's port of this name; only declared if there are ``links``.
+    - ``<robot>/<controller>/tf_odometry``: ``tf2_msgs/msg/TFMessage`` or None, from the drives' controllers.
     - ``tf``: ``tf2_msgs/msg/TFMessage``: true base poses, odometry, then one transform for each revolute, continuous
       and prismatic joint, in the order of the robots, then ``links``; topic ``/tf``.
     - ``tf_static``: ``tf2_msgs/msg/TFMessage``: the static transforms, then one for each fixed joint; never changes;
@@ -97,10 +98,10 @@ class RobotStatePublisher(WitnesslessSystem):
         size: The size of ``state``.
         static_transforms: Further frames for ``tf_static``.
         odometry: The names of the ports for drives' transforms.
-        links: Links whose joints have not one position.
+        links: The links whose joints do not have exactly one position.
 
     Raises:
-        ValueError: If a base is to be published and does not move.
+        ValueError: If the pose of a fixed base is to be published.
     """
 
     def __init__(
@@ -122,7 +123,7 @@ class RobotStatePublisher(WitnesslessSystem):
         self._indices = np.array(indices, dtype=int)
         self._bases = [(robot.base_frame, robot.layout) for robot in robots if robot.base_frame]
         if not all(layout.has_moving_base for _, layout in self._bases):
-            raise ValueError("a base that is welded is a static transform")
+            raise ValueError("a base that does not move is a static transform")
         self._static = _Transforms(
             [("", Joint(frame.child, "fixed", frame.parent, frame.child, frame.pose)) for frame in static_transforms]
         )
@@ -179,7 +180,7 @@ class RobotStatePublisher(WitnesslessSystem):
 
 
 class _Transforms:
-    """Joints, each with its frame prefix, as ``geometry_msgs/msg/TransformStamped`` messages."""
+    """The ``geometry_msgs/msg/TransformStamped`` messages of joints, each with its frame prefix."""
 
     def __init__(self, joints: Sequence[tuple[str, Joint]]):
         self._frames = JointFrames([joint for _, joint in joints])
@@ -187,10 +188,10 @@ class _Transforms:
         self._children = [prefix + joint.child for prefix, joint in joints]
         self._at_zero = np.zeros(len(joints))
         self._moves = [bool(moves) for moves in self._frames.moves_along]
-        self._translations: list[Any] | None = None  # those that no position changes are made once
+        self._translations: list[Any] | None = None  # transforms that no position changes are made once
 
     def messages(self, positions: np.ndarray | None, stamp: Any) -> list[Any]:
-        """Return the transforms for joint positions (rad or m; None: all zero) at a time."""
+        """Return the transforms for joint positions (rad or m; None for all zero) at a time (s)."""
         positions = self._at_zero if positions is None else positions
         if self._translations is None:
             self._translations = [messages.Vector3(*xyz) for xyz in self._frames.xyz(self._at_zero).tolist()]

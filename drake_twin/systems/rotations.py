@@ -4,7 +4,7 @@ import numpy as np
 
 
 def quaternion_from_rpy(rpy: np.ndarray) -> np.ndarray:
-    """Roll, pitch, yaw about fixed axes (rad), shape (n, 3), as unit quaternions, shape (n, 4)."""
+    """Return unit quaternions, shape (n, 4), of roll, pitch, yaw about fixed axes (rad), shape (n, 3)."""
     half = 0.5 * np.atleast_2d(rpy)
     (cr, cp, cy), (sr, sp, sy) = np.cos(half).T, np.sin(half).T
     return np.stack(
@@ -19,7 +19,7 @@ def quaternion_from_rpy(rpy: np.ndarray) -> np.ndarray:
 
 
 def quaternion_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the rotations b, then a: the products of quaternions, row by row; shapes (n, 4)."""
+    """Return quaternion products row by row, which rotate by b, then by a; shapes (n, 4)."""
     aw, ax, ay, az = a.T
     bw, bx, by, bz = b.T
     return np.stack(
@@ -34,7 +34,7 @@ def quaternion_product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def rotated(quaternions: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Vectors turned by unit quaternions, row by row; shapes (n, 4) and (n, 3)."""
+    """Return vectors rotated by unit quaternions, row by row; shapes (n, 4) and (n, 3)."""
     w, u = quaternions[:, :1], quaternions[:, 1:]
     twice_cross = 2.0 * np.cross(u, vectors)
     return np.asarray(vectors + w * twice_cross + np.cross(u, twice_cross))

@@ -1,4 +1,4 @@
-"""Where each joint of a robot stands in its model instance's state vector, or in the plant's."""
+"""The indices of a robot's joints in its model instance's state vector, or in the plant's."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,17 +10,19 @@ from drake_twin.systems.planar_base import PlanarBase
 
 @dataclass(frozen=True)
 class StateLayout:
-    """Indices into a model instance's state ``[q; v]`` and actuation ``u``, as its plant's ports carry them.
+    """Indices into a model instance's state ``[q; v]`` and actuation ``u``, as on the plant's ports.
 
     Attributes:
         size: The number of elements of ``[q; v]``.
         positions: Joint name → index of its position (rad or m).
         velocities: Joint name → index of its velocity (rad/s or m/s).
         efforts: Joint name → index of the actuator that drives it (N·m or N); joints without one are left out.
-        num_actuators: The number of actuators, those that model joint friction included.
-        base_position: Index of a floating base's seven positions (qw, qx, qy, qz, x, y, z); None for any other base.
-        base_velocity: Index of its six velocities (angular rad/s, then linear m/s, both in the world frame).
-        planar_base: The joints that a base moves on over the plane; None for any other base.
+        num_actuators: The number of actuators, including those that model joint friction.
+        base_position: Index of the first of a floating base's seven positions (qw, qx, qy, qz, x, y, z); None for any
+            other base.
+        base_velocity: Index of the first of its six velocities (angular rad/s, then linear m/s, both in the world
+            frame).
+        planar_base: The joints of a base that moves over the plane; None for any other base.
     """
 
     size: int
@@ -33,10 +35,10 @@ class StateLayout:
     planar_base: PlanarBase | None = None
 
     def within(self, indices: Sequence[int]) -> "StateLayout":
-        """Return where the same stands in the plant's state; the size stays that of the model instance's.
+        """Return the same indices in the plant's state; the size remains that of the model instance's.
 
         Args:
-            indices: Where each element of the model instance's state stands in the plant's.
+            indices: The index in the plant's state of each element of the model instance's state.
         """
         planar, base_position, base_velocity = self.planar_base, self.base_position, self.base_velocity
         return replace(
@@ -54,7 +56,7 @@ class StateLayout:
         return self.base_position is not None or self.planar_base is not None
 
     def base_state(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the pose and velocity of a moving root link in the world, as a floating base has them.
+        """Return the pose and velocity of a moving root link in the world, like those of a floating base.
 
         Args:
             state: ``[q; v]``.

@@ -6,7 +6,7 @@ from weakref import ref
 
 
 def weakly(method: Any, *first: Any) -> Callable[..., Any]:
-    """Return a bound method as a callback that holds its object weakly, given some first arguments.
+    """Return a callback that calls a bound method with some first arguments, and holds its object weakly.
 
     A system owns its ports, and a port owns its callback: with a plain bound method the three keep each other alive and
     a discarded diagram is never freed (drake#22515).
@@ -15,7 +15,7 @@ def weakly(method: Any, *first: Any) -> Callable[..., Any]:
 
     def call(*arguments: Any) -> Any:
         owner = reference()
-        assert owner is not None, "a port was evaluated after its system died"
+        assert owner is not None, "a port was evaluated after its system was freed"
         return function(owner, *first, *arguments)
 
     return call

@@ -1,4 +1,4 @@
-"""The base of all systems here: one that Drake need not ask for witness functions."""
+"""The base of all systems here: one without witness functions."""
 
 from typing import Any, ClassVar
 
@@ -8,9 +8,9 @@ from pydrake.systems.framework import LeafSystem
 class WitnesslessSystem(LeafSystem):
     """A ``LeafSystem`` without witness functions.
 
-    Each time a simulator begins to advance, it asks every system for its witness functions, and in one that is written
-    in Python it looks for a method of that name. As long as it finds none it looks again, 1 µs each time. pybind11
-    remembers that a class overrides nothing once it finds a method which is not Python's: any will do, as it is not
+    Each time a simulator begins to advance, it asks every system for its witness functions, and in a Python system
+    pybind11 looks for a method of that name. If it finds none, it looks again the next time, for 1 µs. Once it finds a
+    method that is not Python's, it remembers that the class overrides nothing: any method suffices, as it is not
     called.
     """
 

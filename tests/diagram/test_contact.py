@@ -92,5 +92,5 @@ def test_a_mesh_that_cannot_yield_touches_in_a_point_and_says_so(tmp_path, size,
     twin = twin_of(tmp_path, cart(sheet, "revolute"))
     twin.advance_to(1.0)
     assert touching(twin, "part") == (Convex, touches)
-    said = "cart: a collision shape of part touches in a point, for Drake cannot give it a pressure"
+    said = "cart: a collision shape of part touches in a point: Drake cannot compute its pressure"
     assert (said in twin.warnings) == (touches == "point")

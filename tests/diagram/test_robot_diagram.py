@@ -27,8 +27,8 @@ def test_no_update_comes_behind_the_step_that_it_belongs_to(step, rate, tmp_path
 @pytest.mark.parametrize(
     ("rate", "own", "expected"),
     [
-        (250, "", ["states, controller slow, the controller manager: an update rate of 250 Hz"]),
-        (100, "update_rate: 400, ", ["slow: an update rate of 400 Hz"]),
+        (250, "", ["states, controller slow, the controller manager: the update rate of 250 Hz"]),
+        (100, "update_rate: 400, ", ["slow: the update rate of 400 Hz"]),
         (100, "", []),
     ],
 )
@@ -41,7 +41,7 @@ def test_rates_beyond_the_physics_are_said_of_broadcasters_and_the_manager_too(r
     )
     twin = TwinBuilder(time_step=0.01).robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
     assert [text for text in twin.warnings if "Hz" in text] == [
-        f"arm: controller {text} is faster than the physics, which steps every 0.01 s: updated at 100 Hz"
+        f"arm: controller {text} is higher than that of the physics, which steps every 0.01 s: reduced to 100 Hz"
         for text in expected
     ]
 

@@ -168,7 +168,7 @@ def test_a_terrain_too_fine_for_the_plant_is_made_coarser_and_said_to_be(tmp_pat
     assert twin.plant.NumBodiesWithName("static_world") == 0
     world = twin.plant.world_body()
     assert 100 < len(twin.plant.GetCollisionGeometriesForBody(world)) <= 1200
-    assert any("have too many faces to touch" in warning for warning in twin.warnings)
+    assert any("have too many faces for contact" in warning for warning in twin.warnings)
     twin.advance_to(1.0)
     assert 0 < twin.robot_state("robot_1").base_pose[2] < 0.4
 
@@ -242,7 +242,7 @@ def test_a_model_that_drake_refuses_is_left_out_with_the_reason(tmp_path):
     bad = '<model name="bad"><link name="l"/><joint name="j" type="revolute"><child>gone</child></joint></model>'
     twin = twin_in(tmp_path, GROUND + bad + crate())
     (finding,) = (item for item in twin.findings if "the model is left out" in item.what)
-    assert finding.what.startswith("bad: the model is left out: Drake refuses it (")
+    assert finding.what.startswith("bad: the model is left out, because Drake refuses it (")
     assert (finding.kind, len(finding.lines)) == (Kind.IGNORED, 1)
     assert height(twin) == 1.0
 

@@ -140,11 +140,11 @@ def test_static_frames_reach_tf_static(tmp_path, form):
 @pytest.mark.parametrize(
     ("parent", "child", "reason"),
     [
-        ("world", "base", "frame 'base': it hangs on 'world' already"),  # as its URDF says
-        ("odom", "arm", "frame 'arm': it hangs on 'base' already"),
-        ("arm", "world", "frame 'world': it would hang on itself"),
-        ("a", "a", "frame 'a': it would hang on itself"),
-        ("b", "camera", "frame 'camera': it hangs on 'arm' already"),
+        ("world", "base", "frame 'base': its parent is 'world' already"),  # as its URDF says
+        ("odom", "arm", "frame 'arm': its parent is 'base' already"),
+        ("arm", "world", "frame 'world': it would be its own ancestor"),
+        ("a", "a", "frame 'a': it would be its own ancestor"),
+        ("b", "camera", "frame 'camera': its parent is 'arm' already"),
     ],
 )
 def test_a_frame_that_has_a_parent_is_left_out_and_the_robot_runs(tmp_path, parent, child, reason):
@@ -162,7 +162,7 @@ def test_a_frame_publisher_with_both_forms_is_named_with_its_line(tmp_path):
     words = ("0", "0", "0", "0", "0", "0", "a", "b", "--x", "1")
     (reason,) = not_started(launched_hinge(tmp_path, node("tf2_ros", "static_transform_publisher", *words)).scenario)
     assert reason.startswith(f"tf2_ros/static_transform_publisher: {tmp_path}/test.launch.py:")
-    assert "both the old form of arguments (numbers and frames) and the new one" in reason
+    assert "the old form of arguments (numbers and frames) and the new one" in reason
 
 
 # --- bridges
@@ -237,16 +237,16 @@ def test_what_the_twin_does_not_do_is_listed_once_with_its_reason(tmp_path):
     scenario = launched_hinge(tmp_path, *entities).scenario
     assert not_started(scenario, Kind.WINDOW) == ("rviz2/rviz2 (the page shows the robots)",)
     assert not_started(scenario) == (
-        "foo/bar (the twin runs no nodes: what it publishes can come from --pub or Twin.publish)",
+        "foo/bar (the twin runs no nodes: publish its messages by --pub or Twin.publish)",
         "joint_state_publisher/joint_state_publisher (joint states come from the simulation)",
-        "slam_toolbox/async_slam_toolbox_node (mapping is another program's work)",
+        "slam_toolbox/async_slam_toolbox_node (mapping is not a part of the twin)",
         "ls (the twin runs no programs)",
     )
 
 
 def test_an_executable_that_is_nearly_a_known_one_suggests_it(tmp_path):
     (reason,) = not_started(launched_hinge(tmp_path, node("ros_gz_sim", "creat")).scenario)
-    assert reason == "ros_gz_sim/creat (the twin knows no 'creat' of ros_gz_sim; did you mean 'create'?)"
+    assert reason == "ros_gz_sim/creat ('creat' of ros_gz_sim is unknown; did you mean 'create'?)"
 
 
 def test_arguments_handlers_and_includes_that_come_to_nothing_are_listed(tmp_path):
@@ -269,7 +269,7 @@ def test_arguments_handlers_and_includes_that_come_to_nothing_are_listed(tmp_pat
 def test_a_spawn_after_a_while_is_there_from_the_start_and_that_is_said(tmp_path):
     create_later = f"TimerAction(period=3.0, actions=[{create('-topic', 'robot_description')}]),"
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), create_later)
-    assert launch.log == ("hinge: it is spawned after 3 s; here from the start",)
+    assert launch.log == ("hinge: it is spawned after 3 s in ROS, but at the start here",)
 
 
 def test_a_finding_about_a_robot_that_xacro_made_for_a_launch_file_has_xacros_file_and_line(tmp_path):

@@ -113,7 +113,7 @@ def test_a_manager_that_no_robot_has_is_not_started_where_there_are_several(tmp_
     assert active == {"left": (), "right": ()}
     (reason,) = not_started(launch.scenario)
     assert reason == (
-        "controller states (controller_manager/spawner: there is no /controller_manager; there is"
+        "controller states (controller_manager/spawner: unknown /controller_manager; the launch file has"
         " /left/controller_manager, /right/controller_manager)"
     )
 
@@ -122,7 +122,7 @@ def test_the_only_manager_is_taken_for_one_of_another_name_and_that_is_said(tmp_
     launch = launched_hinge(tmp_path, spawner("states", "velocity", "-c", "/other/controller_manager"))
     assert states(launch) == (("states", "velocity"), ())
     (said,) = launch.log
-    assert "waits for /other/controller_manager, and there is /controller_manager: it is taken" in said
+    assert "waits for /other/controller_manager; /controller_manager is used instead" in said
 
 
 def test_a_controller_that_the_parameters_files_lack_is_named_and_the_others_start(tmp_path):
@@ -218,10 +218,10 @@ def test_a_line_of_the_shell_is_what_its_commands_are(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["/velocity/commands", TYPE, "{data: [fast]}"], "data are not all numbers"),
-        (["/velocity/commands", TYPE, "[1.0]"], "is not a message's fields"),
-        (["/velocity/commands", TYPE, "{data: ["], "is no YAML"),
-        (["-r", "-1", "/velocity/commands", TYPE], "a rate of -1 Hz is none"),
+        (["/velocity/commands", TYPE, "{data: [fast]}"], "the data must all be numbers"),
+        (["/velocity/commands", TYPE, "[1.0]"], "is not the fields of a message"),
+        (["/velocity/commands", TYPE, "{data: ["], "is not valid YAML"),
+        (["-r", "-1", "/velocity/commands", TYPE], "a rate of -1 Hz is invalid"),
         (["-r", "often", "/velocity/commands", TYPE], "-r is 'often', which is not a number"),
         (["/velocity/commands"], "needs a topic and a type"),
     ],

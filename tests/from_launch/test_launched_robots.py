@@ -57,7 +57,7 @@ def test_an_entity_without_a_name_has_its_descriptions(tmp_path):
     assert list(robots(launched_hinge(tmp_path))) == ["hinge"]
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), node("gazebo_ros", "spawn_entity.py", "-entity", "r"))
     assert list(robots(launch)) == ["hinge"]  # only displayed
-    assert "it is given neither -topic nor -file" in not_started(launch.scenario)[0]
+    assert "one of -topic, -file" in not_started(launch.scenario)[0]
 
 
 def test_the_plugins_namespace_is_the_robots(tmp_path):
@@ -133,9 +133,9 @@ def test_spawning_one_model_twice_through_launch_files_is_refused_too(tmp_path):
         (["-topic", "robot_description", "-name", "r", "-x", "far"], "-x is 'far', which is not a number"),
         (["-topic", "robot_description", "-name", "r", "-z", "nan"], "-z is 'nan', which is not a finite number"),
         (["-file", "/nowhere/r.sdf", "-name", "r"], "/nowhere/r.sdf"),
-        (["-file", "https://fuel.gazebosim.org/r", "-name", "r"], "nothing is downloaded"),
-        (["-param", "nothing", "-name", "r"], "-param nothing: the node has no such parameter"),
-        (["-name", "r"], "it is given neither -topic nor -file, -string or -param"),
+        (["-file", "https://fuel.gazebosim.org/r", "-name", "r"], "files are not downloaded"),
+        (["-param", "nothing", "-name", "r"], "-param nothing: the node does not have this parameter"),
+        (["-name", "r"], "one of -topic, -file, -string and -param is needed"),
     ],
 )
 def test_an_entity_that_cannot_be_made_is_named_and_the_other_robot_runs(tmp_path, arguments, message):
@@ -149,7 +149,7 @@ def test_a_topic_that_nobody_publishes_is_said(tmp_path):
     file = write_hinge(tmp_path)
     launch = launched(tmp_path, publisher(file, namespace="a"), create("-topic", "robot_description", "-name", "r"))
     assert launch.log[0] == (
-        "ros_gz_sim/create waits for /robot_description, and the description is on /a/robot_description: it is taken"
+        "ros_gz_sim/create waits for /robot_description; the description on /a/robot_description is used instead"
     )
     two = launched(
         tmp_path,
@@ -159,7 +159,7 @@ def test_a_topic_that_nobody_publishes_is_said(tmp_path):
         create("-topic", "/b/robot_description", "-name", "s"),
     )
     assert list(robots(two)) == ["s"]
-    assert "nobody publishes a description on /c/robot_description" in not_started(two.scenario)[0]
+    assert "no node publishes a description on /c/robot_description" in not_started(two.scenario)[0]
     assert "Valid: /a/robot_description, /b/robot_description" in not_started(two.scenario)[0]
 
 
@@ -205,7 +205,7 @@ def test_a_ros2_control_node_beside_a_simulator_is_not_started(tmp_path):
     launch = launched_hinge(tmp_path, node("controller_manager", "ros2_control_node"))
     assert list(robots(launch)) == ["hinge"]
     (reason,) = not_started(launch.scenario)
-    assert "the simulated robot has a controller manager of its own" in reason
+    assert "the simulated robot has its own controller manager" in reason
 
 
 # --- only to look at
@@ -232,6 +232,6 @@ def test_nothing_to_run_is_one_paragraph_that_names_all_that_is_missing(tmp_path
         launched(tmp_path, spawner("states"), node("nav2_bringup", "bringup"), create("-topic", "robot_description"))
     text = str(caught.value)
     assert "test.launch.py: the launch file starts no robot for its controllers (states)" in text
-    assert "nav2_bringup/bringup (navigation is another program's work)" in text
-    assert "nobody publishes a description on /robot_description" in text
+    assert "nav2_bringup/bringup (navigation is not a part of the twin)" in text
+    assert "no node publishes a description on /robot_description" in text
     assert "\n" not in text

@@ -53,16 +53,19 @@ def test_a_quaternions_missing_parts_are_those_of_no_rotation():
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ((0, 0, 0, 0, 0, 0, "a", "b", "--x", 1), "both the old form of arguments"),
-        ((0, 0, 0, 0, 0, 0, "a"), "it has 7 arguments, where 8"),
+        ((0, 0, 0, 0, 0, 0, "a", "b", "--x", 1), "the old form of arguments"),
+        ((0, 0, 0, 0, 0, 0, "a"), "it has 7 arguments; 8"),
         ((), "it has 0 arguments"),
-        ((0, 0, 0, 0, 0, 0, "a", "b", 100), "are not all numbers"),  # ROS 1's period
+        ((0, 0, 0, 0, 0, 0, "a", "b", 100), "must all be numbers"),  # ROS 1's period
         ((0, 0, 0, 0, 0, 0, 0, "a", "b"), "the quaternion is zero"),
         ((0, 0, "nan", 0, 0, 0, "a", "b"), "a number is not finite"),
         (("--x", 1, "--child-frame-id", "b"), "--frame-id is missing"),
         (("--frame-id", "a"), "--child-frame-id is missing"),
-        (("--frame-id", "a", "--child-frame-id", "b", "--yaw", 1, "--qw", 1), "both as roll, pitch, yaw and as a"),
-        (("--frame-id", "a", "--child-frame-id", "b", "--height", 1), "there is no option --height"),
+        (
+            ("--frame-id", "a", "--child-frame-id", "b", "--yaw", 1, "--qw", 1),
+            "roll, pitch, yaw and a quaternion exclude",
+        ),
+        (("--frame-id", "a", "--child-frame-id", "b", "--height", 1), "unknown option --height"),
         (("--frame-id", "a", "--child-frame-id", "b", "--x", "far"), "-x is 'far', which is not a number"),
     ],
 )

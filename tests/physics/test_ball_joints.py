@@ -205,8 +205,8 @@ def test_cenic_refuses_a_robot_with_a_ball_joint_in_words(tmp_path):
     with pytest.raises(InputError) as raised:
         twin_of(tmp_path, "cenic", on_post(f"\n{pendulum()}"))
     assert str(raised.value) == (
-        f"{tmp_path / 'm.sdf'}:4: robot 'm': the engine cenic has no ball joints, and 'joint' is one: use the engine"
-        " discrete, or make the joint fixed, revolute or universal."
+        f"{tmp_path / 'm.sdf'}:4: robot 'm': the engine cenic does not support the ball joint 'joint': use the"
+        " engine discrete, or make the joint fixed, revolute or universal."
     )
 
 
@@ -215,8 +215,8 @@ def test_cenic_leaves_out_a_model_of_the_world_with_a_ball_joint(tmp_path):
     (finding,) = twin.findings
     assert finding.kind is Kind.IGNORED
     assert finding.what == (
-        "m: the model is left out: Drake refuses it (the engine cenic has no ball joints, and 'joint' is one: use the"
-        " engine discrete, or make the joint fixed, revolute or universal)"
+        "m: the model is left out, because Drake refuses it (the engine cenic does not support the ball joint 'joint':"
+        " use the engine discrete, or make the joint fixed, revolute or universal)"
     )
 
 
@@ -239,7 +239,7 @@ def test_a_sensor_beside_a_ball_joint_measures_and_one_in_it_is_named(tmp_path):
     )
     hanging = link("bob", "0 0 0.6 0 0 0") + ball + link("load", "0 0 0.5 0 0 0") + mount
     twin = twin_of(tmp_path, "1ms", on_post(hanging))
-    assert "m: sensor inside: it measures nothing in the ball joint joint" in twin.warnings
+    assert "m: sensor inside: it cannot measure in the ball joint joint" in twin.warnings
     twin.advance_to(0.1)
     described = twin.plans[0].description.sensor("beside", "force_torque")
     dut = ForceTorqueSensor.of(twin.plant, twin.plant.GetModelInstanceByName("m"), described)

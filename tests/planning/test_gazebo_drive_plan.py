@@ -82,7 +82,7 @@ def test_of_two_plugins_that_hear_the_same_twist_the_one_with_wheels_drives(make
     )
     assert [controller.name for controller in twin.plans[0].controllers] == ["drive"]
     (reason,) = twin.not_started
-    assert "it would move the base besides drive, which drives wheels by the same topics (cart.urdf:" in reason
+    assert "it would move the base in addition to drive, which drives wheels by the same topics (cart.urdf:" in reason
 
 
 def test_a_plugin_that_is_named_as_another_controller_has_a_name_of_its_own(make, tmp_path):
