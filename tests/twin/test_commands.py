@@ -60,10 +60,11 @@ def test_each_new_command_begins_the_time_anew(make):
 
 
 @pytest.mark.parametrize("timeout", [1e-12, 1e-4])
-def test_a_timeout_that_is_shorter_than_a_step_lasts_for_one_step(make, timeout):
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_timeout_that_is_shorter_than_a_step_lasts_for_one_step(make, timeout, first):
     twin = make(timeout=timeout)
     twin.publish(WHEELS, [2.0, 0.0])
-    twin.step()
+    twin.advance_to(first * 0.001)
     assert valid(twin) == [2.0, 0.0]
     twin.advance_to(1.0)
     assert valid(twin) is None
