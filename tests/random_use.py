@@ -140,7 +140,7 @@ class RandomUse:
         self.manager.switch_controller(activate, deactivate, int(self.random.integers(0, 6)))
 
     def chain(self):
-        """Loads, configures and activates the lower controllers of the chain, whoever stands in the way."""
+        """Load, configure and activate the lower controllers of the chain; deactivate all that are in the way."""
         names = CHAIN[: int(self.random.choice([1, 2, 3], p=[0.2, 0.2, 0.6]))]
         for name in names:
             self.manager.load_controller(name)

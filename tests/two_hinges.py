@@ -32,23 +32,23 @@ Controller = tuple[str, Mapping[str, Any]]
 
 
 def velocities(*joints: str, **more: Any) -> Controller:
-    """A velocity controller of some joints."""
+    """Return a velocity controller of some joints."""
     return "velocity_controllers/JointGroupVelocityController", {"joints": joints, **more}
 
 
 def efforts(*joints: str, **more: Any) -> Controller:
-    """An effort controller of some joints."""
+    """Return an effort controller of some joints."""
     return "effort_controllers/JointGroupEffortController", {"joints": joints, **more}
 
 
 def trajectories(*joints: str, **more: Any) -> Controller:
-    """A trajectory controller of the positions of some joints."""
+    """Return a trajectory controller of the positions of some joints."""
     interfaces = {"command_interfaces": ["position"], "state_interfaces": ["position", "velocity"]}
     return "joint_trajectory_controller/JointTrajectoryController", {"joints": joints, **interfaces, **more}
 
 
 def write_hinges(folder: Path, controllers: Mapping[str, Controller], rate: float = 100) -> tuple[Path, Path]:
-    """Writes the robot's file and its controllers'."""
+    """Write the robot's file and its controllers' file; return their paths."""
     robot, file = folder / "hinges.urdf", folder / "controllers.yaml"
     robot.write_text(ROBOT)
     types = {name: {"type": kind} for name, (kind, _) in controllers.items()}
@@ -66,7 +66,7 @@ def hinges(
     inactive: tuple[str, ...] = (),
     **options: Any,
 ) -> TwinBuilder:
-    """Robots of two hinges in a world without ground, each with all controllers active unless told otherwise."""
+    """Return a builder of robots in a world without ground; all their controllers are active by default."""
     robot, file = write_hinges(folder, controllers, rate)
     builder = TwinBuilder(world=World(ground=False), **options)
     for index, name in enumerate(names):

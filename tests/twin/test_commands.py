@@ -49,7 +49,7 @@ def test_a_command_expires_within_an_advance_too(make):
     assert twin.robot_state("r").velocities[0] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_each_new_command_begins_the_time_anew(make):
+def test_each_new_command_restarts_its_timeout(make):
     twin = make(timeout=0.1)
     for _ in range(5):
         twin.publish(WHEELS, [2.0, 0.0])

@@ -44,7 +44,7 @@ def test_each_joint_has_its_own_position_velocity_and_effort(make):
     assert state.efforts == pytest.approx((0.0, 2.0))
 
 
-def test_efforts_are_zero_where_nobody_asks_for_them(make):
+def test_efforts_are_zero_unless_they_are_asked_for(make):
     twin = make()
     twin.publish("/r/forward_effort_controller/commands", [2.0])
     twin.step()
