@@ -21,7 +21,7 @@ _ROBOT = """<robot name="robot"><link name="base"/><link name="a"/><link name="b
 
 
 def interface(text: str) -> Interface:
-    """An interface from its name, as ROS writes it: joint/interface or controller/joint/interface."""
+    """Return an interface from its name in ROS: joint/interface or controller/joint/interface."""
     joint, _, name = text.rpartition("/")
     return Interface(joint, name)
 
@@ -29,7 +29,7 @@ def interface(text: str) -> Interface:
 def controller(
     name: str, *claims: str, references: tuple[str, ...] = (), state: str = "unloaded", problem: str | None = None
 ) -> ControllerPlan:
-    """A controller that claims some interfaces, and has references of others."""
+    """Return a controller that claims some interfaces and has some references."""
     return ControllerPlan(
         name,
         "a/Type",
@@ -42,7 +42,7 @@ def controller(
 
 
 def robot_plan(*controllers: ControllerPlan) -> RobotPlan:
-    """The plan of a robot with these controllers."""
+    """Return the plan of a robot with these controllers."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "robot.urdf"
         file.write_text(_ROBOT)
@@ -50,10 +50,10 @@ def robot_plan(*controllers: ControllerPlan) -> RobotPlan:
 
 
 class Manager(ControllerManager):
-    """A controller manager that keeps what it has been told to switch.
+    """A controller manager that keeps its switches.
 
     Attributes:
-        switches: Of each switch the controllers that started and those that stopped.
+        switches: The controllers that each switch has started, and those that it has stopped.
     """
 
     def __init__(self, *controllers: ControllerPlan):

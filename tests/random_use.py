@@ -3,6 +3,7 @@
 import numpy as np
 
 from drake_twin import TwinBuilder
+from drake_twin.twin.controller_manager import FORCE_AUTO
 
 INERTIA = '<inertia ixx="0.05" iyy="0.05" izz="0.05" ixy="0" ixz="0" iyz="0"/>'
 JOINTS = ("shoulder", "elbow", "left", "right", "finger")
@@ -27,11 +28,18 @@ CONTROLLERS = {
     "positions": ("position_controllers/JointGroupPositionController", "{joints: [shoulder, elbow]}"),
     "velocities": ("velocity_controllers/JointGroupVelocityController", "{joints: [shoulder, left]}"),
     "efforts": ("effort_controllers/JointGroupEffortController", "{joints: [elbow, right]}"),
+    "inner_pid": (
+        "pid_controller/PidController",
+        (
+            "{dof_names: [elbow], command_interface: effort, reference_and_state_interfaces: [velocity],"
+            " gains: {elbow: {p: 4.0}}}"
+        ),
+    ),
     "pid": (
         "pid_controller/PidController",
         (
-            "{dof_names: [elbow], command_interface: effort, reference_and_state_interfaces: [position],"
-            " gains: {elbow: {p: 20.0, d: 2.0}}}"
+            "{dof_names: [inner_pid/elbow], reference_and_state_dof_names: [elbow], command_interface: velocity,"
+            " reference_and_state_interfaces: [position], gains: {inner_pid/elbow: {p: 5.0}}}"
         ),
     ),
     "above_pid": (
@@ -45,6 +53,7 @@ CONTROLLERS = {
     "gripper": ("position_controllers/GripperActionController", "{joint: finger, goal_tolerance: 0.001}"),
     "broken": ("velocity_controllers/JointGroupVelocityController", "{joints: [anchor]}"),
 }
+CHAIN = ("inner_pid", "pid", "above_pid")  # from the joint up: each writes to the one before it
 AT_START = ("broadcaster", "trajectories", "wheels", "gripper")
 
 
@@ -107,8 +116,9 @@ class RandomUse:
 
     def call(self):
         """One random call; returns its name."""
-        names = ["load", "configure", "switch", "unload", "publish", "send_goal", "cancel", "set_joint_positions"]
-        weights = [1, 1, 4, 1, 5, 3, 1, 0.3]
+        names = ["load", "configure", "switch", "chain", "unload", "publish", "send_goal", "cancel"]
+        names.append("set_joint_positions")
+        weights = [1, 1, 4, 1, 1, 5, 3, 1, 0.3]
         rare = ["emergency_stop", "clear_emergency_stop", "reset", "pause"]
         chances = np.array([*weights, 0.4, 1.0, 0.3, 0.3])
         name = str(self.random.choice(names + rare, p=chances / chances.sum()))
@@ -128,6 +138,15 @@ class RandomUse:
         count = self.random.integers(0, 3, 2)
         activate, deactivate = ([self._controller() for _ in range(each)] for each in count)
         self.manager.switch_controller(activate, deactivate, int(self.random.integers(0, 6)))
+
+    def chain(self):
+        """Load, configure and activate the lower controllers of the chain; deactivate all that are in the way."""
+        names = CHAIN[: int(self.random.choice([1, 2, 3], p=[0.2, 0.2, 0.6]))]
+        for name in names:
+            self.manager.load_controller(name)
+            self.manager.configure_controller(name)
+        missing = [name for name in names if name not in self.manager.active]
+        self.manager.switch_controller(missing, strictness=FORCE_AUTO)
 
     def publish(self):
         topic = self.topic()

@@ -508,6 +508,15 @@ def test_hold_joints_false_leaves_unclaimed_joints_limp(make, monkeypatch):
     assert position(twin, "arm") > 0.8  # it falls: its weight hangs in front of it
 
 
+def test_an_emergency_stop_holds_joints_that_are_limp_otherwise(make, monkeypatch):
+    limp = "<hardware><param name='hold_joints'>false</param>"
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", limp))
+    twin = make(inactive=("velocities",))
+    twin.emergency_stop("r")
+    twin.advance_to(1.0)
+    assert position(twin, "arm") == pytest.approx(0.5, abs=1e-3)
+
+
 def test_the_proportional_gain_of_the_position_is_honoured(make, monkeypatch):
     gain = "<hardware><param name='position_proportional_gain'>0.05</param>"
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", gain))

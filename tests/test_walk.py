@@ -1,4 +1,4 @@
-"""How far a published number walks through the code: the calls that a reader of the code has to follow."""
+"""How many calls a reader of the code has to follow from a published number to its port."""
 
 import sys
 from pathlib import Path
@@ -13,7 +13,7 @@ MOST_CALLS = 30
 
 
 def walk(*calls):
-    """The Python functions of drake_twin that some calls enter, one after the other, as file:function."""
+    """Return the functions of drake_twin that some calls enter, in their order, as file:function."""
     entered = []
 
     def note(frame, event, argument):

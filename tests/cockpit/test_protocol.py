@@ -22,6 +22,10 @@ from drake_twin.cockpit.protocol import parse
             protocol.Spawn("f", "n", (1.0, 2.0, 3.0), (0.0, 0.0, 0.5)),
         ),
         ({"do": "Follow", "robot": ""}, protocol.Follow("")),
+        ({"do": "Follow", "robot": "x" * 1000}, protocol.Follow("x" * 1000)),
+        ({"do": "Step", "count": 1}, protocol.Step(1)),
+        ({"do": "Step", "count": 10_000}, protocol.Step(10_000)),
+        ({"do": "MoveJoint", "topic": "", "index": 2**31 - 1, "value": -1}, protocol.MoveJoint("", 2**31 - 1, -1.0)),
     ],
 )
 def test_a_request_reads_as_what_it_asks_for(message, request_):
@@ -48,6 +52,8 @@ def test_a_request_reads_as_what_it_asks_for(message, request_):
         '{"do": "Step", "count": 1.5}',
         '{"do": "Step", "count": true}',
         '{"do": "Step", "count": "1"}',
+        '{"do": "MoveJoint", "topic": "/t", "index": 2147483648, "value": 0}',
+        '{"do": "SetRate", "rate": true}',
         '{"do": "SetRate", "rate": NaN}',
         '{"do": "SetRate", "rate": Infinity}',
         '{"do": "SetRate", "rate": null}',

@@ -44,6 +44,7 @@ def test_a_partial_trajectory_marks_the_joints_that_it_leaves_out():
         ({"times": (1.0, 1.0)}, "do not increase: point 0 is at 1 s, point 1 at 1 s"),
         ({"start": 3.0, "now": 5.1}, "ends in the past: it starts at 3 s and ends at 5 s, and it is 5.1 s"),
         ({"points": [TrajectoryPoint((0.0, 0.0), (0.0, 1e-6))] * 2}, "ends with a velocity of 1e-06 at joint b"),
+        ({"points": [TrajectoryPoint((0.0, 0.0), (-0.1, 0.0))] * 2}, "ends with a velocity of -0.1 at joint a"),
         (
             {"points": [TrajectoryPoint(velocities=(0.0, 0.0))] * 2},
             "only allow_integration_in_goal_trajectories",

@@ -3,7 +3,15 @@ import pytest
 from conftest import ARM, ROVER
 
 from drake_twin import TwinBuilder
-from drake_twin.diagram.servo_gains import JointLoad, position_gains, velocity_gains
+from drake_twin.diagram.servo_gains import (
+    MODES,
+    REST_VELOCITY,
+    JointLoad,
+    ServoGains,
+    brake_gains,
+    position_gains,
+    velocity_gains,
+)
 from drake_twin.errors import InputError
 
 
@@ -23,6 +31,102 @@ def test_a_position_servo_sags_by_its_bound_and_is_overdamped():
     position = position_gains(load)
     assert load.gravity / position.p <= 5e-4
     assert position.d**2 >= 4 * position.p * load.inertia
+
+
+def test_a_velocity_servo_has_its_time_constant_where_nothing_but_inertia_resists():
+    assert 0.1 / velocity_gains(JointLoad(inertia=0.1, gravity=0.0, contact=0.0)).d == pytest.approx(0.005)  # s
+
+
+def test_a_velocity_servo_stays_behind_by_its_bound_under_viscous_damping():
+    load = JointLoad(inertia=1e-6, gravity=0.0, contact=0.0, damping=2.0)
+    assert load.damping / (velocity_gains(load).d + load.damping) <= 5e-4  # of the commanded velocity
+
+
+@pytest.mark.parametrize("time_constant", [0.02, 0.2, 1.5])
+def test_a_position_servo_approaches_at_the_error_over_its_time_constant_and_is_overdamped(time_constant):
+    load = JointLoad(inertia=3.0, gravity=0.0, contact=0.0)
+    gains = position_gains(load, time_constant)
+    assert gains.d / gains.p == pytest.approx(time_constant)
+    assert gains.d**2 >= 4 * gains.p * load.inertia
+    assert gains.p <= 100 * load.inertia / time_constant**2  # and not stiffer than it has to be
+
+
+def test_a_joint_brakes_with_all_its_effort_above_the_velocity_of_rest():
+    load = JointLoad(inertia=0.1, gravity=5.0, contact=1.0)
+    gains = brake_gains(load, 7.0)
+    assert (gains.p, gains.d * REST_VELOCITY) == (0.0, pytest.approx(7.0))
+    assert brake_gains(load, np.inf).d * REST_VELOCITY >= load.gravity + load.contact
+
+
+def test_each_way_of_driving_a_joint_has_its_gains_and_none_has_none_at_all():
+    load = JointLoad(inertia=0.1, gravity=5.0, contact=0.0)
+    position, velocity, brake = position_gains(load), velocity_gains(load), brake_gains(load, 7.0)
+    servo = ServoGains(position, velocity, brake, 7.0)
+    expected = {"hold": position, "position": position, "velocity": velocity, "up": velocity, "down": velocity}
+    expected |= {"brake": brake, "rest": brake}
+    for mode, gains in expected.items():
+        assert (servo.of(mode).p, servo.of(mode).d) == (gains.p, gains.d), mode
+    for mode in {*MODES} - {*expected}:
+        assert servo.of(mode).p == 0.0, mode
+        assert 0.0 < servo.of(mode).d < 1e-6, mode  # Drake ends the process when both are zero
+
+
+BODY = (
+    '<link name="{}"><inertial><origin xyz="{}"/><mass value="{}"/>'
+    '<inertia ixx="0.02" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+)
+
+
+def one_joint(folder, kind, axis, limits, *, mount="", origin="0 0 0", more="", **options):
+    """A robot of a base of 10 kg and a part of 2 kg, its joint held."""
+    (folder / "r.urdf").write_text(
+        f'<robot name="r">{mount}{BODY.format("base", "0 0 0", 10)}{BODY.format("part", origin, 2)}'
+        f'<joint name="j" type="{kind}"><parent link="base"/><child link="part"/><axis xyz="{axis}"/>'
+        f"<limit {limits}/>{more}</joint>"
+        '<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>'
+        '<joint name="j"><command_interface name="position"/></joint></ros2_control></robot>'
+    )
+    return TwinBuilder().robot("r", folder / "r.urdf", **options).build()
+
+
+MOUNT = '<link name="world"/><joint name="m" type="fixed"><parent link="world"/><child link="base"/></joint>'
+G = 9.81
+
+
+def test_a_load_that_pulls_down_counts_as_one_that_pulls_up(tmp_path):
+    for axis in ("0 0 1", "0 0 -1"):
+        twin = one_joint(tmp_path, "prismatic", axis, 'lower="-1" upper="1" effort="1e3" velocity="1"', mount=MOUNT)
+        ((p, _),) = gains(twin, "r")
+        assert p == pytest.approx(2 * G / 5e-4, rel=1e-3)
+        twin.advance_to(1.0)
+        assert abs(twin.robot_state("r").positions[0]) == pytest.approx(5e-4, rel=0.01)
+
+
+def test_a_load_that_comes_only_where_the_joint_goes_is_known_from_the_start(tmp_path):
+    """A pendulum of 2 kg on 0.5 m that starts at rest and is to stand out: 9.81 N·m."""
+    limits = 'lower="-1.6" upper="1.6" effort="100" velocity="3"'
+    twin = one_joint(tmp_path, "revolute", "0 1 0", limits, mount=MOUNT, origin="0 0 -0.5", xyz=(0, 0, 2))
+    ((p, _),) = gains(twin, "r")
+    assert p >= 0.98 * 2 * G * 0.5 / 5e-4
+    twin.publish("/r/forward_position_controller/commands", [1.5])
+    twin.advance_to(3.0)
+    assert abs(twin.robot_state("r").positions[0] - 1.5) < 6e-4
+
+
+@pytest.mark.parametrize(("effort_limit", "load"), [(1e6, 12 * G * 0.1), (5.0, 5.0)])
+def test_a_wheel_bears_the_robots_weight_at_its_radius_of_gyration_up_to_its_effort(tmp_path, effort_limit, load):
+    """The radius is √(0.02 / 2) = 0.1 m; a position yields by 10 mrad."""
+    twin = one_joint(tmp_path, "continuous", "0 1 0", f'effort="{effort_limit}" velocity="9"', xyz=(0, 0, 5))
+    ((p, _),) = gains(twin, "r")
+    assert p == pytest.approx(load / 1e-2, rel=1e-3)
+
+
+def test_a_servo_overcomes_its_joints_dry_friction(tmp_path):
+    friction = '<dynamics friction="0.7"/>'
+    limits = 'effort="100" velocity="9"'
+    twin = one_joint(tmp_path, "continuous", "0 1 0", limits, mount=MOUNT, more=friction, xyz=(0, 0, 5))
+    stiffness = [p for p, _ in gains(twin, "r") if p > 0]
+    assert stiffness == [pytest.approx(0.7 / 5e-4, rel=1e-3)]
 
 
 @pytest.mark.parametrize("make", [velocity_gains, position_gains])

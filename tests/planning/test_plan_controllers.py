@@ -161,6 +161,11 @@ def test_what_is_inactive_claims_nothing_and_conflicts_with_nothing(plan):
     }
 
 
+def test_what_another_one_keeps_from_starting_claims_nothing(plan):
+    found = plan(one=forward("wheel"), two=forward("wheel", "arm/left"), three=forward("arm/left"))
+    assert states(found) == {"one": "active", "two": "inactive", "three": "active"}
+
+
 def test_a_controllers_rate_is_its_own_and_zero_is_the_managers(plan):
     found = by_name(
         plan(

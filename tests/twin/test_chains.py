@@ -98,7 +98,7 @@ def test_a_reference_has_one_writer():
 def test_a_controller_is_chained_while_one_of_its_references_is_written():
     chain = manager()
     chained = {item.name: item.is_chained for item in chain.list_controllers()}
-    assert chained == {"low": True, "middle": True, "high": False}  # nobody writes a/velocity of the lowest
+    assert chained == {"low": True, "middle": True, "high": False}  # a/velocity of the lowest is unused
     chain.switch_controller(deactivate=["high", "middle"])
     assert not any(item.is_chained for item in chain.list_controllers())
 
@@ -212,7 +212,7 @@ def test_a_cascade_moves_as_its_closed_form(tmp_path, order):
         assert twin.robot_state("r").positions[0] == pytest.approx(expected, abs=0.01)
 
 
-def test_a_reference_that_nobody_writes_stays_as_it_was(tmp_path):
+def test_a_reference_without_a_writer_stays_as_it_was(tmp_path):
     """Of the position and the velocity only the position is written; the velocity's is that at the activation: 0."""
     parameters = {
         "above": (PARAMETERS["above"][0], "{joints: [pid/hinge], interface_name: position}"),
@@ -234,7 +234,7 @@ def test_what_is_below_goes_on_by_its_own_topic_once_the_chain_above_is_off(tmp_
     twin = build(tmp_path, PARAMETERS, ORDERS[0])
     manager = twin.controller_manager("r")
     twin.publish("/r/above/commands", [1.0])
-    twin.publish("/r/inner/reference", {"values": [2.0]})  # nobody hears it while "outer" writes
+    twin.publish("/r/inner/reference", {"values": [2.0]})  # ignored while "outer" writes
     twin.advance_to(3.0)
     assert twin.robot_state("r").positions[0] == pytest.approx(1.0, abs=1e-3)
     assert manager.switch_controller(deactivate=["outer", "above"], strictness=STRICT)

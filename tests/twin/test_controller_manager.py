@@ -84,7 +84,7 @@ class Calls(RuleBasedStateMachine):
 
     @rule(names=st.integers(1, 3).flatmap(lambda count: st.permutations(CHAIN[:count])))
     def bring_up(self, names):
-        """Loads, configures and activates the chain from below, named in any order."""
+        """Load, configure and activate the lower controllers of the chain, named in any order."""
         for name in names:
             self.manager.load_controller(name)
             self.manager.configure_controller(name)
@@ -134,12 +134,6 @@ class Calls(RuleBasedStateMachine):
         assert self.manager.states.get("broken") in (None, "unconfigured")
 
 
-def test_random_calls_keep_what_must_always_hold_and_reach_chains_of_three():
-    Calls.reached.clear()
-    run_state_machine_as_test(Calls, settings=settings(max_examples=1000, stateful_step_count=15, deadline=None))
-    assert all(Calls.reached[name] > 500 for name in CHAIN), Calls.reached
-
-
 def test_of_two_that_claim_one_interface_one_switch_starts_the_first():
     manager = Manager(
         controller("first", "a/effort", state="inactive"),
@@ -170,3 +164,15 @@ def test_saved_states_that_there_are_not_are_refused():
             manager.set_states(states)
     manager.set_states({"one": "unconfigured"})
     assert manager.states == {"one": "unconfigured"}
+
+
+def test_start_and_stop_are_the_older_names_of_activate_and_deactivate():
+    manager = Manager(controller("one", "a/effort", state="active"), controller("two", "a/effort", state="inactive"))
+    assert manager.switch_controller(start=["two"], stop=["one"], strictness=STRICT)
+    assert manager.switches == [(("two",), ("one",))]
+
+
+def test_random_calls_keep_what_must_always_hold_and_reach_chains_of_three():
+    Calls.reached.clear()
+    run_state_machine_as_test(Calls, settings=settings(max_examples=1000, stateful_step_count=15, deadline=None))
+    assert all(Calls.reached[name] > 500 for name in CHAIN), Calls.reached

@@ -7,7 +7,7 @@ import contextlib
 
 import numpy as np
 import pytest
-from random_use import RandomUse, build, write_files
+from random_use import CHAIN, RandomUse, build, write_files
 
 from drake_twin.errors import TwinError
 
@@ -26,7 +26,8 @@ def assert_what_always_holds(twin):
     claimed = {item.name for item in manager.list_hardware_interfaces()[0] if item.is_claimed}
     assert claimed == set(claims)
     assert not {"broken", "nobody"} & set(manager.active)
-    assert "above_pid" not in manager.active or "pid" in manager.active
+    active = [name for name in CHAIN if name in manager.active]
+    assert active == [*CHAIN[: len(active)]]
     state = twin.robot_state("used")
     assert np.isfinite([*state.positions, *state.velocities, *state.efforts]).all()
 
@@ -34,7 +35,7 @@ def assert_what_always_holds(twin):
 @pytest.mark.parametrize("seed", range(8))
 def test_random_use_lets_nothing_escape_and_leaves_the_neighbour_alone(files, seed):
     twin, alone = build(files), build(files, ("alone",))
-    use, done = RandomUse(twin, np.random.default_rng(seed)), []
+    use, done, chained = RandomUse(twin, np.random.default_rng(seed)), [], 0
     untouched = dict(twin.controller_manager("alone").states)
     for _ in range(60):
         for _ in range(use.random.integers(1, 4)):
@@ -46,11 +47,13 @@ def test_random_use_lets_nothing_escape_and_leaves_the_neighbour_alone(files, se
             alone.reset()
         alone.step(twin.step_count - alone.step_count)
         assert_what_always_holds(twin)
+        chained += set(CHAIN) <= set(use.manager.active)
         one, other = twin.robot_state("alone"), alone.robot_state("alone")
         assert np.abs(np.subtract(one.positions, other.positions)).max() < 1e-6
         assert np.abs(np.subtract(one.velocities, other.velocities)).max() < 1e-6
         assert twin.controller_manager("alone").states == untouched
-    assert {"switch", "publish", "send_goal"} <= set(done)
+    assert {"switch", "chain", "publish", "send_goal"} <= set(done)
+    assert chained > 0, "the whole chain was never active over some steps"
     twin.reset()
     assert all(goal.is_done for goal in use.goals)
     assert twin.state_sha256() == build(files).state_sha256()
