@@ -236,7 +236,7 @@ def _visual_obj(file: Path) -> bytes:
 def _visual_gltf(file: Path) -> bytes:
     """Convert a mesh to glTF with everything inside: trimesh's GLB with its binary part as a data address."""
     scene = _scene(file)
-    _single_mesh(file, scene)  # refuses what has no triangles
+    _single_mesh(file, scene)  # raises if it has no triangles
     with _reading(file):
         scene.apply_transform(_Z_UP_TO_Y_UP)
         glb = scene.export(file_type="glb", include_normals=True)
