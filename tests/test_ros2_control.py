@@ -224,7 +224,7 @@ def test_strict_switches_all_or_nothing_and_best_effort_what_it_can(make):
     manager = twin.controller_manager("r")
     response = manager.switch_controller(activate=["positions", "nobody"], strictness=STRICT)
     assert (response.ok, states(twin)["positions"]) == (False, "inactive")
-    assert "there is no loaded controller 'nobody'; loaded are broadcaster, positions, efforts" in response.message
+    assert "controller 'nobody' is not loaded; loaded controllers: broadcaster, positions, efforts" in response.message
     response = manager.switch_controller(start=["positions", "nobody"], stop=["efforts"], strictness=BEST_EFFORT)
     assert (response.ok, states(twin)["positions"]) == (True, "active")
     assert "'nobody'" in response.message

@@ -77,7 +77,7 @@ class Commands:
         }
 
     def last(self, topic: str) -> Any:
-        """Return the value published last on a topic, pending or valid; None if there is none."""
+        """Return the value published last on a topic, pending or valid; None without one."""
         return next((value for name, value in reversed(self.queue) if name == topic), self.values.get(topic))
 
     def put_pending(self, time: float, action: CommandTopic | None = None) -> None:

@@ -1,0 +1,60 @@
+"""The mutants can be made, and tests notice them."""
+
+import mutants
+import pytest
+from mutants import (
+    MUTANTS,
+    PACKAGE,
+    ROOT,
+    MutantError,
+    copied_package,
+    find,
+    mutated,
+    try_mutant,
+)
+
+SAMPLE = (
+    "chain: a failure stops one level above",
+    "subscriptions: what has ended is due",
+    "trajectory: the chain rule of curvatures",
+)
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.name)
+def test_a_mutant_is_one_other_line_that_compiles(mutant):
+    file = find(mutant, ROOT / PACKAGE)
+    before, after = file.read_text(), mutated(mutant, file)
+    changed = [pair for pair in zip(before.splitlines(), after.splitlines(), strict=True) if pair[0] != pair[1]]
+    assert len(changed) == 1
+    assert compile(after, str(file), "exec") != compile(before, str(file), "exec")
+    assert all((ROOT / test).is_file() for test in mutant.tests)
+
+
+def test_there_are_enough_mutants_and_those_of_chains_among_them():
+    names = [mutant.name for mutant in MUTANTS]
+    assert len(set(names)) == len(names) >= 65
+    assert sum(name.startswith("chain: ") for name in names) >= 12
+
+
+def test_a_line_that_is_not_there_or_is_there_twice_is_said():
+    mutant = mutants.Mutant("none", "twin/schedule.py", "no such line", "", ())
+    with pytest.raises(MutantError, match=r"'no such line' is to be once in twin/schedule\.py, and is in nowhere"):
+        find(mutant, ROOT / PACKAGE)
+    mutant = mutants.Mutant("two", "twin/schedule.py", "self.published", "", ())
+    with pytest.raises(MutantError, match=r"is in schedule\.py, schedule\.py"):
+        find(mutant, ROOT / PACKAGE)
+
+
+def test_tests_notice_a_sample_of_the_mutants():
+    with copied_package() as package:
+        for mutant in (mutant for mutant in MUTANTS if mutant.name in SAMPLE):
+            original = find(mutant, package).read_text()
+            assert try_mutant(mutant, package).is_caught, mutant.name
+            assert find(mutant, package).read_text() == original
+
+
+@pytest.mark.slow
+def test_tests_notice_nearly_all_mutants(capsys):
+    """Takes about half an hour."""
+    with capsys.disabled():
+        assert mutants.main([]) == 0
