@@ -1,5 +1,6 @@
 """Two directives for Sphinx: ``pydrake_system`` draws a LeafSystem's ports, ``room`` documents a package's modules."""
 
+from dataclasses import is_dataclass
 from importlib import import_module
 from itertools import zip_longest
 from pkgutil import iter_modules
@@ -32,7 +33,8 @@ class PydrakeSystem(SphinxDirective):
             for row, (own, out) in enumerate(zip_longest(inputs, outputs, fillvalue="") or [("", "")])
         )
         table = f".. list-table::\n   :header-rows: 1\n\n   * - input ports\n     -\n     - output ports\n{rows}"
-        return self.parse_text_to_nodes(table)
+        parsed: list[nodes.Node] = self.parse_text_to_nodes(table)
+        return parsed
 
 
 class Room(SphinxDirective):
@@ -44,16 +46,26 @@ class Room(SphinxDirective):
         """Return the documentation of all modules but the programs."""
         package = self.arguments[0]
         names = [item.name for item in iter_modules(import_module(package).__path__) if item.name != "__main__"]
-        blocks = [f".. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n" for name in names]
-        return self.parse_text_to_nodes("\n".join(blocks))
+        blocks = [
+            f"{name}\n{'-' * len(name)}\n\n.. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n"
+            for name in names
+        ]
+        parsed: list[nodes.Node] = self.parse_text_to_nodes("\n".join(blocks), allow_section_headings=True)
+        return parsed
 
 
 def _port(name: str) -> str:
     return f"``{name}``" if name else ""
 
 
+def _shorten(app: Sphinx, what: str, name: str, item: Any, *_: Any) -> tuple[str, None] | None:
+    """Leave out the signature of a dataclass: its fields are listed below it."""
+    return ("", None) if what == "class" and is_dataclass(item) else None
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Add the directives."""
+    """Add the directives, and the rule for dataclasses."""
+    app.connect("autodoc-process-signature", _shorten)
     app.add_directive("pydrake_system", PydrakeSystem)
     app.add_directive("room", Room)
     return {"parallel_read_safe": True}
