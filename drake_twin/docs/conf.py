@@ -12,6 +12,7 @@ version = release = version_of("drake_twin")
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "pydrake_system"]
 html_theme = "furo"
+html_show_copyright = False
 html_title = f"drake_twin {version}"
 
 myst_heading_anchors = 3

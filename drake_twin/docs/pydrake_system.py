@@ -1,5 +1,6 @@
-"""Two directives for Sphinx: ``pydrake_system`` draws a LeafSystem's ports, ``room`` documents a package's modules."""
+"""Directives for Sphinx: ``pydrake_system`` draws a LeafSystem's ports, ``room`` documents a package's modules."""
 
+from dataclasses import is_dataclass
 from importlib import import_module
 from itertools import zip_longest
 from pkgutil import iter_modules
@@ -7,8 +8,11 @@ from typing import Any
 
 import yaml
 from docutils import nodes
+from sphinx import addnodes
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
 from sphinx.util.docutils import SphinxDirective
+from sphinx.util.nodes import make_refnode
 
 
 class PydrakeSystem(SphinxDirective):
@@ -45,8 +49,12 @@ class Room(SphinxDirective):
         """Return the documentation of all modules but the programs."""
         package = self.arguments[0]
         names = [item.name for item in iter_modules(import_module(package).__path__) if item.name != "__main__"]
-        blocks = [f".. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n" for name in names]
-        parsed: list[nodes.Node] = self.parse_text_to_nodes("\n".join(blocks))
+        titles = {name: f"{package.rpartition('.')[2]}.{name}" for name in names}
+        blocks = [
+            f"{title}\n{'-' * len(title)}\n\n.. automodule:: {package}.{name}\n   :members:\n   :show-inheritance:\n"
+            for name, title in titles.items()
+        ]
+        parsed: list[nodes.Node] = self.parse_text_to_nodes("\n".join(blocks), allow_section_headings=True)
         return parsed
 
 
@@ -54,8 +62,30 @@ def _port(name: str) -> str:
     return f"``{name}``" if name else ""
 
 
+def _shorten(app: Sphinx, what: str, name: str, item: Any, *_: Any) -> tuple[str, None] | None:
+    """Leave out the signature of a dataclass: its fields are listed below it."""
+    return ("", None) if what == "class" and is_dataclass(item) else None
+
+
+def _resolve(
+    app: Sphinx, environment: BuildEnvironment, node: addnodes.pending_xref, text: nodes.TextElement
+) -> nodes.reference | None:
+    """Link a name in a docstring that is documented once, in any module: ``Twin``, ``drake_twin.Twin``."""
+    if node.get("reftype") != "obj":
+        return None
+    domain, name = environment.domains.python_domain, node["reftarget"]
+    last = name.rpartition(".")[2] if name.startswith("drake_twin.") else name
+    names = [item for item in domain.objects if item.endswith(f".{last}")]
+    if len(names) != 1:
+        return None
+    found = domain.objects[names[0]]
+    return make_refnode(app.builder, node["refdoc"], found.docname, found.node_id, text, names[0])
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Add the directives."""
+    """Add the directives, and the rule for dataclasses."""
+    app.connect("autodoc-process-signature", _shorten)
+    app.connect("missing-reference", _resolve)
     app.add_directive("pydrake_system", PydrakeSystem)
     app.add_directive("room", Room)
     return {"parallel_read_safe": True}

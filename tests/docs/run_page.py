@@ -23,7 +23,7 @@ import yaml
 
 FILE_NAME = re.compile(r"`([\w./-]+\.\w+)`[^`]*:$")
 WAITS = ("--watch", "--view", "--viewer")
-# What a page tells the reader to do with other programs, or takes too long.
+# Commands of other programs, and those that take too long.
 OTHERS = (
     "pip",
     "python3",

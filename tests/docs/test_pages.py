@@ -23,6 +23,16 @@ def test_what_a_page_says_works(page, tmp_path):
     assert run.returncode == 0, run.stdout + run.stderr
 
 
+def test_the_controller_that_contributors_are_shown_has_forty_lines():
+    (file,) = [
+        block
+        for block in run_page.blocks(ROOT / ".github" / "CONTRIBUTING.md")
+        if "approach_controller" in str(block.file)
+    ][:1]
+    assert file.file == "drake_twin/controllers/approach_controller.py"
+    assert len([line for line in file.text.splitlines() if line]) <= 40
+
+
 def test_most_pages_have_something_to_run():
     assert {page.stem for page in PAGES} >= {
         *("start", "launch_files", "own_robot", "control", "sensors", "worlds", "physics", "python", "drake"),
