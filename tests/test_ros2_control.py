@@ -224,7 +224,7 @@ def test_strict_switches_all_or_nothing_and_best_effort_what_it_can(make):
     manager = twin.controller_manager("r")
     response = manager.switch_controller(activate=["positions", "nobody"], strictness=STRICT)
     assert (response.ok, states(twin)["positions"]) == (False, "inactive")
-    assert "there is no loaded controller 'nobody'; loaded are broadcaster, positions, efforts" in response.message
+    assert "controller 'nobody' is not loaded; loaded controllers: broadcaster, positions, efforts" in response.message
     response = manager.switch_controller(start=["positions", "nobody"], stop=["efforts"], strictness=BEST_EFFORT)
     assert (response.ok, states(twin)["positions"]) == (True, "active")
     assert "'nobody'" in response.message
@@ -524,5 +524,5 @@ def test_the_proportional_gain_of_the_position_is_honoured(make, monkeypatch):
 def test_a_gain_that_is_none_is_refused(make, monkeypatch):
     wrong = "<hardware><param name='position_proportional_gain'>fast</param>"
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", wrong))
-    with pytest.raises(InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a number"):
+    with pytest.raises(InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a positive number"):
         make("positions")

@@ -1,4 +1,4 @@
-"""A running twin: the facade, its time, topics, actions, controllers, entities, state and recording."""
+"""A running twin: the façade, time, topics, actions, controllers, entities, state and recording."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -14,15 +14,15 @@ _DONE = ("succeeded", "aborted", "canceled")
 
 
 class ActionGoal:
-    """A goal on its way; ask it how it is getting on.
+    """A goal with its status, feedback and result.
 
     Args:
         action: The action's name.
         type: Its ROS type.
-        id: The number that the controller gave the goal.
-        control: The robot's controllers.
+        id: The number that the controller assigned to the goal.
+        control: The control of the robot's controllers.
         controller: The controller's name.
-        on_result: Called once with this goal when it is done.
+        on_result: Called once with this goal when it ends.
 
     Attributes:
         action: The action's name.
@@ -47,7 +47,7 @@ class ActionGoal:
         self._result: Any = None
 
     def is_of(self, controls: Collection[RobotControl]) -> bool:
-        """Return whether one of some robots is to do it."""
+        """Return whether the goal belongs to one of these robots."""
         return self._control in controls
 
     @property
@@ -58,47 +58,47 @@ class ActionGoal:
 
     @property
     def is_done(self) -> bool:
-        """Whether it has come to its end."""
+        """Whether the goal has ended."""
         return self.status in _DONE
 
     @property
     def result(self) -> Any:
-        """The action's result message; None before the end."""
+        """The action's result message; None before the goal ends."""
         self._look()
         return self._result
 
     @property
     def feedback(self) -> Any:
-        """The action's feedback message at the present time; None once it is done."""
+        """The action's feedback message at the present time; None after the goal has ended."""
         if self.is_done or self._control is None:
             return None
         return self._control.controllers[self._name].feedback(self._control.context_of(self._name))
 
     def cancel(self) -> None:
-        """End it; the joints hold where they are."""
+        """Cancel the goal; the joints hold their positions."""
         if not self.is_done and self._control is not None:
             self._control.cancel(self._name)
             self._look()
 
     def deliver(self) -> bool:
-        """Tell whoever waits for the result, when it is done; returns whether it is."""
+        """Call back with the result if the goal has ended; return whether it has."""
         if not self.is_done:
             return False
         if self._on_result is not None:
             tell, self._on_result = self._on_result, None
             try:
                 tell(self)
-            except TwinError as error:  # what the twin refuses a callback ends nothing but that callback
+            except TwinError as error:  # a request that the twin refuses ends only the callback
                 _log.error("the callback of the goal for %s: %s", self._name, error)
         return True
 
     def drop(self) -> None:
-        """End it without a word, as when the twin begins anew."""
+        """End the goal without a callback, for example when the twin is reset."""
         self._look()
         if self._status not in _DONE:
             self._status = "canceled"
             self._on_result = None
-            self._control = None  # the robot may be gone
+            self._control = None  # the robot may have been deleted
 
     def _look(self) -> None:
         if self._status in _DONE or self._control is None:
@@ -106,7 +106,7 @@ class ActionGoal:
         state = self._control.controllers[self._name].goal_state(self._control.context_of(self._name))
         if state is None or state.id < self._id:
             return
-        if state.id > self._id:  # another goal took its place before it was looked at
+        if state.id > self._id:  # another goal replaced it before its status was read
             self._end("aborted", -1, "preempted by another goal")
             return
         self._status = state.status

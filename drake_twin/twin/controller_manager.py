@@ -1,7 +1,7 @@
-"""A robot's controller manager: which controllers are loaded and active, and which claims what.
+"""A robot's controller manager: which controllers are loaded and active, and their claims.
 
 Its methods are named like ROS 2's controller_manager services and answer as those do, with ``ok`` and a message; none
-raises because of a name or a conflict. A switch takes effect with the next physics step, also while the twin is paused.
+raises because of a name or a conflict. A switch takes effect at the next physics step, also while the twin is paused.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -21,7 +21,7 @@ BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 1, 2, 3, 4
 
 @dataclass(frozen=True)
 class Response:
-    """What a service answers; true when it succeeded."""
+    """The answer of a service; true if it succeeded."""
 
     ok: bool
     message: str = ""
@@ -32,17 +32,17 @@ class Response:
 
 @dataclass(frozen=True)
 class ControllerState:
-    """A loaded controller, as ``list_controllers`` tells of it.
+    """A loaded controller, as in ``list_controllers``.
 
     Attributes:
         name: Its name.
         state: Unconfigured, inactive or active.
         type: The plugin's name.
-        claimed_interfaces: What it has claimed.
-        required_command_interfaces: What it claims while it is active.
-        reference_interfaces: What other controllers may write of it.
+        claimed_interfaces: The command interfaces that it has claimed.
+        required_command_interfaces: The command interfaces that it claims while active.
+        reference_interfaces: Its references, which other controllers may write.
         is_chained: Whether an active controller writes its references.
-        update_rate: How often it is updated (Hz).
+        update_rate: The rate of its updates (Hz).
     """
 
     name: str
@@ -57,7 +57,7 @@ class ControllerState:
 
 @dataclass(frozen=True)
 class HardwareInterface:
-    """A command or state interface, as ``list_hardware_interfaces`` tells of it."""
+    """A command or state interface, as in ``list_hardware_interfaces``."""
 
     name: str
     is_available: bool = True
@@ -66,7 +66,7 @@ class HardwareInterface:
 
 @dataclass(frozen=True)
 class HardwareComponent:
-    """A ``<ros2_control>`` tag, as ``list_hardware_components`` tells of it."""
+    """A ``<ros2_control>`` tag, as in ``list_hardware_components``."""
 
     name: str
     type: str
@@ -81,8 +81,8 @@ class ControllerManager:
 
     Args:
         plan: The robot.
-        switched: Told of every change: the controllers activated, those deactivated before.
-        note: Told of every call that may change something: the method and its arguments.
+        switched: Called at every change with the activated controllers and those deactivated before.
+        note: Called with the method and the arguments of every call that may change something.
     """
 
     def __init__(
@@ -99,11 +99,11 @@ class ControllerManager:
         self.restart()
 
     def restart(self) -> None:
-        """Go back to the states at the start, without telling anybody."""
+        """Return to the states at the start, without a call of ``switched``."""
         self._states = {item.name: item.state for item in self._plan.controllers if item.state != UNLOADED}
 
     def retire(self) -> None:
-        """Have no controllers any more: the robot has been deleted."""
+        """Remove all controllers: the robot has been deleted."""
         self._plans, self._states = {}, {}
         self._switched = lambda started, stopped: None
         self._note = lambda *call: None
@@ -112,7 +112,7 @@ class ControllerManager:
         """Set the states that `states` returned, without a call of ``switched``.
 
         Raises:
-            ValueError: If a controller that the parameters files lack, or a state that is none.
+            ValueError: If a controller is not in the parameters files, or a state is invalid.
         """
         for name, state in states.items():
             if name not in self._plans or state not in (UNCONFIGURED, INACTIVE, ACTIVE):
@@ -135,7 +135,7 @@ class ControllerManager:
 
     @property
     def claims(self) -> dict[Interface, str]:
-        """Command interface → the active controller that has claimed it."""
+        """The claimed command interfaces, each with the active controller that has claimed it."""
         return {claim: name for name in self.active for claim in self._plans[name].claims}
 
     def list_controllers(self) -> tuple[ControllerState, ...]:
@@ -144,11 +144,11 @@ class ControllerManager:
         return tuple(self._controller_state(self._plans[name], state, claims) for name, state in self._states.items())
 
     def list_controller_types(self) -> tuple[str, ...]:
-        """Return the types that controllers may have."""
+        """Return the valid types of controllers."""
         return controller_types()
 
     def list_hardware_interfaces(self) -> tuple[tuple[HardwareInterface, ...], tuple[HardwareInterface, ...]]:
-        """Return the command interfaces, and the state interfaces."""
+        """Return the command interfaces and the state interfaces."""
         claims = self.claims
         commands = [
             HardwareInterface(str(interface), True, interface in claims)
@@ -188,7 +188,7 @@ class ControllerManager:
         return Response(True)
 
     def configure_controller(self, name: str) -> Response:
-        """Configure a controller that is loaded and not active."""
+        """Configure a controller that is loaded but not active."""
         (name,) = _names([name])
         self._note("configure_controller", name)
         if name not in self._states:
@@ -221,21 +221,21 @@ class ControllerManager:
         start: Iterable[str] = (),
         stop: Iterable[str] = (),
     ) -> Response:
-        """Deactivate and activates controllers at once; one that is in both lists begins anew.
+        """Deactivate and activate controllers at once; one that is in both lists is restarted.
 
-        With ``STRICT`` everything is done or nothing. With ``BEST_EFFORT`` (and ``AUTO``) what cannot be done is left
-        out and named in the message. ``FORCE_AUTO`` also deactivates whatever stands in the way.
+        With ``STRICT`` all of the switch is done or nothing. With ``BEST_EFFORT`` (and ``AUTO``) the impossible parts
+        are left out and named in the message. ``FORCE_AUTO`` also deactivates controllers with conflicting claims.
 
         Args:
-            activate: The controllers to activate (``start`` is the older name of it).
-            deactivate: The controllers to deactivate (``stop`` is the older name of it).
+            activate: The controllers to activate (``start`` is its older name).
+            deactivate: The controllers to deactivate (``stop`` is its older name).
             strictness: One of the four.
         """
         to_start = list(dict.fromkeys([*_names(activate), *_names(start)]))
         to_stop = list(dict.fromkeys([*_names(deactivate), *_names(stop)]))
         self._note("switch_controller", tuple(to_start), tuple(to_stop), strictness)
         if strictness not in (0, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
-            return Response(False, f"{strictness!r} is no strictness: 1 is BEST_EFFORT, 2 is STRICT")
+            return Response(False, f"unknown strictness {strictness!r}: 1 is BEST_EFFORT, 2 is STRICT")
         if strictness == FORCE_AUTO:
             to_stop += [name for name in self._in_the_way(to_start) if name not in to_stop]
         stopped, started, problems = self._resolve(to_start, to_stop)
@@ -249,13 +249,13 @@ class ControllerManager:
         return Response(True, message)
 
     def deactivate_failed(self, name: str) -> tuple[str, ...]:
-        """Deactivate a controller that has failed, and those that write to it.
+        """Deactivate a controller that has failed, and those that write to its references.
 
         Returns:
-            The controllers that were deactivated.
+            The deactivated controllers.
         """
         stopped = [name] if self._states.get(name) == ACTIVE else []
-        for below in stopped:  # grows while it is read: up the chain
+        for below in stopped:  # grows during the loop: up the chain
             stopped += [
                 other
                 for other in self.active
@@ -268,7 +268,7 @@ class ControllerManager:
         return tuple(stopped)
 
     def _resolve(self, to_start: list[str], to_stop: list[str]) -> tuple[list[str], list[str], list[str]]:
-        """Return what of a switch can be done, and why the rest cannot."""
+        """Return the possible parts of a switch, and why the others are impossible."""
         problems: list[str] = []
         stopped = []
         for name in to_stop:
@@ -290,7 +290,7 @@ class ControllerManager:
         return self._without_loose_ends(stopped, started, problems)
 
     def _refusal(self, name: str, stopped: list[str], claims: Mapping[Interface, str]) -> str | None:
-        """Return why a controller cannot be activated; None when it can."""
+        """Return why a controller cannot be activated; None if it can."""
         if name not in self._states:
             return self._not_loaded(name)
         if self._states[name] == UNCONFIGURED:
@@ -311,7 +311,7 @@ class ControllerManager:
     def _without_loose_ends(
         self, stopped: list[str], started: list[str], problems: list[str]
     ) -> tuple[list[str], list[str], list[str]]:
-        """Chains stay whole: a controller that writes to another one is active only while that one is."""
+        """Keep chains whole: a controller that writes to another one is active only while that one is."""
         while True:
             active = ({*self.active} - {*stopped}) | {*started}
             loose = [
@@ -365,11 +365,11 @@ class ControllerManager:
         ]
 
     def _not_loaded(self, name: str) -> str:
-        return f"there is no loaded controller {name!r}; loaded are {', '.join(self._states) or 'none'}"
+        return f"controller {name!r} is not loaded; loaded controllers: {', '.join(self._states) or 'none'}"
 
 
 def _names(names: Any) -> list[str]:
-    """One name, several or none, as people write it; what is no text stands for itself in the answer."""
+    """Return one name, several or none as a list; an invalid name is replaced by its text for the answer."""
     if names is None:
         return []
     several = [names] if isinstance(names, str | bytes) or not isinstance(names, Iterable) else names

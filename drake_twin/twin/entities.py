@@ -1,7 +1,7 @@
-"""Where robots, their links and the world's models are and how they move: read, set, pushed.
+"""Poses and motion of robots, their links and the world's models: read and set them, apply wrenches.
 
-Names are Gazebo's: a robot or a model of the world (``robot_1``), or a link of it (``robot_1::base_link``). Poses and
-twists are in the world, or in the frame of another entity.
+Names are Gazebo's: a robot or a model of the world (``robot_1``), or one of its links (``robot_1::base_link``). Poses
+and twists are in the world, or in the frame of another entity.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -29,10 +29,10 @@ class EntityState:
     """Pose and twist of an entity in a reference frame.
 
     Attributes:
-        position: X, y, z (m).
-        orientation: Quaternion w, x, y, z.
-        linear: Velocity of its origin (m/s).
-        angular: Angular velocity (rad/s).
+        position: The position x, y, z (m).
+        orientation: The quaternion w, x, y, z.
+        linear: The velocity of its origin (m/s).
+        angular: The angular velocity (rad/s).
     """
 
     position: tuple[float, float, float]
@@ -44,13 +44,13 @@ class EntityState:
 @saved("Wrench")
 @dataclass(frozen=True)
 class Wrench:
-    """A force and a torque on a link for a while.
+    """A force and a torque that act on a link for some time.
 
     Attributes:
-        entity: The link, in full.
-        force: At the link's origin, in the world's axes (N).
-        torque: Likewise (N·m).
-        until: When it ends (simulated s).
+        entity: The full name of the link.
+        force: The force at the link's origin, in the world's axes (N).
+        torque: The torque, in the world's axes (N·m).
+        until: The simulation time at which it ends (s).
     """
 
     entity: str
@@ -60,10 +60,10 @@ class Wrench:
 
 
 def find_body(built: TwinDiagram, entity: str) -> RigidBody:
-    """Return the body that an entity is, or its root link's.
+    """Return the body of an entity: a link, or a model's root link.
 
     Raises:
-        InputError: If there is none of the name.
+        InputError: If the entity does not exist.
     """
     plant = built.plant
     name, separator, link = str(entity).partition("::")
@@ -85,10 +85,10 @@ def find_body(built: TwinDiagram, entity: str) -> RigidBody:
 
 
 def entity_state(built: TwinDiagram, plant_context: Context, entity: str, reference: str = WORLD) -> EntityState:
-    """Pose and twist of an entity, in the world or in another entity's frame.
+    """Return the pose and twist of an entity, in the world or in another entity's frame.
 
     Raises:
-        InputError: If there is none of the name.
+        InputError: If an entity does not exist.
     """
     body = find_body(built, entity)
     plant = built.plant
@@ -114,32 +114,32 @@ def set_entity_state(
     angular: Iterable[float] | None = None,
     reference: str = WORLD,
 ) -> None:
-    """Put a robot or a moving model somewhere, or gives it a velocity; what is not given stays.
+    """Set the pose or velocity of a robot or a moving model; parts that are not given stay.
 
     Args:
         built: The diagram.
         plant_context: Its plant's context.
         entity: The robot or model.
-        position: X, y, z (m).
-        orientation: Quaternion w, x, y, z; it need not be of length one.
-        linear: Velocity (m/s).
-        angular: Angular velocity (rad/s).
-        reference: ``world`` or the entity whose frame all of it is in.
+        position: The position x, y, z (m).
+        orientation: The quaternion w, x, y, z of any length.
+        linear: The velocity (m/s).
+        angular: The angular velocity (rad/s).
+        reference: ``world`` or the entity in whose frame all values are.
 
     Raises:
-        InputError: If there is none of the name, it cannot be moved, or a value is none.
+        InputError: If an entity does not exist or cannot be moved, or a value is invalid.
     """
     plant = built.plant
     body = find_body(built, entity)
     if not body.is_floating_base_body() or not body.has_quaternion_dofs():
         what = "is fixed to the world, or to another link, or moves on driven joints"
-        raise InputError(f"Entity [{entity}] cannot be put anywhere: it {what}")
+        raise InputError(f"Entity [{entity}] cannot be moved: it {what}")
     frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
     now = entity_state(built, plant_context, entity, reference)
     p = _numbers(position, 3, "position") if position is not None else np.array(now.position)
     q = _numbers(orientation, 4, "orientation") if orientation is not None else np.array(now.orientation)
     if not np.abs(q).max() > 0:
-        raise InputError("the orientation is zero, which is no quaternion")
+        raise InputError("the orientation is zero, which is not a rotation")
     v = _numbers(linear, 3, "linear velocity") if linear is not None else np.array(now.linear)
     w = _numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
     X_WR = plant.CalcRelativeTransform(plant_context, plant.world_frame(), frame)
@@ -157,7 +157,7 @@ def set_entity_state(
 def set_joint_positions(
     built: TwinDiagram, plant_context: Context, plan: RobotPlan, positions: Mapping[str, float]
 ) -> None:
-    """Set joint positions (rad or m) of a robot, without forces.
+    """Set joint positions (rad or m) of a robot without applying forces.
 
     Raises:
         InputError: If a joint is unknown, or a position is not a finite number.
@@ -185,10 +185,10 @@ def make_wrench(
     until: float,
     reference: str,
 ) -> Wrench:
-    """Return a wrench given in a frame, as one in the world's axes.
+    """Return a wrench in the world's axes, given one in a frame.
 
     Raises:
-        InputError: If there is none of the name, or a value is none.
+        InputError: If an entity does not exist, or a value is invalid.
     """
     find_body(built, entity)
     R = RotationMatrix()
@@ -201,7 +201,7 @@ def make_wrench(
 def _rotation(q: np.ndarray) -> RotationMatrix:
     from pydrake.common.eigen_geometry import Quaternion
 
-    q = q / np.abs(q).max()  # first, or the squares of very large numbers overflow
+    q = q / np.abs(q).max()  # first, because the squares of very large numbers overflow
     return RotationMatrix(Quaternion(q / np.linalg.norm(q)))
 
 
@@ -209,7 +209,7 @@ def _numbers(values: Iterable[float], count: int, what: str) -> np.ndarray:
     try:
         numbers = np.array([float(value) for value in values])
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"the {what} {shortened(values)} is not made of numbers") from None
+        raise InputError(f"the {what} {shortened(values)} is not a list of numbers") from None
     if numbers.shape != (count,) or not all(map(isfinite, numbers)):
         raise InputError(f"the {what} {shortened(values)} is not {count} finite numbers")
     return numbers

@@ -1,4 +1,4 @@
-"""What went wrong in a step of the physics: after which time, and with which joint of which robot."""
+"""The report of a failed step of the physics: the last good time, and the joint and robot that caused it."""
 
 import contextlib
 import re
@@ -15,22 +15,22 @@ from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import RunError
 from drake_twin.twin.physics import ABSURD, Moment
 
-_MOST_NAMED = 3  # joints in a message
-_NOTABLE = 100.0  # rad/s² or m/s²: what accelerates less is not what a step fails for
+_MOST_NAMED = 3  # joints named in a message
+_NOTABLE = 100.0  # rad/s² or m/s²: smaller accelerations do not make a step fail
 _OF_THE_BASE = (LINEAR_X, LINEAR_Y, LINEAR_Z, ANGULAR_Z)
 
 
 @dataclass(frozen=True)
 class _Mover:
-    """A joint that moves, or what holds a free body.
+    """A joint that moves, or a free body.
 
     Attributes:
         owner: ``robot 'arm'``, or ``model 'crate' of the world``.
-        label: ``joint elbow``, or ``the base``; nothing for a free body of the world.
-        speed: How fast it moved when all was well (rad/s or m/s).
-        acceleration: Rad/s² or m/s².
-        unit: Of the speed.
-        is_possible: Whether its position and velocity still are.
+        label: ``joint elbow``, or ``the base``; empty for a free body of the world.
+        speed: Its speed in the last good state (rad/s or m/s).
+        acceleration: Its acceleration (rad/s² or m/s²).
+        unit: The unit of the speed.
+        is_possible: Whether its present position and velocity are possible.
     """
 
     owner: str
@@ -49,15 +49,15 @@ def failure(
     good: Moment | None = None,
     before: Moment | None = None,
 ) -> RunError:
-    """Return what Drake raises while it simulates, or solves for what a sensor measures, as an error for the user.
+    """Convert what Drake raises in a step, or in the solution for a sensor's output, to an error for the user.
 
     Args:
         built: The diagram.
         plant_context: Its plant's context, as the failure has left it.
-        time: The last time at which all was well (s).
-        error: What was raised: a RuntimeError, or SystemExit, as some of Drake's checks end the process if they can.
-        good: That time's moment; by default what the context holds.
-        before: An earlier one.
+        time: The last good time (s).
+        error: The exception: a RuntimeError, or a SystemExit of some of Drake's checks.
+        good: The moment of the last good time; by default the content of the context.
+        before: An earlier moment.
     """
     now = built.plant.GetPositionsAndVelocities(plant_context)
     last = now if good is None else good.state
@@ -73,12 +73,12 @@ def failure(
 
 
 def is_possible(state: np.ndarray) -> bool:
-    """Return whether a state is made of finite numbers, none of them absurdly large."""
-    return bool(np.logical_and.reduce(np.abs(state) < ABSURD))  # which NaN is not
+    """Return whether a state has only finite numbers that are not absurdly large."""
+    return bool(np.logical_and.reduce(np.abs(state) < ABSURD))  # false for NaN
 
 
 def _lost(lost: Sequence[_Mover], was_good: bool) -> str:
-    """Return what no longer has a state: that of one owner which was the wildest before."""
+    """Return the sentence on the joints without a possible state, of the owner with the largest acceleration."""
     worst = lost[0]
     labels = [mover.label for mover in lost if mover.owner == worst.owner]
     more = f" and {len(labels) - _MOST_NAMED} more" if len(labels) > _MOST_NAMED else ""
@@ -86,13 +86,13 @@ def _lost(lost: Sequence[_Mover], was_good: bool) -> str:
     speed = f" (before, {worst.label or 'it'} moved at {worst.speed:.2g} {worst.unit})" if was_good else ""
     return (
         f"{who} {'is' if len(labels) == 1 else 'are'} no longer at a finite position or speed{speed}."
-        " Masses, inertias, gains or forces that differ by many orders of magnitude do this, and so does a step that"
-        " is too long"
+        " Possible causes: masses, inertias, gains or forces that differ by many orders of magnitude, or a time step"
+        " that is too long"
     )
 
 
 def _suspect(movers: Sequence[_Mover], named: set[str]) -> str:
-    """Return where to look for the cause of what Drake raises, as far as that is known."""
+    """Return the sentence on the likely cause of what Drake raises; empty if unknown."""
     movers = [mover for mover in movers if not named or mover.owner in named]
     if movers and movers[0].acceleration > _NOTABLE:
         worst = movers[0]
@@ -104,7 +104,7 @@ def _suspect(movers: Sequence[_Mover], named: set[str]) -> str:
 def _accelerations(
     plant: MultibodyPlant, plant_context: Context, good: Moment | None, before: Moment | None
 ) -> np.ndarray:
-    """Return how what fails accelerated before it did: as far as it got, up to there, or what a continuous plant gives."""
+    """Return the accelerations before a failure: up to the failed state, or as calculated by a continuous plant."""
     moments = [moment for moment in (before, good) if moment is not None]
     times = [*(moment.time for moment in moments), plant_context.get_time()]
     states = [*(moment.state for moment in moments), plant.GetPositionsAndVelocities(plant_context)]
@@ -112,20 +112,20 @@ def _accelerations(
         if duration > 0 and np.isfinite(change).all():
             return np.asarray(change[plant.num_positions() :] / duration)
     found = np.zeros(plant.num_velocities())
-    if plant.time_step() == 0:  # which would solve the failing step
+    if plant.time_step() == 0:  # a discrete plant would solve the failing step
         with contextlib.suppress(RuntimeError, SystemExit):
             found = plant.get_generalized_acceleration_output_port().Eval(plant_context)
     return found if np.isfinite(found).all() else np.zeros(plant.num_velocities())
 
 
 def _movers(built: TwinDiagram, now: np.ndarray, last: np.ndarray, accelerations: np.ndarray) -> Iterator[_Mover]:
-    """Yield all that moves.
+    """Yield everything that moves.
 
     Args:
         built: The diagram.
         now: The plant's ``[q; v]``.
-        last: The last good one.
-        accelerations: How it accelerated (rad/s² or m/s²).
+        last: The last good ``[q; v]``.
+        accelerations: The accelerations (rad/s² or m/s²).
     """
     plant, owners = built.plant, _owners(built)
     for joint in map(plant.get_joint, plant.GetJointIndices()):
@@ -155,7 +155,7 @@ def _label(joint: Joint, owner: str) -> str:
 
 
 def _owners(built: TwinDiagram) -> dict[ModelInstanceIndex, str]:
-    """Model instance → the robot, or the model of the world, in words."""
+    """Return the robot, or the model of the world, of each model instance, as text."""
     return {
         instance: f"robot {name!r}" if name in built.robots else f"model {name!r} of the world"
         for instance, name in built.owners().items()
@@ -163,7 +163,7 @@ def _owners(built: TwinDiagram) -> dict[ModelInstanceIndex, str]:
 
 
 def _named_in(text: str, built: TwinDiagram) -> set[str]:
-    """Return the owners of the bodies that Drake names."""
+    """Return the owners of the bodies in Drake's message."""
     names = re.findall(r"\bbody (\w+)", text)
     return {
         owner

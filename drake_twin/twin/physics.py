@@ -1,7 +1,7 @@
 """A scenario's diagram with its simulator, and the state of its plant.
 
-A plant cannot change once it is finalized. When a robot comes or goes, or the step changes, the diagram is built again,
-every state is transferred by name, and the old diagram is released, so that its memory is freed.
+A plant cannot change once it is finalized. When a robot is added or deleted, or the step changes, the diagram is
+rebuilt, every state is transferred by name, and the old diagram is released, so that its memory is freed.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,8 +28,8 @@ from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.state import read_robot_state
 
-# Longer than the longest grid (s): a limit that is met but for rounding leaves a step of 1e-16 s. In such a step the
-# velocity that CENIC gives a mimic joint, its position error divided by the step, is without bounds.
+# Longer than the longest grid (s): a limit that is met except for rounding leaves a step of 1e-16 s. In such a step the
+# velocity that CENIC gives a mimic joint, its position error divided by the step, is unbounded.
 _LONGEST_STEP_OF_CENIC = 1.1 * LONGEST_STEP
 ABSURD = 1e12  # rad, m, rad/s or m/s
 _SAME_TIME = 1e-9  # s
@@ -37,12 +37,12 @@ _SAME_TIME = 1e-9  # s
 
 @dataclass(frozen=True)
 class Moment:
-    """What a diagram's context holds between two steps, to go back to when a step fails.
+    """The content of a diagram's context between two steps, to return to after a failed step.
 
     Attributes:
-        time: S.
+        time: The time (s).
         state: The plant's ``[q; v]``.
-        samples: What each controller that keeps something keeps, in the order of their contexts.
+        samples: The sample of each stateful controller, in the order of their contexts.
     """
 
     time: float
@@ -58,17 +58,17 @@ class Physics:
     """A scenario's diagram with its simulator.
 
     Args:
-        scenario: What to run.
+        scenario: The scenario to run.
         meshcat: The page to draw on.
-        known: A diagram that was built before; what it shares with this one is not made again.
-        plans: Plans of robots that were made before.
-        extensions: Add a user's own systems to the diagram.
+        known: A diagram that was built before; parts that both have are not read again.
+        plans: Plans of robots, if made before.
+        extensions: Functions that add a user's own systems to the diagram.
 
     Attributes:
         built: The diagram.
         simulator: Its simulator.
         context: The root context.
-        plant_context: The plant's part of it.
+        plant_context: The plant's context.
     """
 
     def __init__(
@@ -107,14 +107,14 @@ class Physics:
             self._updates = {(item.setup.update_period, item.setup.update_offset) for item in keepers}
 
     def settle(self) -> bool:
-        """Halves the quaternions of what turns freely, as often as their lengths allow, after each advance.
+        """Halve the quaternions of free bodies, as often as their lengths allow, after each advance.
 
-        Each of Drake's discrete steps makes a quaternion longer, by (h ω)² / 8: one that turns at 20 rad/s with 10 ms
-        would be beyond all numbers after eight seconds. Drake's plant means the same by a quaternion of any length, and
-        a power of two changes no digit: a run goes on to the same bit whenever this is called.
+        Each of Drake's discrete steps lengthens a quaternion by (h ω)² / 8: at 20 rad/s and a step of 10 ms it would
+        overflow after eight seconds. Drake's plant accepts a quaternion of any length, and a power of two changes no
+        digit, so that the run continues to the same bit whenever this is called.
 
         Returns:
-            Whether the state is one that a thing can be in.
+            Whether the state is possible.
         """
         plant = self.built.plant
         state = plant.GetPositionsAndVelocities(self.plant_context)
@@ -127,10 +127,10 @@ class Physics:
         return bool(np.logical_and.reduce(np.abs(state) < ABSURD))
 
     def initialize(self) -> None:
-        """Make the simulator begin at the context's time and state.
+        """Initialize the simulator at the context's time and state.
 
         Raises:
-            RunError: Drake cannot.
+            RunError: If Drake cannot.
         """
         try:
             self.simulator.Initialize()
@@ -138,13 +138,13 @@ class Physics:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
 
     def moment(self) -> Moment:
-        """Return the present moment, which `go_back` returns to. Asked for before each advance: it copies one vector."""
+        """Return the present moment, for `go_back`. It is called before each advance, and copies one vector."""
         state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
         samples = tuple(starmap(_sample, self._keepers))
         return Moment(self.context.get_time(), state, samples)
 
     def go_back(self, moment: Moment) -> None:
-        """Go back to a moment of this diagram, as far as steps have changed what it holds."""
+        """Return to a moment of this diagram, for all that steps have changed."""
         self.context.SetTime(moment.time)
         self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
         for (item, context), sample in zip(self._keepers, moment.samples, strict=True):
@@ -152,7 +152,7 @@ class Physics:
         self.initialize()
 
     def time_of(self, step: int) -> float:
-        """Return the time at which a step ends (s), or the time of an update that differs from it by rounding alone.
+        """Return the end time of a step (s), or the time of an update that differs from it only by rounding.
 
         With CENIC a controller's update just beside a step's end would leave a step of 1e-16 s between the two.
         """
@@ -168,7 +168,7 @@ class Physics:
         self.context.SetTime(0.0)
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
-        """Put a robot's ``[q; v]`` where it belongs."""
+        """Set a robot's ``[q; v]``."""
         self.built.plant.SetPositionsAndVelocities(self.plant_context, self.built.robots[robot].instance, state)
 
     def robot_state(self, robot: str) -> np.ndarray:
@@ -179,9 +179,9 @@ class Physics:
     def state(self) -> dict[str, Any]:
         """Return the entries of a snapshot that this part keeps, as plain data.
 
-        Of each robot these are its vector ``[q; v]`` and, to be read, the same by joint and the pose of its base.
+        For each robot these are its vector ``[q; v]`` and, for readers, the same by joint and the pose of its base.
         """
-        self.settle()  # the context may hold a state that was written with Drake's own means
+        self.settle()  # a user may have written the state by Drake's own methods
         state = {
             "robots": {plan.name: self._robot_entries(plan) for plan in self.built.plans},
             "models": self._model_states(),
@@ -195,12 +195,12 @@ class Physics:
         """Set the entries that `state` returned, of the same robots and models.
 
         Raises:
-            ValueError: If they are those of other robots or models, or cannot be used.
+            ValueError: If they are those of other robots or models, or are invalid.
         """
         if set(state["robots"]) != {plan.name for plan in self.built.plans}:
-            raise ValueError("it has no state of some of them, or one of others")
+            raise ValueError("its robots or models are not those of the twin")
         if set(state["models"]) != set(self.built.world_models):
-            raise ValueError("the world's models are others")
+            raise ValueError("its models of the world are not those of the twin")
         self._set_models(state["models"])
         self._parameters.put(self.context, state["parameters"])
         for name, saved in state["robots"].items():
@@ -208,10 +208,10 @@ class Physics:
         self._extensions.set_state(state.get("systems", {}))
 
     def transfer(self, state: Mapping[str, Any], old: "Physics") -> None:
-        """Set what of another diagram's state has a place in this one.
+        """Set the part of another diagram's state that has a place in this one.
 
         Args:
-            state: What `state` of the other diagram returned.
+            state: The result of `state` of the other diagram.
             old: The other diagram.
         """
         known = {plan.name: plan for plan in old.built.plans}
@@ -251,10 +251,10 @@ class Physics:
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
     def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
-        """Let forces and torques act on links, and no others."""
+        """Apply these forces and torques to links, and no others."""
         port = self.built.plant.get_applied_spatial_force_input_port()
         if not wrenches and not port.HasValue(self.plant_context):
-            return  # a port that was never used costs nothing
+            return  # an unused port costs nothing
         forces = []
         for wrench in wrenches:
             force = ExternallyAppliedSpatialForce()

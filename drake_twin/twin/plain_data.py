@@ -1,7 +1,7 @@
-"""Frozen values as plain data that JSON holds without loss, and back: what controllers keep, messages on ports.
+"""Conversion of frozen values to plain data that JSON keeps without loss, and back: controllers' memories, messages.
 
-A mapping with the key ``!`` stands for what JSON has no word for: a tuple, an array, a number that is not finite, a
-plain class of this package by its name and version, a ROS message. Numbers come back to the last bit.
+A mapping with the key ``!`` represents a value that JSON lacks: a tuple, an array, a number that is not finite, a saved
+class of this package by its registered name and version, a ROS message. Numbers are restored to the last bit.
 """
 
 import types
@@ -23,7 +23,7 @@ def to_plain(value: Any) -> Any:
     """Return a value as plain data.
 
     Raises:
-        TypeError: If a value of a kind that is none of those above.
+        TypeError: If the value is of another kind than those above.
     """
     if value is None or isinstance(value, bool | int | str):
         return value
@@ -57,10 +57,10 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(data: Any) -> Any:
-    """Return the value that plain data stands for.
+    """Return the value that plain data represents.
 
     Raises:
-        InputError: If the data is none that `to_plain` makes.
+        InputError: If the data does not come from `to_plain`.
     """
     if isinstance(data, list):
         return [from_plain(item) for item in data]
@@ -69,7 +69,7 @@ def from_plain(data: Any) -> Any:
     try:
         return _special(data["!"], {key: item for key, item in data.items() if key != "!"})
     except (KeyError, TypeError, ValueError, OverflowError, AttributeError, ImportError) as error:
-        raise InputError(f"{messages.shortened(data)} is no saved value ({error})") from None
+        raise InputError(f"{messages.shortened(data)} is not a saved value ({error})") from None
 
 
 def _special(kind: str, data: dict[str, Any]) -> Any:
@@ -85,7 +85,7 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
         return messages.type_store().types[kind](**{key: from_plain(item) for key, item in data.items()})
     found: Any = SAVED_CLASSES.get(kind)
     if found is None:
-        raise ValueError(f"{kind} is no class of which values are saved")
+        raise ValueError(f"{kind} is not a class with saved values")
     name = found.__name__
     if hasattr(found, "_fields"):
         value = found(*(from_plain(item) for item in data["items"]))
@@ -96,7 +96,7 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
     hints = _hints(found)
     for field in names:
         if not _fits(getattr(value, field), hints.get(field, Any)):
-            raise ValueError(f"{messages.shortened(getattr(value, field))} is no {field} of a {name}")
+            raise ValueError(f"{messages.shortened(getattr(value, field))} is not a valid {field} of {name}")
     return value
 
 
@@ -106,7 +106,7 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of an annotated type; what cannot be told is."""
+    """Return whether a value is of an annotated type; true if that cannot be checked."""
     origin, arguments = typing.get_origin(hint), typing.get_args(hint)
     if hint is Any or isinstance(hint, typing.TypeVar):
         return True

@@ -1,4 +1,4 @@
-"""What somebody has changed in a plant's context besides its state: masses, dampings, motors, frames, friction."""
+"""A user's changes of a plant's context besides its state: masses, dampings, motors, frames, friction."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -20,7 +20,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.twin.plain_data import from_plain, to_plain
 
-# What of a shape's properties is numbers. The names are Drake's.
+# The numeric properties of a shape, with Drake's names.
 _MATERIAL = (
     ("material", "coulomb_friction"),
     ("material", "hunt_crossley_dissipation"),
@@ -37,7 +37,7 @@ _Write = Callable[[Context, Sequence[float]], None]
 
 
 class _Parameter(NamedTuple):
-    """One parameter, by its name in any diagram that has the robot."""
+    """One parameter, with a name that is the same in any diagram with the robot."""
 
     name: str
     read: _Read
@@ -49,8 +49,8 @@ class PlantParameters:
 
     Args:
         plant: The plant.
-        scene_graph: Where its shapes are.
-        root: The diagram's context, as it was built: the model's own properties lack the scene graph's defaults.
+        scene_graph: The scene graph with its shapes.
+        root: The diagram's context as built, because the model's own properties lack the scene graph's defaults.
     """
 
     def __init__(self, plant: MultibodyPlant, scene_graph: SceneGraph, root: Context):
@@ -64,7 +64,7 @@ class PlantParameters:
         self._materials = {geometry: _materials(inspector, geometry) for _, geometry in self._shapes}
 
     def changed(self, root: Context) -> dict[str, list[Any]]:
-        """Name → value of each parameter that is not as it was built, as plain data.
+        """Return the name and value of each parameter that has changed since the build, as plain data.
 
         Args:
             root: The diagram's context.
@@ -86,15 +86,15 @@ class PlantParameters:
         return found
 
     def put(self, root: Context, given: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> None:
-        """Put parameters back, and all others to what they were built with.
+        """Set parameters, and all others to their values as built.
 
         Args:
             root: The diagram's context.
-            given: What `changed` found, in this diagram or another one.
-            leave_out_unknown: Whether those of robots that are not there are passed over.
+            given: The result of `changed`, for this diagram or another one.
+            leave_out_unknown: Whether to skip the parameters of unknown robots.
 
         Raises:
-            ValueError: If there is no such parameter, or a value is none.
+            ValueError: If a parameter is unknown, or a value is invalid.
         """
         wanted = {name: [float(from_plain(value)) for value in values] for name, values in given.items()}
         if not np.isfinite([value for values in wanted.values() for value in values]).all():
@@ -114,7 +114,7 @@ class PlantParameters:
             if own or any(f"{name} {key}" in present for key in keys):
                 self._assign(root, geometry, own)
         if wanted and not leave_out_unknown:
-            raise ValueError(f"the plant has no such parameters: {', '.join(wanted)}")
+            raise ValueError(f"the plant does not have the parameters {', '.join(wanted)}")
 
     def _assign(self, root: Context, geometry: GeometryId, values: dict[str, list[float]]) -> None:
         properties = ProximityProperties(self._scene_graph.model_inspector().GetProximityProperties(geometry))
@@ -133,7 +133,7 @@ class PlantParameters:
         return self._scene_graph.get_query_output_port().Eval(context).inspector()
 
     def _as_built(self) -> Context:
-        """Return the plant's context as it was built; made when it is first asked for."""
+        """Return the plant's context as built; it is made on the first call."""
         if self._default is None:
             self._default = self._plant.CreateDefaultContext()
         return self._default
@@ -164,14 +164,14 @@ class PlantParameters:
 
 
 def _numbers(context: Context, joints: Iterable[Joint]) -> list[bytes | bool]:
-    """Return all numeric parameters of a plant, and which joints are locked, to be compared."""
+    """Return all numeric parameters of a plant, and which joints are locked, for comparison."""
     groups = range(context.num_numeric_parameter_groups())
     numbers = [context.get_numeric_parameter(index).value().tobytes() for index in groups]
     return [*numbers, *(joint.is_locked(context) for joint in joints)]
 
 
 def _lock(joint: Joint) -> tuple[_Read, _Write]:
-    """1 for a joint that is locked."""
+    """Read and write 1 for a locked joint, 0 for another one."""
 
     def write(context: Context, values: Sequence[float]) -> None:
         joint.Lock(context) if values[0] else joint.Unlock(context)
@@ -180,7 +180,9 @@ def _lock(joint: Joint) -> tuple[_Read, _Write]:
 
 
 def _inertia(body: RigidBody) -> tuple[_Read, _Write]:
-    """Mass, centre of mass (m), and the unit inertia's moments and products (m²) about the body's origin."""
+    """Read and write mass, center of mass (m), and the unit inertia's moments and products (m²) about the body's
+    origin.
+    """
 
     def read(context: Context) -> list[float]:
         inertia = body.CalcSpatialInertiaInBodyFrame(context)
@@ -196,7 +198,7 @@ def _inertia(body: RigidBody) -> tuple[_Read, _Write]:
 
 
 def _motor(motor: JointActuator) -> tuple[_Read, _Write]:
-    """Rotor inertia (kg m²) and gear ratio."""
+    """Read and write rotor inertia (kg m²) and gear ratio."""
 
     def write(context: Context, values: Sequence[float]) -> None:
         rotor_inertia, gear_ratio = values
@@ -207,7 +209,7 @@ def _motor(motor: JointActuator) -> tuple[_Read, _Write]:
 
 
 def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
-    """Return the pose in the parent frame: a matrix of 3×4, row by row."""
+    """Read and write the pose in the parent frame: a 3×4 matrix, row by row."""
 
     def write(context: Context, values: Sequence[float]) -> None:
         matrix = np.array(values).reshape(3, 4)
@@ -218,7 +220,7 @@ def _pose(frame: FixedOffsetFrame) -> tuple[_Read, _Write]:
 
 
 def _materials(inspector: SceneGraphInspector, geometry: GeometryId) -> dict[str, list[float]]:
-    """Return what is numbers among a shape's properties: ``material/coulomb_friction`` → static, dynamic."""
+    """Return the numeric properties of a shape: ``material/coulomb_friction`` → static, dynamic."""
     properties, found = inspector.GetProximityProperties(geometry), {}
     for group, name in _MATERIAL:
         if properties.HasProperty(group, name):

@@ -10,18 +10,20 @@ from drake_twin.twin.schedule import step_at
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
 
-_FRAME = 1 / 30  # the page and the wall clock are looked after this often (s)
+_FRAME = 1 / 30  # period of the page's and the wall clock's turns (s)
 _MOST_STEPS_A_FRAME = 10_000
-_MOST_BEHIND = 0.25  # wall time (s) that is made up for when the processor was away, with a browser that renders say
-_SLICE = 0.01  # simulated s between two looks at the wall clock of a run that never waits
+_MOST_BEHIND = (
+    0.25  # largest wall time (s) to catch up after a pause of the process, for example while a browser renders
+)
+_SLICE = 0.01  # simulated s between two readings of the wall clock in a run that never waits
 
 
 def run_in_real_time(
     twin: "Twin", until: float | None, each_frame: Callable[[], bool], *, as_fast_as_possible: bool
 ) -> None:
-    """As `Twin.run`, whose arguments these are."""
+    """Run a twin; see `Twin.run` for the arguments."""
     frame_start = wall_clock.perf_counter()
-    owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
+    owed = 0.0  # simulation time granted by the wall clock and not yet used by a step (s)
     while not _is_over(twin, until) and each_frame():
         twin.draw()
         if as_fast_as_possible and not twin.paused:
@@ -42,7 +44,7 @@ def _is_over(twin: "Twin", until: float | None) -> bool:
 
 
 def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
-    """Advance by some steps, and no further than to the end."""
+    """Advance by some steps, but not beyond the end."""
     target = twin.step_count + steps
     if until is not None:
         target = min(target, step_at(until, twin.time_step))
@@ -51,7 +53,7 @@ def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
 
 
 def _advance_for(twin: "Twin", wall_time: float, until: float | None) -> None:
-    """Advance for about so much wall time (s)."""
+    """Advance for about this wall time (s)."""
     start = wall_clock.perf_counter()
     while not twin.paused and not _is_over(twin, until):
         _advance_by(twin, max(1, round(_SLICE / twin.time_step)), until)

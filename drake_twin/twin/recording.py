@@ -1,4 +1,4 @@
-"""What was done to a twin and when, so that it can be done again: the same calls at the same steps, the same state."""
+"""Recordings of the calls that changed a twin: repeated at the same steps, they give the same state."""
 
 import functools
 import inspect
@@ -40,24 +40,24 @@ _METHODS = (
     "set_time_step",
     "silence",
     "spawn",
-)  # of `Twin`
+)  # names of methods of `Twin`
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
 @saved("Call")
 @dataclass(frozen=True)
 class Call:
-    """Something that was done to a twin.
+    """A call that changed a twin.
 
     Attributes:
-        time: When (simulated s).
-        name: The method of `Twin`; ``controller_manager`` and ``cancel`` are the methods of those.
-        arguments: What it was given.
-        named: What it was given by name.
-        is_refused: Whether it was refused.
+        time: The simulation time (s).
+        name: The method of `Twin`, or ``controller_manager`` or ``cancel`` for methods of these.
+        arguments: The positional arguments.
+        named: The keyword arguments.
+        is_refused: Whether the twin refused the call.
 
     Raises:
-        InputError: If an entry is of another kind.
+        InputError: If an entry is invalid.
     """
 
     time: float
@@ -70,13 +70,13 @@ class Call:
         known = self.name in (_CONTROLLER_MANAGER, _CANCEL) or self.name in _METHODS
         given = isinstance(self.arguments, tuple) and isinstance(self.named, Mapping)
         if not known or not given or not all(isinstance(name, str) for name in self.named) or not _is_time(self.time):
-            raise InputError(f"{shortened(self.name)} at {shortened(self.time)} s is nothing that is done to a twin")
+            raise InputError(f"{shortened(self.name)} at {shortened(self.time)} s is not a call that can be recorded")
 
 
 @saved("Recording")
 @dataclass(frozen=True)
 class Recording:
-    """A run: how it began, what was done, and when it ended (simulated s)."""
+    """A run: its first moment, the calls, and the simulation time of its end (s)."""
 
     start: Snapshot
     calls: tuple[Call, ...]
@@ -85,10 +85,10 @@ class Recording:
     def __post_init__(self) -> None:
         are_calls = isinstance(self.calls, tuple) and all(isinstance(call, Call) for call in self.calls)
         if not isinstance(self.start, Snapshot) or not are_calls or not _is_time(self.end):
-            raise InputError("a recording is a snapshot, calls and the time of the end")
+            raise InputError("a recording has a snapshot, calls and the time of the end")
 
     def save(self, file: str | Path) -> None:
-        """Write it as JSON.
+        """Write the recording as JSON.
 
         Raises:
             RunError: If the file cannot be written.
@@ -97,25 +97,25 @@ class Recording:
 
     @classmethod
     def load(cls, file: str | Path) -> "Recording":
-        """Read what `save` wrote.
+        """Read a file that `save` wrote.
 
         Raises:
-            InputError: If the file cannot be read, or is no recording of this version.
+            InputError: If the file cannot be read, or is not a recording of a known version.
         """
         try:
             recording = from_plain(read_saved(file, _KIND, _VERSION).get("recording"))
         except InputError as error:
             raise InputError(error.message, file=file) from None
         if not isinstance(recording, cls):
-            raise InputError("this is no recording of a twin", file=file)
+            raise InputError("this is not a recording of a twin", file=file)
         return recording
 
 
 class Recorder:
-    """Takes note of calls.
+    """Record calls.
 
     Args:
-        time: Tells the present simulation time (s).
+        time: Returns the present simulation time (s).
     """
 
     def __init__(self, time: Callable[[], float]):
@@ -125,39 +125,39 @@ class Recorder:
 
     @property
     def is_on(self) -> bool:
-        """Whether it has begun."""
+        """Whether a recording has begun."""
         return self.start is not None
 
     def begin(self, start: Snapshot) -> None:
-        """Begin anew at a moment."""
+        """Begin a new recording at a moment."""
         self.start = start
         self._calls = []
 
     def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
-        """Take note of a call.
+        """Record a call.
 
         Returns:
-            Its index, which `refuse` takes; None where it takes no note.
+            The call's index for `refuse`; None if no recording has begun.
         """
         if self.start is None:
             return None
         try:
             plain, plain_named = from_plain(to_plain((arguments, named)))
-        except (TypeError, RecursionError):  # what no method takes; it is refused in a moment
+        except (TypeError, RecursionError):  # not valid for any method; it is about to be refused
             return None
         self._calls.append(Call(self._time(), name, plain, plain_named))
         return len(self._calls) - 1
 
     def refuse(self, index: int | None) -> None:
-        """Note that a call was refused."""
+        """Mark a call as refused."""
         if index is not None:
             self._calls[index] = replace(self._calls[index], is_refused=True)
 
     def recording(self) -> Recording:
-        """Return what has been noted until now.
+        """Return the recording so far.
 
         Raises:
-            InputError: If it has not begun.
+            InputError: If none has begun.
         """
         if self.start is None:
             raise InputError("nothing has been recorded: call record() first")
@@ -165,7 +165,7 @@ class Recorder:
 
 
 def recorded(method: _Method) -> _Method:
-    """Return a method of `Twin` whose calls belong into a recording; whom a result is told to is left out."""
+    """Decorate a method of `Twin` so that its calls are recorded, without their callbacks."""
     assert method.__name__ in _METHODS
     signature = inspect.signature(method)
 
@@ -190,7 +190,7 @@ def recorded(method: _Method) -> _Method:
 
 
 def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
-    """Do again what was recorded, as fast as it goes.
+    """Repeat a recorded run, as fast as possible.
 
     Args:
         recording: The run.
@@ -200,7 +200,7 @@ def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
         The twin at the recording's end, in the same state to the last bit.
 
     Raises:
-        InputError: If the files that its robots are made of are not there.
+        InputError: If the files of its robots are missing.
     """
     from drake_twin.scenario.scenario_file import ScenarioFile
     from drake_twin.twin.twin import Twin
@@ -217,26 +217,26 @@ def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
 
 
 def _do(twin: "Twin", call: Call) -> None:
-    """Do what was done; what was refused then is refused now.
+    """Repeat a call; a call that was refused then is refused now.
 
     Raises:
-        InputError: If it cannot be done again.
+        InputError: If the call cannot be repeated.
     """
     try:
         if call.name == _CONTROLLER_MANAGER:
             robot, method, *arguments = call.arguments
             if method not in _SERVICES:
-                raise InputError(f"there is no service {method!r}")
+                raise InputError(f"unknown service {method!r}")
             getattr(twin.controller_manager(robot), method)(*arguments)
         else:
             getattr(twin, call.name)(*call.arguments, **call.named)
     except (TwinError, TypeError, ValueError) as error:
         if not call.is_refused:
-            raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be done again: {error}") from None
+            raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be repeated: {error}") from None
 
 
 def _settled(value: Any) -> Any:
-    """Return a value as a recording holds it, and as the method gets it: what can be read once only is read here."""
+    """Return a value for both the recording and the method: an iterator, which can be read only once, is read here."""
     if value is None or isinstance(value, bool | int | float | str | bytes | np.ndarray | np.generic | Set):
         return value
     if isinstance(value, Real):
@@ -251,7 +251,7 @@ def _settled(value: Any) -> Any:
             return value if hasattr(value, "_fields") else tuple(map(_settled, value))
         if isinstance(value, Iterable) and not is_dataclass(value):
             return [_settled(item) for item in value]
-    except RecursionError:  # a list that holds itself
+    except RecursionError:  # a list that contains itself
         pass
     return value
 

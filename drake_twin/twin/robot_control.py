@@ -1,4 +1,4 @@
-"""One robot's controllers in a running diagram: switched, commanded, looked after when they fail, stopped."""
+"""One robot's controllers in a running diagram: switches, commands, failures, emergency stop."""
 
 import functools
 import logging
@@ -37,18 +37,18 @@ _log = logging.getLogger(__name__)
 
 
 class RobotControl:
-    """Does what the robot's controller manager decides.
+    """Carry out the decisions of the robot's controller manager.
 
     Args:
         plan: The robot.
-        clear: Is told of a controller whose topics' ports are to be cleared.
-        note: Is told of what somebody does to the controllers.
+        clear: Called with the robot and a controller whose input ports are to be cleared.
+        note: Called with each user's call that changes the controllers.
 
     Attributes:
         manager: The controller manager.
-        stopped: Whether an emergency stop holds.
-        kept: How the joints were driven before that changed; the twin clears it before each advance.
-        check_period: How often `check_joints` is to be called (s); None while no joint needs it.
+        stopped: Whether an emergency stop is active.
+        kept: The servo's assignment before the last change; the twin clears it before each advance.
+        check_period: The period at which to call `check_joints` (s); None while no joint needs it.
     """
 
     _plant: MultibodyPlant
@@ -83,7 +83,9 @@ class RobotControl:
             self._servo_context = self._parts.servo.GetMyMutableContextFromRoot(physics.context)
         self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
         layout = self._in_plant.layout
-        names = [joint or next(iter(layout.positions)) for joint in self._parts.joints]  # any, where it models friction
+        names = [
+            joint or next(iter(layout.positions)) for joint in self._parts.joints
+        ]  # any joint for an actuator that models friction
         self._positions = [layout.positions[name] for name in names]
         self._velocities = [layout.velocities[name] for name in names]
         self._apply_gains()
@@ -94,14 +96,14 @@ class RobotControl:
         return self._plan
 
     def retire(self) -> None:
-        """Let go of the diagram: the robot has been deleted, and whoever still asks its manager hears of nothing."""
+        """Release the diagram, because the robot has been deleted; its manager has no controllers from now on."""
         self.manager.retire()
         self.controllers, self._contexts = {}, {}
         del self._plant, self._plant_context, self._parts, self._in_plant
         self.__dict__.pop("_servo_context", None)
 
     def start(self) -> None:
-        """Activate what is active at the start, in a context that holds the default state."""
+        """Activate the controllers that are active at the start, in a context with the default state."""
         self.manager.restart()
         self.stopped = False
         for name in self.manager.active:
@@ -114,7 +116,7 @@ class RobotControl:
         return self._contexts[controller]
 
     def read(self, topic: CommandTopic, data: Any) -> Any:
-        """Return what goes onto a topic's port for a message.
+        """Convert a message to the value of a topic's port.
 
         Raises:
             CommandError: If the data does not fit the topic's type, or the controller refuses it.
@@ -136,11 +138,11 @@ class RobotControl:
         return controller.read(topic.name, message, self._contexts[topic.controller])
 
     def accepts(self, topic: CommandTopic) -> bool:
-        """Return whether a message on a topic reaches its controller: one that is not active hears nothing."""
+        """Return whether a message on a topic reaches its controller: an inactive one receives nothing."""
         return self.manager.is_active(topic.controller)
 
     def cancel(self, controller: str) -> None:
-        """End the present goal of a controller's action."""
+        """Cancel the newest goal of a controller's action."""
         self._note("cancel", self._plan.name, controller)
         self.controllers[controller].cancel(self.context_of(controller))
 
@@ -153,12 +155,12 @@ class RobotControl:
                     self.deactivate(name, fault)
 
     def deactivate(self, controller: str, why: str) -> None:
-        """Deactivate a controller, and says so."""
+        """Deactivate a controller, and log the reason."""
         stopped = self.manager.deactivate_failed(controller)
         _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
 
     def take_back(self) -> None:
-        """Drive the joints as `kept` has it: the step that was to follow has failed."""
+        """Restore the assignment in `kept`, because the next step has failed."""
         servo = self._parts.servo
         if servo is not None and self.kept is not None:
             servo.assign(self._servo_context, self.kept)
@@ -166,16 +168,16 @@ class RobotControl:
             self.kept = None
 
     def follow_commands(self) -> None:
-        """Let the joints be driven as is commanded now."""
+        """Drive the joints as the present commands require."""
         self._next_modes(is_check=False)
 
     def check_joints(self) -> None:
-        """Hold joints that have come to rest, and lets those slip that are pushed away."""
+        """Hold joints that have come to rest, and let those slip that are pushed away."""
         if self.check_period == CHECK_PERIOD or self._is_pushed_away():
             self._next_modes(is_check=True)
 
     def release(self, joints: Collection[str]) -> None:
-        """Hold joints that a velocity is commanded of where they have been put, and not where they were."""
+        """Hold joints with a commanded velocity at the positions to which they have been moved."""
         servo = self._parts.servo
         if servo is not None:
             context = self._servo_context
@@ -184,7 +186,7 @@ class RobotControl:
             self._apply_gains()
 
     def emergency_stop(self) -> None:
-        """Brake all joints until they are at rest, and holds them; goals are cancelled."""
+        """Brake all joints until they are at rest, and hold them; cancel all goals."""
         if not self.stopped:
             for name in self.manager.active:
                 if name in self.controllers:
@@ -194,7 +196,7 @@ class RobotControl:
             self._assign(modes, holds)
 
     def clear_emergency_stop(self) -> None:
-        """Let the controllers command again; each begins anew."""
+        """Let the controllers command again; each of them is restarted."""
         if self.stopped:
             self.stopped = False
             active = tuple(name for name in self.manager.active)
@@ -247,7 +249,9 @@ class RobotControl:
         modes, holds = self._stopped_joints()
         for name in stopped:
             if name in self.controllers:
-                self.controllers[name].deactivate(self.context_of(name))  # it still sees a goal that waits for it
+                self.controllers[name].deactivate(
+                    self.context_of(name)
+                )  # before the clearing, so that it sees a pending goal
                 self._clear(self._plan.name, name)
         for name in started:
             if name in self.controllers:
@@ -256,7 +260,7 @@ class RobotControl:
         self._assign(modes, holds)
 
     def _stopped_joints(self) -> tuple[tuple[str, ...], tuple[float, ...]]:
-        """Return how the joints are driven once the present controllers write nothing more, and where they are held."""
+        """Return the modes and held positions of the joints once the present controllers stop writing."""
         servo = self._parts.servo
         if servo is None:
             return (), ()
@@ -264,7 +268,7 @@ class RobotControl:
         return without_commands(servo.assignment(self._servo_context), self._joints, self._motion())
 
     def _assign(self, modes: Sequence[str], holds: Sequence[float]) -> None:
-        """Let the joints follow the controllers that are active now."""
+        """Let the joints follow the active controllers."""
         servo = self._parts.servo
         if servo is None:
             return
@@ -291,12 +295,12 @@ class RobotControl:
             self._apply_gains()
 
     def _is_pushed_away(self) -> bool:
-        """Return whether a joint slips, which is sooner told than how all are driven."""
+        """Return whether a joint slips, which is faster to find than all new modes."""
         q = self._plant.GetPositions(self._plant_context, self._in_plant.instance)
         return not all(lower <= q[self._positions[index]] <= upper for index, lower, upper in self._slipping)
 
     def _motion(self, *, with_gravity: bool = False) -> JointMotion:
-        """Return how the joints move, and what is commanded of them."""
+        """Return the joints' motion and commands."""
         servo, plant, instance = self._parts.servo, self._plant, self._in_plant.instance
         assert servo is not None
         context = self._plant_context
@@ -322,7 +326,11 @@ class RobotControl:
 
 
 def _like(present: Any, saved: Any) -> Any:
-    """Return what was saved, if it is of the kind of what is there now."""
+    """Return a saved value if it is of the present one's type.
+
+    Raises:
+        ValueError: If it is not.
+    """
     if type(saved) is not type(present):
-        raise ValueError(f"{type(saved).__name__} is no {type(present).__name__}")
+        raise ValueError(f"{type(saved).__name__} is not {type(present).__name__}")
     return saved

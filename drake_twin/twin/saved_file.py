@@ -1,4 +1,4 @@
-"""JSON files that say what they are and in which version."""
+"""JSON files that contain their kind and version."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ from drake_twin.whole_file import write_whole
 
 
 def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any]) -> None:
-    """Write plain data; whoever stops the process meanwhile finds the file as it was before, or whole.
+    """Write plain data; if the process is stopped meanwhile, the file is complete or as before.
 
     Raises:
         RunError: If the file cannot be written.
@@ -23,19 +23,19 @@ def write_saved(file: str | Path, kind: str, version: int, data: dict[str, Any])
 
 
 def read_saved(file: str | Path, kind: str, version: int) -> dict[str, Any]:
-    """Read what `write_saved` wrote.
+    """Read a file that `write_saved` wrote.
 
     Raises:
-        InputError: If the file cannot be read, or holds something else, or another version of it.
+        InputError: If the file cannot be read, or has another kind or version.
     """
     try:
         data = json.loads(Path(file).read_text(encoding="utf-8"))
     except (OSError, TypeError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(f"no {kind} can be read ({error})", file=str(file)) from None
+        raise InputError(f"cannot read a {kind} ({error})", file=str(file)) from None
     except RecursionError:
-        raise InputError(f"no {kind} can be read (it is nested without end)", file=file) from None
+        raise InputError(f"cannot read a {kind} (it is nested too deeply)", file=file) from None
     if not isinstance(data, dict) or data.pop("format", None) != f"drake_twin {kind}":
-        raise InputError(f"this is no {kind} of a twin", file=file)
+        raise InputError(f"this is not a {kind} of a twin", file=file)
     found = data.pop("version", None)
     if found != version:
         raise InputError(f"the {kind} was saved in version {found!r}, and only {version} can be read", file=file)

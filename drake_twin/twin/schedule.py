@@ -1,6 +1,6 @@
 """The grid of physics steps, and the scenario's commands on it.
 
-Times are met at physics steps: something due at a time happens at the first step that is not before it.
+An event that is due at a time happens at the first step that is not before that time.
 """
 
 from math import ceil, inf, lcm
@@ -8,8 +8,8 @@ from math import ceil, inf, lcm
 from drake_twin.errors import InputError
 from drake_twin.scenario import Command
 
-_ROUNDING = 1e-6  # of a step: k · 0.001 differs from its literal for one k in eight
-_LONGEST_WAIT = 3600.0  # for two step lengths to meet (simulated s)
+_ROUNDING = 1e-6  # relative to a step: k · 0.001 differs from its literal for one k in eight
+_LONGEST_WAIT = 3600.0  # limit for the meeting of two step lengths (simulated s)
 
 
 def step_at(time: float, time_step: float) -> int:
@@ -18,17 +18,17 @@ def step_at(time: float, time_step: float) -> int:
 
 
 def meeting_step(step: int, time_step: float, other: float) -> int:
-    """Return the first step, from one on, that is on the grid of another step length, too.
+    """Return the first step, beginning with a given one, that is also on the grid of another step length.
 
     Args:
-        step: A step.
+        step: The first step to consider.
         time_step: The length of its steps (s).
         other: The other length (s).
 
     Raises:
-        InputError: If the two do not meet within an hour.
+        InputError: If the two grids do not meet within an hour.
     """
-    from fractions import Fraction  # 15 ms that few need
+    from fractions import Fraction  # an import of 15 ms, rarely needed
 
     old, new = (Fraction(length).limit_denominator(10**9) for length in (time_step, other))
     common = lcm(old.numerator * new.denominator, new.numerator * old.denominator)
@@ -39,15 +39,15 @@ def meeting_step(step: int, time_step: float, other: float) -> int:
 
 
 class ScheduledCommand:
-    """A scenario's command and the step at which it is next due.
+    """A scenario's command with the step at which it is due next.
 
     Args:
-        command: What to publish when.
+        command: The command.
 
     Attributes:
-        topic: Where it is published.
-        data: What.
-        published: How often it has been.
+        topic: Its topic.
+        data: Its data.
+        published: How often it has been published.
     """
 
     def __init__(self, command: Command):
@@ -57,11 +57,11 @@ class ScheduledCommand:
         self._command = command
 
     def due_step(self, time_step: float) -> float:
-        """Return the step at which it is next published; infinite when it has been for the last time."""
+        """Return the step at which it is published next; infinite after the last time."""
         if self._command.period is None:
             return inf if self.published else step_at(self._command.time, time_step)
         return step_at(self._command.time + self.published * self._command.period, time_step)
 
     def pass_step(self) -> None:
-        """Note that it was published."""
+        """Count a publication."""
         self.published += 1

@@ -1,4 +1,4 @@
-"""A twin at one moment as plain data: kept in memory or in a file, and gone back to."""
+"""A twin at one moment as plain data, to keep in memory or in a file, and to restore."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,23 +20,23 @@ class Snapshot:
     """A moment of a twin.
 
     Attributes:
-        scenario: The scenario as YAML; it says which robots there are.
+        scenario: The scenario as YAML, with the robots.
         time_step: The physics step (s).
         step: The number of steps since time zero.
-        robots: Robot → its state ``[q; v]``, its joints in words, its controllers and what they keep, its servos.
-        models: What moves in the world and is no robot → its states.
-        parameters: Name → value of what is not as it was built in the plant and its shapes: masses, friction.
-        commands: Topic → the message that holds, as it is on the port.
-        expiries: Topic → the time at which its message no longer holds (s).
-        waiting: What is published and not yet applied, in its order: topic and message.
-        wrenches: What pushes links.
-        schedule: How often each of the scenario's commands has been published.
+        robots: Robot → its state ``[q; v]``, its joints by name, its controllers and their memories, its servos.
+        models: Moving model of the world → its states.
+        parameters: Name → value of each changed parameter of the plant and its shapes: masses, friction.
+        commands: Topic → the valid message, as on the port.
+        expiries: Topic → the time at which its message expires (s).
+        waiting: The pending messages in their order: topic and message.
+        wrenches: The wrenches on links.
+        schedule: The number of publications of each of the scenario's commands.
         silenced: Topics whose scheduled commands are dropped.
-        next_time_step: The step that waits for its next multiple (s); None when none does.
+        next_time_step: The pending time step, which applies at its next multiple (s); None without one.
         systems: The state vectors of the user's own systems, by their names.
 
     Raises:
-        InputError: If an entry is of another kind.
+        InputError: If an entry is invalid.
     """
 
     scenario: str
@@ -75,15 +75,15 @@ class Snapshot:
         }
         for name, is_right in kinds.items():
             if not is_right:
-                raise InputError(f"a saved state cannot have {shortened(getattr(self, name))} as its {name}")
+                raise InputError(f"{shortened(getattr(self, name))} is not a valid {name} of a saved state")
 
     def state(self) -> dict[str, Any]:
-        """Return all entries but the scenario, by name."""
+        """Return all entries except the scenario, by name."""
         entries = {name: value for name, value in vars(self).items() if name != "scenario"}
         return entries if self.systems else {name: value for name, value in entries.items() if name != "systems"}
 
     def save(self, file: str | Path) -> None:
-        """Write it as JSON.
+        """Write the snapshot as JSON.
 
         Raises:
             RunError: If the file cannot be written.
@@ -92,10 +92,10 @@ class Snapshot:
 
     @classmethod
     def load(cls, file: str | Path) -> "Snapshot":
-        """Read what `save` wrote.
+        """Read a file that `save` wrote.
 
         Raises:
-            InputError: If the file cannot be read, or is no snapshot of this version.
+            InputError: If the file cannot be read, or is not a snapshot of a known version.
         """
         data = read_saved(file, _KIND, _VERSION)
         names = set(cls.__dataclass_fields__)

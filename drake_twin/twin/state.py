@@ -20,8 +20,8 @@ class RobotState:
         joints: The names of its movable joints, in file order.
         positions: Joint positions (rad or m).
         velocities: Joint velocities (rad/s or m/s).
-        efforts: What its actuators apply (N·m or N); zero where a joint has none.
-        base_pose: The root link in the world: x, y, z (m), qw, qx, qy, qz.
+        efforts: The efforts of its actuators (N·m or N); zero for a joint without one.
+        base_pose: The pose of the root link in the world: x, y, z (m), qw, qx, qy, qz.
     """
 
     joints: tuple[str, ...]
@@ -38,7 +38,7 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
         built: The diagram.
         context: Its root context.
         plan: The robot.
-        with_efforts: Whether to ask for efforts, for which the plant solves the step to come; else they are zero.
+        with_efforts: Whether to evaluate efforts, for which the plant solves the next step; else they are zero.
     """
     parts, plant = built.robots[plan.name], built.plant
     plant_context = plant.GetMyContextFromRoot(context)
@@ -60,5 +60,5 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
 
 
 def hash_plain(data: Any) -> str:
-    """SHA-256 of plain data, the same for equal data and for no other."""
+    """Return the SHA-256 of plain data, the same for equal data only."""
     return hashlib.sha256(json.dumps(data, sort_keys=True, separators=(",", ":")).encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""Who listens to a twin's topics, and when each is to be told."""
+"""The subscriptions to a twin's topics, and the times of their deliveries."""
 
 from collections.abc import Callable
 from math import floor, inf
@@ -8,16 +8,16 @@ from drake_twin.twin.schedule import step_at
 
 
 class Subscription:
-    """A callback and the grid of simulation times, from zero on, at which it is given a topic's message.
+    """A callback and the grid of simulation times, beginning with zero, at which it receives a topic's message.
 
     Args:
         topic: The topic.
-        callback: Is given the message.
+        callback: Called with the message.
         period: The grid's spacing (s); None for a message that never changes, which is delivered once.
-        time: The present time (s); its message is delivered first.
+        time: The present time (s), at which the first message is delivered.
 
     Attributes:
-        due: The step of the next delivery, counted as `use` was told last; infinite when there is none.
+        due: The step of the next delivery, for the step length of the last `use`; infinite without one.
         is_latched: Whether its message never changes.
     """
 
@@ -31,34 +31,34 @@ class Subscription:
         self._latched: Any = None
 
     def use(self, time_step: float) -> None:
-        """Count in steps of a length (s) from now on."""
+        """Count in steps of this length (s) from now on."""
         if self.is_latched:
             self.due = 0 if self._next_point == 0 else inf
         else:
             self.due = step_at(self._next_point * self._period, time_step)
 
     def pass_step(self, step: int, time_step: float) -> None:
-        """Note a delivery at a step of a length (s), and moves on to the grid point after it."""
+        """Count a delivery at a step of a length (s), and move on to the next grid point."""
         self._next_point += 1
         self.use(time_step)
-        if self.due <= step:  # several points lie at this step
+        if self.due <= step:  # several points are at this step
             self._next_point = max(self._next_point, self._last_point_before(step * time_step) + 1)
             self.use(time_step)
             self.due = max(self.due, step + 1)
 
     def take(self, message: Any) -> None:
-        """Give a message to whoever listens."""
+        """Deliver a message."""
         if self.is_latched:
             self._latched = message
         self.callback(message)
 
     def look_again(self, message: Any) -> None:
-        """Deliver a message that never changes once more when it has, as when its robot is another one."""
+        """Schedule another delivery if a message that should never change has, because its robot was replaced."""
         if self._next_point and message is not None and message != self._latched:
             self.begin(0.0)
 
     def begin(self, time: float) -> None:
-        """Begin again at a time (s), as if it had been made then; `use` is to follow."""
+        """Restart at a time (s) like a new subscription; call `use` afterwards."""
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
@@ -67,14 +67,14 @@ class Subscription:
 
 
 class Subscriptions:
-    """All of a twin's subscriptions, told in the order in which they were made.
+    """All subscriptions of a twin; callbacks are called in the order of the subscriptions.
 
     Args:
         time_step: The physics step (s).
 
     Attributes:
-        latest: Returns a topic's message at the present time; None when there is none, or no such topic.
-        due_step: The step at which the next delivery is due; infinite when there is none.
+        latest: Returns a topic's message at the present time; None without one, or for an unknown topic.
+        due_step: The step at which the next delivery is due; infinite without one.
     """
 
     def __init__(self, time_step: float, latest: Callable[[str], Any] = lambda topic: None):
@@ -84,24 +84,24 @@ class Subscriptions:
         self.due_step: float = inf
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
-        """Add one; returns a function that ends it."""
+        """Add a subscription; return a function that ends it."""
         self._items.append(subscription)
         subscription.use(self._time_step)
         self._note_due_step()
         return lambda: self._end(subscription)
 
     def use(self, time_step: float) -> None:
-        """Count in steps of a length (s) from now on."""
+        """Count in steps of this length (s) from now on."""
         self._time_step = time_step
         for subscription in self._items:
             subscription.use(time_step)
         self._note_due_step()
 
     def deliver(self, step: int) -> None:
-        """Deliver what is due at a step; callbacks may subscribe and end subscriptions, theirs and others'."""
+        """Deliver the messages that are due at a step; callbacks may add and end subscriptions."""
         while self.due_step <= step:
             for subscription in [item for item in self._items if item.due <= step]:
-                if subscription.due <= step:  # nobody has ended it
+                if subscription.due <= step:  # not ended meanwhile
                     message = self.latest(subscription.topic)
                     subscription.pass_step(step, self._time_step)
                     if message is not None:
@@ -109,13 +109,13 @@ class Subscriptions:
             self._note_due_step()
 
     def begin(self, time: float) -> None:
-        """Let all begin again at a time (s)."""
+        """Restart all subscriptions at a time (s)."""
         for subscription in self._items:
             subscription.begin(time)
         self.use(self._time_step)
 
     def look_again(self) -> None:
-        """Look whether messages that never change have, because their robots are others."""
+        """Deliver again the messages that should never change but have, because their robots were replaced."""
         for subscription in self._items:
             if subscription.is_latched:
                 subscription.look_again(self.latest(subscription.topic))

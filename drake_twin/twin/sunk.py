@@ -1,4 +1,4 @@
-"""Robots that stand inside something when they come into the world."""
+"""Robots that penetrate something when they are spawned."""
 
 from collections.abc import Collection, Mapping
 
@@ -10,19 +10,19 @@ from drake_twin.diagram.static_world import GROUND
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.findings import Finding, Kind
 
-_LEAST_DEPTH = 1e-3  # m: what rests on something is far less deep in it
+_LEAST_DEPTH = 1e-3  # m: a body at rest penetrates its support far less
 
 
 def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -> dict[str, tuple[Finding, ...]]:
-    """Look what robots are deep in, at the context's state.
+    """Find robots that penetrate something deeply, in the context's state.
 
     Args:
         built: The diagram.
         context: Its root context.
-        robots: The names of the robots to look at; of two robots, the one that came later is the one that is sunk.
+        robots: The names of the robots to check; of two robots, the one added later counts as the one that penetrates.
 
     Returns:
-        Robot → a warning for each robot, model or part of the world that it is in, where it is deepest.
+        Robot → a warning for each robot, model or part of the world that it penetrates, at the deepest point.
     """
     scene_graph = built.scene_graph
     query: QueryObject = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(context))
@@ -39,7 +39,7 @@ def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -
             whose = f"robot {other!r}" if other in order else f"the world's {other!r}"
             place = f"in the ground ({body})" if other == GROUND else f"in {whose} ({body} in {other_body})"
             depth = f"{100 * pair.depth:.1f} cm" if pair.depth >= 0.01 else f"{1000 * pair.depth:.1f} mm"
-            text = f"it comes into the world {depth} deep {place}: contact pushes it out"
+            text = f"it starts {depth} deep {place}: contact pushes it out"
             deepest[robot, other] = (pair.depth, text)
     found: dict[str, tuple[Finding, ...]] = {}
     for (robot, _), (_, text) in sorted(deepest.items()):
@@ -50,7 +50,7 @@ def sunk_robots(built: TwinDiagram, context: Context, robots: Collection[str]) -
 def _owner_and_body(
     built: TwinDiagram, owners: Mapping[ModelInstanceIndex, str], query: QueryObject, geometry: GeometryId
 ) -> tuple[str, str]:
-    """Return the robot or model that a shape belongs to, and its body; of what does not move, the model and its link."""
+    """Return the robot or model of a shape, and its body; for a static part of the world, the model and its link."""
     inspector = query.inspector()
     body = built.plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
     if name := owners.get(body.model_instance()):

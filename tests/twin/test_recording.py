@@ -215,7 +215,7 @@ def test_a_run_whose_files_are_gone_is_not_replayed_without_them(tmp_path):
     twin.spawn(Robot("box", str(tmp_path / "box.urdf")))
     twin.advance_to(0.1)
     (tmp_path / "box.urdf").unlink()
-    with pytest.raises(InputError, match=r"spawn at 0 s of the recording cannot be done again: .*no such file"):
+    with pytest.raises(InputError, match=r"spawn at 0 s of the recording cannot be repeated: .*no such file"):
         replay(twin.recording())
 
 

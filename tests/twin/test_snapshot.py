@@ -134,8 +134,8 @@ def test_a_file_is_readable_and_says_its_version(arm, tmp_path):
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "no saved state can be read"),
-        ("[]", "this is no saved state of a twin"),
+        ("", "cannot read a saved state"),
+        ("[]", "this is not a saved state of a twin"),
         (
             '{"format": "drake_twin saved state", "version": 7}',
             "saved state was saved in version 7, and only 2 can be read",
@@ -249,7 +249,7 @@ def test_an_entry_of_another_kind_is_refused_in_words(arm, tmp_path, entry, valu
 @pytest.mark.parametrize("text", ["[" * 100_000, "1" * 5000, "\x00"])
 def test_a_file_that_goes_beyond_json_is_refused(tmp_path, text):
     (tmp_path / "state.json").write_text(text)
-    with pytest.raises(InputError, match="no saved state can be read"):
+    with pytest.raises(InputError, match="cannot read a saved state"):
         Snapshot.load(tmp_path / "state.json")
 
 

@@ -46,7 +46,7 @@ def sunk(twin):
 )
 def test_a_robot_inside_something_says_in_what_and_how_deep(cube, world, place, what):
     twin = TwinBuilder(world=world).robot("a", cube, xyz=(9, 9, 0.1)).robot("b", cube, xyz=place).build()
-    assert sunk(twin) == [f"b: it comes into the world {what}: contact pushes it out"]
+    assert sunk(twin) == [f"b: it starts {what}: contact pushes it out"]
 
 
 @pytest.mark.parametrize("place", [(0, 0, 0.1), (0, 0, 0.0995), (1.4, 0, 0.1), (0, 0, 3)])
@@ -60,7 +60,7 @@ def test_the_rovers_stand_on_the_ground():
 
 def test_of_two_robots_the_one_that_comes_later_is_named_with_the_other(cube, caplog):
     twin = TwinBuilder().robot("b", cube, xyz=(0, 0, 0.1)).robot("a", cube, xyz=(0.13, 0, 0.1)).build()
-    at_start = "a: it comes into the world 7.0 cm deep in robot 'b' (body in body): contact pushes it out"
+    at_start = "a: it starts 7.0 cm deep in robot 'b' (body in body): contact pushes it out"
     assert sunk(twin) == [at_start]
     twin.advance_to(1.0)
     apart = twin.entity_state("a").position[0] - twin.entity_state("b").position[0]
@@ -68,7 +68,7 @@ def test_of_two_robots_the_one_that_comes_later_is_named_with_the_other(cube, ca
     twin.spawn(Robot("c", cube, xyz=(5, 0, 0.1)))
     assert caplog.messages == []
     twin.spawn(Robot("d", cube, xyz=(5.1, 0, 0.1)))
-    later = "d: it comes into the world 10.0 cm deep in robot 'c' (body in body): contact pushes it out"
+    later = "d: it starts 10.0 cm deep in robot 'c' (body in body): contact pushes it out"
     assert sunk(twin) == [at_start, later]
     assert caplog.messages == [later]
     twin.set_time_step(0.01)
