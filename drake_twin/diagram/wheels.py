@@ -58,9 +58,7 @@ class WheelFinder:
         return Ellipsoid(radius, radius, width / 2), X_JB.inverse() @ X_JE
 
     def _turned_about(self, body: RigidBody) -> tuple[RevoluteJoint, RigidTransform] | None:
-        """Return the unlimited joint that rotates a body, or the body that it is welded to, and the body's pose in the
-        joint.
-        """
+        """Return the unlimited joint that rotates a body, also through welds, and the body's pose in it."""
         X = RigidTransform()
         seen = set()
         while (joint := self._inboard.get(int(body.index()))) is not None and body.index() not in seen:

@@ -180,9 +180,7 @@ def _lock(joint: Joint) -> tuple[_Read, _Write]:
 
 
 def _inertia(body: RigidBody) -> tuple[_Read, _Write]:
-    """Read and write mass, center of mass (m), and the unit inertia's moments and products (m²) about the body's
-    origin.
-    """
+    """Read and write mass (kg), center of mass (m), and unit inertia about the body's origin (m²)."""
 
     def read(context: Context) -> list[float]:
         inertia = body.CalcSpatialInertiaInBodyFrame(context)
