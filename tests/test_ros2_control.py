@@ -533,5 +533,7 @@ def test_the_proportional_gain_of_the_position_is_honoured(make, monkeypatch):
 def test_a_gain_that_is_none_is_refused(make, monkeypatch):
     wrong = "<hardware><param name='position_proportional_gain'>fast</param>"
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", wrong))
-    with pytest.raises(InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a number"):
+    with pytest.raises(
+        InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a positive number"
+    ):
         make("positions")

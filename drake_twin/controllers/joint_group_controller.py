@@ -10,8 +10,7 @@ from drake_twin.description.robot_description import RobotDescription
 
 @dataclass(frozen=True)
 class JointGroupParameters(CommandTimeoutParameters):
-    """Parameters of the JointGroup controllers of ``velocity_controllers``, ``position_controllers`` and
-    ``effort_controllers``.
+    """Parameters of the JointGroup controllers.
 
     Attributes:
         joints: The joints, in the order of a command's elements.

@@ -82,9 +82,7 @@ class PeriodicController(StatefulController):
         return Update(memory, self._nothing)
 
     def used_id(self, memory: Any) -> int:
-        """Return the id of the newest command that an update has used; a controller with numbered commands implements
-        this.
-        """
+        """Return the id of the newest command that an update has used, if commands are numbered."""
         return 0
 
     def pending(self, context: Context, port: InputPort) -> Any:

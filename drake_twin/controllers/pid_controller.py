@@ -234,9 +234,7 @@ class PidController(PeriodicController):
         return memory.reference_id
 
     def start(self, context: Context) -> PidControllerMemory:
-        """Return the memory with the state as first reference, if so configured, and PIDs at rest except for saved
-        integrals.
-        """
+        """Return a memory with the state as first reference, if so configured, and the saved integral terms."""
         last: PidControllerMemory | None = self.sample(context).memory
         measured = self._measured(context)
         nothing = (nan,) * len(self._dofs)

@@ -16,9 +16,7 @@ class JointGroupPositionController(JointGroupController):
 
 @controller("position_controllers/GripperActionController")
 class PositionGripperActionController(GripperActionController):
-    """Implement ``position_controllers/GripperActionController``: the goal's position is the joint's commanded
-    position.
-    """
+    """Implement ``position_controllers/GripperActionController``: the goal's position is commanded."""
 
     @classmethod
     def claimed_interfaces(

@@ -1,5 +1,4 @@
-"""A base that a controller moves over the plane: driven joints between the world and the root link instead of a free
-base.
+"""A base that is moved over the plane by driven joints between the world and the root link.
 
 Gazebo's plugins set the velocity of the whole robot. Here the root link is on three slides along the axes of its spawn
 pose, projected onto the ground plane, and a rotation about z. The slides x and y and the rotation have velocity servos
@@ -81,9 +80,7 @@ def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instanc
 
 
 def _farthest_shape(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> float:
-    """Return the distance of the farthest collision shape's center, for example a wheel's, from the rotation's axis
-    (m).
-    """
+    """Return the distance of the farthest collision shape's center from the rotation's axis (m)."""
     context = plant.CreateDefaultContext()
     inspector = scene_graph.model_inspector()
     axis = plant.GetFrameByName("base.upright", instance).CalcPoseInWorld(context).translation()

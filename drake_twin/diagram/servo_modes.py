@@ -147,8 +147,7 @@ def without_commands(
 
 
 def released(now: ServoAssignment, indices: Collection[int]) -> ServoAssignment:
-    """Return the assignment after joints have been moved by other means: one with a commanded velocity is not pulled
-    back.
+    """Return the assignment after joints have been moved: one with a commanded velocity is not pulled back.
 
     Args:
         now: The present assignment.

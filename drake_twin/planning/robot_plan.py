@@ -194,9 +194,7 @@ def _hold_joints(description: RobotDescription) -> bool:
 
 
 def _position_time_constant(description: RobotDescription, update_rate: float) -> float | None:
-    """Return the time constant of gz_ros2_control, which moves a joint at gain · error · update rate; None without a
-    gain.
-    """
+    """Return the time constant of gz_ros2_control's velocity, gain · error · update rate; None without a gain."""
     for text in _settings(description, "position_proportional_gain"):
         try:
             gain = float(text)
