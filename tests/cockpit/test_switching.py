@@ -80,7 +80,7 @@ def test_the_gripper_replaces_what_commands_its_joint_by_another_interface(demo)
     ("robot", "controller", "reason"),
     [
         ("robot_1", FORWARD, f"robot_1: nothing is switched: controller {FORWARD!r} is already active"),
-        ("robot_1", "no_such_controller", "no loaded controller 'no_such_controller'"),
+        ("robot_1", "no_such_controller", "controller 'no_such_controller' is not loaded"),
         ("robot_9", FORWARD, "robot_9"),
     ],
 )

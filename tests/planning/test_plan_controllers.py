@@ -187,7 +187,7 @@ def test_a_rate_that_is_none_is_refused_with_its_line(plan, rate):
 
 def test_a_joint_may_not_stand_twice(plan):
     (error,) = plan(one=forward("wheel", "arm/left", "wheel")).errors
-    assert "joint 'wheel' stands twice" in str(error)
+    assert "duplicate joint 'wheel'" in str(error)
 
 
 def test_a_robot_that_has_changed_is_planned_again(plan):
