@@ -26,8 +26,8 @@ def test_a_recorded_run_is_replayed(tmp_path):
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (["--load-state", "gone.json"], "no saved state can be read"),
-        (["--replay", "gone.json"], "no recording can be read"),
+        (["--load-state", "gone.json"], "cannot read a saved state"),
+        (["--replay", "gone.json"], "cannot read a recording"),
         (["--load-state", "a.json", "--replay", "b.json"], "cannot be combined"),
         (["--load-state", "a.json", "--robots", "2"], "cannot be combined with a target"),
         (["--load-state", "a.json", "--engine", "cenic"], "continues as it was saved"),

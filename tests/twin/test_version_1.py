@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from random_use import write_files
 
 from drake_twin import InputError, Recording, Snapshot, Twin, replay
 from drake_twin.findings import Kind
@@ -19,7 +18,6 @@ AT_THE_END = (0.5004713940959125, -0.49949777588914634, 0.5959999999999966, 1.00
 
 @pytest.fixture
 def saved(tmp_path):
-    write_files(tmp_path)
     for file in FILES.iterdir():
         (tmp_path / file.name).write_text(file.read_text().replace("FOLDER", str(tmp_path)))
     return tmp_path
