@@ -2,10 +2,10 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launched import LaunchedProcess
+from drake_twin.values import parse_number
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,9 @@ class CommandLine:
         """
         text = self.text(*names)
         try:
-            number = 0.0 if text is None else float(text)
-        except ValueError:
-            raise self.error(f"-{names[0]} is {text!r}, which is not a number") from None
-        if not isfinite(number):
-            raise self.error(f"-{names[0]} is {text!r}, which is not a finite number")
-        return number
+            return 0.0 if text is None else parse_number(text)
+        except ValueError as error:
+            raise self.error(f"-{names[0]} is {text!r}, which is {error}") from None
 
     def flag(self, *names: str) -> bool:
         """Return whether an option is given without a value or as true."""

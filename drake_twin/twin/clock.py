@@ -1,13 +1,12 @@
 """A twin's time, counted in physics steps."""
 
 from collections.abc import Mapping
-from math import isfinite
-from numbers import Real
 from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.scenario import LONGEST_TIME
 from drake_twin.twin.schedule import meeting_step, step_at
+from drake_twin.values import is_number
 
 
 class Clock:
@@ -62,11 +61,3 @@ class Clock:
         self.next_time_step = state["next_time_step"]
         if self.next_time_step is not None:
             meeting_step(self.step, self.time_step, self.next_time_step)
-
-
-def is_number(value: Any, least: float = float("-inf")) -> bool:
-    """Return whether a value is a finite number that is not below the least one."""
-    try:
-        return isinstance(value, Real) and isfinite(float(value)) and float(value) >= least
-    except OverflowError:  # a whole number that a float cannot hold
-        return False

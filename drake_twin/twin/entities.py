@@ -19,7 +19,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.saved import saved
-from drake_twin.twin.clock import is_number
+from drake_twin.values import is_number
 
 WORLD = "world"
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from drake_twin.messages import shortened
 from drake_twin.saved import saved
 from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.version_1 import converted_state
+from drake_twin.values import is_number
 
 _KIND, _VERSION = "saved state", 2
 
@@ -59,20 +59,20 @@ class Snapshot:
         kinds = {
             "robots": isinstance(self.robots, Mapping) and all(isinstance(r, Mapping) for r in self.robots.values()),
             "scenario": isinstance(self.scenario, str),
-            "time_step": _is_number(self.time_step),
+            "time_step": is_number(self.time_step),
             "step": type(self.step) is int and self.step >= 0,
             "models": isinstance(self.models, Mapping),
             "parameters": isinstance(self.parameters, Mapping)
             and all(isinstance(values, list) for values in self.parameters.values()),
             "commands": isinstance(self.commands, Mapping),
             "systems": isinstance(self.systems, Mapping),
-            "expiries": isinstance(self.expiries, Mapping) and all(map(_is_number, self.expiries.values())),
+            "expiries": isinstance(self.expiries, Mapping) and all(map(is_number, self.expiries.values())),
             "waiting": isinstance(self.waiting, list)
             and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
             "schedule": isinstance(self.schedule, list)
             and all(isinstance(count, int) and count >= 0 for count in self.schedule),
             "silenced": isinstance(self.silenced, list) and all(isinstance(topic, str) for topic in self.silenced),
-            "next_time_step": self.next_time_step is None or _is_number(self.next_time_step),
+            "next_time_step": self.next_time_step is None or is_number(self.next_time_step),
         }
         for name, is_right in kinds.items():
             if not is_right:
@@ -106,7 +106,3 @@ class Snapshot:
             return cls(**data)
         except InputError as error:
             raise InputError(error.message, file=file) from None
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

@@ -11,9 +11,9 @@ from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError
 from drake_twin.messages import Numbers, float64_multi_array
 from drake_twin.twin.action import ActionGoal
-from drake_twin.twin.clock import is_number
 from drake_twin.twin.session import Session
 from drake_twin.twin.subscriptions import Subscription
+from drake_twin.values import is_number
 
 _log = logging.getLogger(__name__)
 _FREE = (-float("inf"), float("inf"))

@@ -24,7 +24,6 @@ from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.twin.action import ActionGoal
-from drake_twin.twin.clock import is_number
 from drake_twin.twin.controller_manager import ControllerManager
 from drake_twin.twin.entities import EntityState, entity_state, make_wrench, set_entity_state, set_joint_positions
 from drake_twin.twin.real_time import Frames, run_in_real_time
@@ -35,6 +34,7 @@ from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, read_robot_state
 from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.topics import Topics
+from drake_twin.values import is_number
 
 _FASTEST = 1e6  # times real time
 

@@ -131,7 +131,7 @@ def test_spawning_one_model_twice_through_launch_files_is_refused_too(tmp_path):
     ("arguments", "message"),
     [
         (["-topic", "robot_description", "-name", "r", "-x", "far"], "-x is 'far', which is not a number"),
-        (["-topic", "robot_description", "-name", "r", "-z", "nan"], "-z is 'nan', which is not a finite number"),
+        (["-topic", "robot_description", "-name", "r", "-z", "nan"], "-z is 'nan', which is not finite"),
         (["-file", "/nowhere/r.sdf", "-name", "r"], "/nowhere/r.sdf"),
         (["-file", "https://fuel.gazebosim.org/r", "-name", "r"], "files are not downloaded"),
         (["-param", "nothing", "-name", "r"], "-param nothing: the node does not have this parameter"),
