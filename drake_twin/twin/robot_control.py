@@ -137,10 +137,6 @@ class RobotControl:
             message = messages.Numbers((message.data,) * len(controller.claims))
         return controller.read(topic.name, message, self._contexts[topic.controller])
 
-    def accepts(self, topic: CommandTopic) -> bool:
-        """Return whether a message on a topic reaches its controller: an inactive one receives nothing."""
-        return self.manager.is_active(topic.controller)
-
     def cancel(self, controller: str) -> None:
         """Cancel the newest goal of a controller's action."""
         self._note("cancel", self._plan.name, controller)
