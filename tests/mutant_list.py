@@ -197,7 +197,11 @@ MUTANTS = (
         ),
         ("control: a stopped robot may be limp", "self._plan.hold_joints or self.stopped", "self._plan.hold_joints"),
         ("control: goals outlive a stop", "self.controllers[name].cancel(", "self.controllers[name].goal_state("),
-        ("control: cleared stops start nothing", "self._switch(active, active)", "self._switch((), active)"),
+        (
+            "control: cleared stops start nothing",
+            "self._switch(self.manager.active, self.manager.active)",
+            "self._switch((), self.manager.active)",
+        ),
         ("control: the last mode is kept", "self.kept = self.kept or now", "self.kept = now"),
         ("control: gravity is left out at rest", "with_gravity=is_check and BRAKE in now.modes", "with_gravity=False"),
         ("control: a saved stop is lost", 'self.stopped = bool(saved["stopped"])', "self.stopped = False"),

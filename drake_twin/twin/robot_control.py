@@ -195,8 +195,7 @@ class RobotControl:
         """Let the controllers command again; each of them is restarted."""
         if self.stopped:
             self.stopped = False
-            active = tuple(name for name in self.manager.active)
-            self._switch(active, active)
+            self._switch(self.manager.active, self.manager.active)
 
     def state(self) -> dict[str, Any]:
         """Return the entries of a snapshot that this part keeps: controllers, their memory, the servo's assignment."""

@@ -3,7 +3,9 @@
 import pytest
 from two_hinges import EFFORT_LIMIT, INERTIA, hinges, trajectories, velocities
 
+from drake_twin import TwinBuilder
 from drake_twin.errors import InputError, RunError
+from drake_twin.scenario import World
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.stepper import Stepper
 
@@ -107,3 +109,32 @@ def test_a_stop_ends_a_goal_and_its_controller_goes_on_to_nowhere_once_it_is_cle
     assert positions(twin) == pytest.approx(stopped, abs=0.1)
     assert twin.robot_state("r").velocities == pytest.approx((0.0, 0.0), abs=1e-6)
     assert twin.controller_manager("r").active == ("arm",)
+
+
+def test_an_arm_that_has_braked_is_held_against_gravity_where_it_came_to_rest(tmp_path):
+    file = tmp_path / "pendulum.urdf"
+    file.write_text(
+        """<robot name="pendulum"><link name="world"/><link name="rod"><inertial><origin xyz="1 0 0"/><mass value="2"/>
+        <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="hinge" type="continuous"><parent link="world"/><child link="rod"/><axis xyz="0 1 0"/>
+        <limit effort="60" velocity="20"/></joint>
+        <ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
+        <joint name="hinge"><command_interface name="velocity"/><state_interface name="position"/></joint>
+        </ros2_control></robot>"""
+    )
+    controllers = tmp_path / "controllers.yaml"
+    controllers.write_text(
+        "controller_manager: {ros__parameters: {v: {type: velocity_controllers/JointGroupVelocityController}}}\n"
+        "v: {ros__parameters: {joints: [hinge]}}\n"
+    )
+    builder = TwinBuilder(world=World(ground=False))
+    builder.robot("r", file, controllers=controllers)
+    twin = builder.build()
+    twin.publish("/r/v/commands", [-1.0])
+    twin.advance_to(0.3)
+    twin.emergency_stop("r")
+    while abs(twin.robot_state("r").velocities[0]) > 0.01:
+        twin.step()
+    rest = positions(twin)
+    twin.advance_to(20.0)
+    assert positions(twin) == pytest.approx(rest, abs=1e-3)
