@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.cli.plugins import add_plugin, load_plugins
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
-from drake_twin.findings import Finding, Kind, counted
+from drake_twin.findings import Finding, Kind, counted, texts
 from drake_twin.program import ArgumentParser, add_strict, add_version, announce_page, run_program, say, stop_signals
 
 if TYPE_CHECKING:
@@ -79,10 +79,11 @@ def check(file: str, xacro_args: dict[str, str], package_paths: Sequence[str] = 
         twin.step(_STEPS)
     except TwinError as error:
         return Report(file, ok=False, error=str(error), robot={}, findings=())
+    failed = texts(twin.findings, Kind.FAILED)
     return Report(
         file=str(resolved),
-        ok=True,
-        error=None,
+        ok=not failed,
+        error="; ".join(failed) or None,
         robot=_describe(twin),
         findings=twin.findings,
     )

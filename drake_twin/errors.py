@@ -1,9 +1,12 @@
 """The exceptions of the twin: each prints as one paragraph that says what to do."""
 
+import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
+
+_PACKAGE = Path(__file__).parent
 
 
 class TwinError(Exception):
@@ -79,3 +82,11 @@ class CommandError(InputError):
 
 class RunError(TwinError):
     """Raised when the twin fails while it runs."""
+
+
+def described(error: BaseException) -> str:
+    """Return an exception's class and text, with the line of the code from outside this package that raised it."""
+    frames = traceback.extract_tb(error.__traceback__)
+    outside = [frame for frame in frames if not Path(frame.filename).is_relative_to(_PACKAGE)]
+    where = f" ({outside[-1].filename}:{outside[-1].lineno})" if outside else ""
+    return f"{type(error).__name__}: {error}{where}"

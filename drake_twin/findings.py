@@ -13,6 +13,7 @@ from drake_twin.saved import saved
 class Kind(StrEnum):
     """What became of a part of a file, in the order in which findings are listed."""
 
+    FAILED = "failed"  # a controller whose code raised an error: it is deactivated
     NOT_STARTED = "not started"
     IGNORED = "ignored"
     WARNING = "warning"
@@ -32,7 +33,7 @@ class Place:
         return self.file if self.line is None else f"{self.file}:{self.line}"
 
 
-LOST = (Kind.IGNORED, Kind.NOT_STARTED)  # a file asks for it and the twin does not do it
+LOST = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED)  # a file asks for it and the twin does not do it
 
 _MOST_LINES = 8  # in a sentence
 
@@ -43,7 +44,7 @@ class Finding:
     """What became of one thing in a file.
 
     Attributes:
-        kind: Mended, ignored, not started, a warning or a window.
+        kind: Mended, ignored, not started, failed, a warning or a window.
         what: The thing, and why it is so.
         robot: The robot that it is about; empty when it is about the world or the launch.
         file: The file that says it, where that is known.

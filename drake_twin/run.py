@@ -25,6 +25,7 @@ from drake_twin.cli.status_line import StatusLine
 from drake_twin.cli.target import Target, build_twin, find_target
 from drake_twin.cli.watched_files import Stamp, Watch, files_read
 from drake_twin.errors import RunError
+from drake_twin.findings import Kind, texts
 from drake_twin.program import collecting_later, leave, run_program, say, stop_signals
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 
@@ -80,7 +81,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
         failure = save_results(run.twin, run.wall_time, options, run.failure)
     if failure is not None:
         raise failure
-    return 0
+    return 1 if options.strict and texts(run.twin.findings, Kind.FAILED) else 0
 
 
 def _print_scenario(target: Target) -> None:

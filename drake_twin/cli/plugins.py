@@ -58,6 +58,8 @@ def _import_file(name: str) -> None:
 
 
 def _import_module(name: str) -> None:
+    if "" not in sys.path and str(Path.cwd()) not in sys.path:
+        sys.path.insert(0, str(Path.cwd()))  # where python -m looks, too
     try:
         import_module(name)
     except (Exception, SystemExit) as error:

@@ -15,8 +15,8 @@ def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> di
       ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
-    - ``findings``: what of the files is not used as it is: ``kind`` (mended, warning, ignored, not started or window),
-      ``what``, ``robot``, ``file``, ``lines``, ``rule``
+    - ``findings``: what of the files is not used as it is: ``kind`` (mended, warning, ignored, not started,
+      failed or window), ``what``, ``robot``, ``file``, ``lines``, ``rule``
     - ``failure``: the error that ended the run, else None; all other entries are those of the last good state then
     - ``state_sha256``: equal for two runs that ended in the same state to the last bit
 

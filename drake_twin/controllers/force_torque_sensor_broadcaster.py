@@ -14,7 +14,7 @@ from drake_twin.control.low_pass_filter import LowPassFilter, LowPassMemory
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, described
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
 
@@ -234,7 +234,7 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
             filtered = self._filtered(self._wrench(context), sample.memory)
             sample = replace(sample, time=context.get_time(), memory=filtered)
         except Exception as error:  # an error concerns this controller alone
-            sample = replace(sample, fault=f"{type(error).__name__}: {error}")
+            sample = replace(sample, fault=described(error))
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
         return (
             EventStatus.Succeeded() if sample.fault is None else EventStatus.ReachedTermination(self, self.setup.name)

@@ -12,6 +12,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.position_reach import PositionReach
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.errors import TwinError, described
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -109,7 +110,14 @@ class PeriodicController(StatefulController):
 
     def activate(self, context: Context) -> None:
         """Start at the present time with the memory that `start` returns."""
-        self.set_sample(context, Sample(True, context.get_time(), self.start(context), self._nothing))
+        memory, fault = None, None
+        try:
+            memory = self.start(context)
+        except TwinError:
+            raise
+        except Exception as error:  # the next update ends the advance, and the controller is deactivated
+            fault = described(error)
+        self.set_sample(context, Sample(True, context.get_time(), memory, self._nothing, fault))
 
     def deactivate(self, context: Context) -> None:
         """Stop writing and updating; the memory stays readable."""
@@ -139,19 +147,23 @@ class PeriodicController(StatefulController):
 
     def _update_sample(self, context: Context, state: State) -> EventStatus:
         sample = self.sample(context)
-        if not sample.active or sample.fault is not None:
+        if not sample.active:
             return EventStatus.DidNothing()
+        if sample.fault is not None:
+            return EventStatus.ReachedTermination(self, self.setup.name)
         time = context.get_time()
         notice = False
         try:
             update = self.update(context, time, sample.memory)
             commands = tuple(map(float, update.commands))
+            if len(commands) != len(self._nothing):
+                raise ValueError(f"{len(commands)} commands for {len(self._nothing)} interfaces")
             if self._reaches:
                 commands = self._within_reach(context, commands)
             notice = update.notice or (bool(self._velocities) and self._starts_or_stops(sample.commands, commands))
             sample = Sample(True, time, update.memory, commands)
         except Exception as error:  # an error concerns this controller alone
-            sample = replace(sample, commands=self._nothing, fault=f"{type(error).__name__}: {error}")
+            sample = replace(sample, commands=self._nothing, fault=described(error))
             notice = True
         state.get_mutable_abstract_state(int(self._sample_index)).set_value(sample)
         return EventStatus.ReachedTermination(self, self.setup.name) if notice else EventStatus.Succeeded()

@@ -1,12 +1,14 @@
 """The controller types: each class registers itself, and its module is imported when the type is asked for."""
 
 from collections.abc import Callable
+from dataclasses import is_dataclass
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, TypeVar
 
+from drake_twin.errors import InputError
 from drake_twin.extensions import load_extensions
 
 if TYPE_CHECKING:
@@ -30,13 +32,15 @@ def controller(kind: str) -> Callable[[_C], _C]:
         kind: The plugin's name, for example ``my_pkg/MyController``.
 
     Raises:
-        ValueError: If another class is registered under the type.
+        InputError: If another class is registered under the type, or the class has no dataclass ``Parameters``.
     """
 
     def register(cls: _C) -> _C:
         known = _classes.get(kind, cls)
         if (known.__module__, known.__qualname__) != (cls.__module__, cls.__qualname__):
-            raise ValueError(f"controller type {kind!r} is registered by {known.__module__} and by {cls.__module__}")
+            raise InputError(f"controller type {kind!r} is registered by {known.__module__} and by {cls.__module__}")
+        if not is_dataclass(getattr(cls, "Parameters", None)):
+            raise InputError(f"controller type {kind!r}: {cls.__qualname__} needs a dataclass Parameters")
         _classes[kind] = cls
         return cls
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import nan
 from typing import ClassVar
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, InputPort
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
@@ -65,5 +66,10 @@ class VectorCommandController(Controller):
         return self._command
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
-        has_value = self._command.HasValue(context)
-        output.SetFromVector(self._command.Eval(context) if has_value else [nan] * len(self.claims))
+        if not self._command.HasValue(context):
+            output.SetFromVector([nan] * len(self.claims))
+            return
+        efforts = self._command.Eval(context)
+        if not np.isfinite(efforts).all():
+            raise ValueError(f"controller {self.setup.name}: the efforts on its port command are {efforts.tolist()}")
+        output.SetFromVector(efforts)

@@ -152,7 +152,7 @@ def read_controllers(
         found = nodes.get(name, [])
         for *_, parameters in found:
             merge_nested(merged, nested(parameters))
-        sources = [entry[:2] for entry in found] or [places[name]] if name in places or found else []
+        sources = [*([places[name]] if name in places else ()), *(entry[:2] for entry in found)]
         controllers.append(ControllerParameters(name, kind, merged, tuple(sources)))
     return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers), tuple(findings))
 

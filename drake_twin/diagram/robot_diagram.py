@@ -21,6 +21,7 @@ from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
 from drake_twin.diagram.servo_modes import velocity_limits
+from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.sensors.registry import sensor_class
@@ -179,7 +180,12 @@ def _add_controllers(
         )
         kind = controller_class(item.type)
         assert kind is not None, "a controller of an unknown type has a problem"
-        controllers[name] = builder.AddNamedSystem(name, kind(setup))
+        try:
+            controllers[name] = builder.AddNamedSystem(name, kind(setup))
+        except TwinError:
+            raise
+        except Exception as error:  # of a class from outside
+            raise InputError(f"{plan.name}: controller {name} ({item.type}): {described(error)}") from error
         warnings += [f"controller {name}: {warning}" for warning in controllers[name].warnings]
     return {name: controllers[name] for name in usable}, tuple(warnings)
 

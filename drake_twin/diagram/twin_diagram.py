@@ -1,5 +1,6 @@
 """The root diagram of a twin: plant, scene graph, one sub-diagram per robot, clock, tf and viewer."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
@@ -210,6 +211,7 @@ def _build(
         extend(builder, DiagramParts(parts.plant, parts.scene_graph, systems, plans))
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
+    _name_unnamed(added)
     tell("building the diagram")
     diagram = builder.Build()
     diagram.set_name("twin")
@@ -356,3 +358,11 @@ def _add_entity_states(builder: DiagramBuilder, parts: PlantOfTwin, plans: Seque
     builder.Connect(plant.get_body_spatial_velocities_output_port(), publisher.get_body_spatial_velocities_input_port())
     topics.publish("/model_states", publisher.get_model_states_output_port(), "gazebo_msgs/msg/ModelStates", 10.0)
     topics.publish("/link_states", publisher.get_link_states_output_port(), "gazebo_msgs/msg/LinkStates", 10.0)
+
+
+def _name_unnamed(systems: Iterable[System]) -> None:
+    """Name the systems that have no name of their own by class and order: Drake's names hold addresses in memory."""
+    for number, system in enumerate(systems):
+        kind, _, address = system.get_name().rpartition("@")
+        if kind and re.fullmatch("[0-9a-f]{16}", address):
+            system.set_name(f"{kind.rpartition('/')[2]}_{number}")

@@ -2,10 +2,11 @@
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from typing import Any
 
 from drake_twin.controllers.interface import Interface
-from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
+from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class, controller_types
 from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerManagerParameters, ControllerParameters
 from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.description.parameters import read_parameters
@@ -76,7 +77,8 @@ def plan_controllers(
         plans[name] = plan
         problem = taken_by or plan.problem
         if problem is not None and plan.error is None:
-            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", by_name[name].place()))
+            place = by_name[name].place(*(("type",) if controller_class(plan.type) is None else ()))
+            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", place))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
 
@@ -157,7 +159,9 @@ def _plan(
     plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
     kind = controller_class(controller.type)
     if kind is None:
-        return replace(plan, problem=f"type {controller.type} is not supported"), ()
+        close = get_close_matches(controller.type, controller_types(), n=1)
+        hint = f"did you mean {close[0]!r}?" if close else "a module that has it is named by --plugin"
+        return replace(plan, problem=f"type {controller.type} is not supported; {hint}"), ()
     if prefix:
         joints = description.joints_by_name
         own = replace(controller, parameters=_with_prefix(controller.parameters, prefix, joints))

@@ -12,7 +12,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.description.planar_joints import ANGULAR_Z, LINEAR_X, LINEAR_Y, LINEAR_Z
 from drake_twin.diagram.twin_diagram import TwinDiagram
-from drake_twin.errors import RunError
+from drake_twin.errors import RunError, described
 from drake_twin.twin.physics import ABSURD, Moment
 
 _MOST_NAMED = 3  # joints named in a message
@@ -55,7 +55,7 @@ def failure(
         built: The diagram.
         plant_context: Its plant's context, as the failure has left it.
         time: The last good time (s).
-        error: The exception: a RuntimeError, or a SystemExit of some of Drake's checks.
+        error: The exception: a RuntimeError or a SystemExit of Drake's checks, or any other one of a user's system.
         good: The moment of the last good time; by default the content of the context.
         before: An earlier moment.
     """
@@ -68,7 +68,8 @@ def failure(
     lost = [mover for mover in movers if not mover.is_possible]
     if lost:
         return RunError(text + _lost(lost, is_possible(last)))
-    reason = " ".join(str(error).split()).rstrip(".")
+    said = str(error) if isinstance(error, RuntimeError | SystemExit) else described(error)
+    reason = " ".join(said.split()).rstrip(".")
     return RunError(text + reason + _suspect(movers, _named_in(reason, built)))
 
 

@@ -26,7 +26,8 @@ from drake_twin.diagram.servo_modes import (
     without_commands,
 )
 from drake_twin.diagram.topics import CommandTopic
-from drake_twin.errors import CommandError
+from drake_twin.errors import CommandError, TwinError, described
+from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.joint_servo import ServoAssignment
 from drake_twin.twin.controller_manager import ControllerManager
@@ -48,6 +49,7 @@ class RobotControl:
         manager: The controller manager.
         stopped: Whether an emergency stop is active.
         kept: The servo's assignment before the last change; the twin clears it before each advance.
+        faults: What made controllers fail, in the order in which it happened.
         check_period: The period at which to call `check_joints` (s); None while no joint needs it.
     """
 
@@ -67,6 +69,7 @@ class RobotControl:
         self.stopped = False
         self.check_period: float | None = None
         self.kept: ServoAssignment | None = None
+        self.faults: list[Finding] = []
 
     def use(self, physics: Physics) -> None:
         """Switch to a newly built diagram."""
@@ -135,7 +138,12 @@ class RobotControl:
         controller = self.controllers[topic.controller]
         if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
             message = messages.Numbers((message.data,) * len(controller.claims))
-        return controller.read(topic.name, message, self._contexts[topic.controller])
+        try:
+            return controller.read(topic.name, message, self._contexts[topic.controller])
+        except TwinError:
+            raise
+        except Exception as error:  # of a class from outside
+            raise CommandError(described(error)) from error
 
     def cancel(self, controller: str) -> None:
         """Cancel the newest goal of a controller's action."""
@@ -153,7 +161,9 @@ class RobotControl:
     def deactivate(self, controller: str, why: str) -> None:
         """Deactivate a controller, and log the reason."""
         stopped = self.manager.deactivate_failed(controller)
-        _log.error("%s: controller %s is deactivated: %s", self._plan.name, ", ".join(stopped), why)
+        what = f"controller {', '.join(stopped)} is deactivated: {why}"
+        self.faults.append(Finding(Kind.FAILED, what, self._plan.name))
+        _log.error("%s: %s", self._plan.name, what)
 
     def take_back(self) -> None:
         """Restore the assignment in `kept`, because the next step has failed."""

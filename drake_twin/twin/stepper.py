@@ -118,7 +118,7 @@ class Stepper:
         next_step = clock.step + 1 if is_next else self._next_stop(target)
         try:
             noticed = self._advance_simulator(next_step)
-        except (RuntimeError, SystemExit) as error:
+        except (Exception, SystemExit) as error:  # of Drake, or of a system that the user has added
             raise self._go_back_from(error, start, next_step, wrenches) from error
         except KeyboardInterrupt:  # somewhere within a step
             self._go_back_to_start(start, wrenches)
@@ -183,7 +183,7 @@ class Stepper:
                 for step in range(clock.step + 1, end + 1):
                     self._advance_simulator(step)
                     before, good, clock.step = good, physics.moment(), step
-            except (RuntimeError, SystemExit) as again:
+            except (Exception, SystemExit) as again:
                 error = again
         earlier = None if before is good else before
         found = failure(session.built, physics.plant_context, clock.time, error, good, earlier)

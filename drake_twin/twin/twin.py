@@ -171,9 +171,11 @@ class Twin:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """What became of what the files say, where it is not simply used: mended, ignored, not started, warned of."""
-        sunk = self._session.sunk
-        return (*self._session.built.findings, *(item for robot in self.robots for item in sunk.get(robot, ())))
+        """What became of what the files say, where it is not simply used: mended, ignored, not started, failed …"""
+        session = self._session
+        sunk = (item for robot in self.robots for item in session.sunk.get(robot, ()))
+        faults = (item for control in session.controls.values() for item in control.faults)
+        return (*session.built.findings, *sunk, *faults)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -8,9 +8,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.controllers import InverseDynamicsController, PidController
 from pydrake.systems.framework import LeafSystem
-from pydrake.systems.primitives import ConstantVectorSource
+from pydrake.systems.primitives import ConstantVectorSource, ZeroOrderHold
 
-from drake_twin import InputError, Robot, TwinBuilder
+from drake_twin import InputError, Robot, RunError, TwinBuilder
 
 PENDULUM = """<robot name="pendulum"><link name="world"/><link name="bob">
 <inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
@@ -187,3 +187,43 @@ def test_a_pid_of_hers_on_the_joint_states_closes_no_algebraic_loop(pendulum):
     twin = driven(pendulum, extend).build()
     twin.advance_to(8.0)
     assert twin.robot_state("p").positions == pytest.approx((TARGET,), abs=2e-3)
+
+
+class Sick(LeafSystem):
+    """Writes no torque, until from a time on it raises an error or writes what is not a number."""
+
+    def __init__(self, since, what):
+        super().__init__()
+        self._since, self._what = since, what
+        self.DeclareVectorOutputPort("torque", 1, self._calc)
+
+    def _calc(self, context, output):
+        output.SetFromVector([self._what() if context.get_time() >= self._since else 0.0])
+
+
+@pytest.mark.parametrize("what", [lambda: {}[7], lambda: float("nan")])
+def test_an_error_in_her_system_leaves_the_twin_in_its_last_good_state(pendulum, what):
+    def extend(builder, parts):
+        builder.Connect(builder.AddSystem(Sick(0.1, what)).get_output_port(), parts.input("p", "torque/command"))
+
+    twin = driven(pendulum, extend).build()
+    twin.advance_to(0.05)
+    with pytest.raises(RunError, match=r"KeyError: 7|efforts on its port command are \[nan\]"):
+        twin.advance_to(0.3)
+    assert twin.time == pytest.approx(twin.context.get_time(), abs=2e-3)
+    assert 0.09 < twin.time <= 0.11
+    with pytest.raises(RunError):
+        twin.advance_to(0.4)
+
+
+def test_a_system_without_a_name_gets_one_that_is_the_same_in_each_process(pendulum):
+    def extend(builder, parts):
+        hold = builder.AddSystem(ZeroOrderHold(0.01, 1))
+        builder.Connect(builder.AddSystem(ConstantVectorSource([0.3])).get_output_port(), hold.get_input_port())
+        builder.Connect(hold.get_output_port(), parts.input("p", "torque/command"))
+
+    one, other = (driven(pendulum, extend).build() for _ in range(2))
+    one.advance_to(0.2)
+    assert list(one.snapshot().systems) == ["ZeroOrderHold_0"]
+    other.restore(one.snapshot())
+    assert other.state_sha256() == one.state_sha256()

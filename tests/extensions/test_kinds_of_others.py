@@ -1,6 +1,8 @@
 """Controllers and sensors that are no part of drake_twin: each is one file, found in four ways."""
 
 import json
+import re
+import shutil
 import subprocess
 import sys
 from math import cos, pi
@@ -167,7 +169,7 @@ def test_two_classes_of_one_type_are_refused(others):
     from drake_twin.controllers import controller
     from drake_twin.controllers.base_controller import Controller
 
-    with pytest.raises(ValueError, match=r"type 'others_pkg/Wave' is registered by wave_controller and by"):
+    with pytest.raises(InputError, match=r"type 'others_pkg/Wave' is registered by wave_controller and by"):
 
         @controller("others_pkg/Wave")
         class Other(Controller):
@@ -181,3 +183,82 @@ def test_a_spawned_robot_may_have_it_too(others, files):
     twin.advance_to(0.5)
     swings(twin.robot_state("arm").positions[0])
     assert np.isfinite(twin.robot_state("rover").positions).all()
+
+
+def test_a_class_without_a_dataclass_of_parameters_is_refused(others):
+    from drake_twin.controllers import controller
+    from drake_twin.controllers.base_controller import Controller
+
+    with pytest.raises(InputError, match=r"type 'others_pkg/Bare': .*Bare needs a dataclass Parameters"):
+
+        @controller("others_pkg/Bare")
+        class Bare(Controller):
+            pass
+
+
+FAULTY = """
+from dataclasses import dataclass
+from drake_twin.controllers import Interface, PeriodicController, Update, controller
+@dataclass(frozen=True)
+class Parameters:
+    joint: str
+@controller("others_pkg/Faulty")
+class Faulty(PeriodicController):
+    Parameters = Parameters
+    @classmethod
+    def claimed_interfaces(cls, parameters, description):
+        return (Interface(parameters.joint, "velocity"),)
+    def __init__(self, setup):
+        super().__init__(setup)
+        {init}
+    def start(self, context):
+        {start}
+    def update(self, context, time, memory):
+        return {update}
+"""
+FAULTS = {
+    "init": ("1 / 0", "pass", "Update(None, [0.0])", r"faulty\.py:15"),
+    "start": ("pass", "return {}[3]", "Update(None, [0.0])", r"KeyError: 3 \(.*faulty\.py:17\)"),
+    "update": ("pass", "return None", "self.gian", r"AttributeError: .*'gian'.* \(.*faulty\.py:19\)"),
+    "too many": ("pass", "return None", "Update(None, [0.0, 1.0])", "ValueError: 2 commands for 1 interfaces"),
+}
+
+
+@pytest.mark.parametrize("which", FAULTS)
+def test_an_error_in_somebody_elses_controller_is_said_with_its_line_and_counted(files, which):
+    init, start, update, expected = FAULTS[which]
+    (files / "faulty.py").write_text(FAULTY.format(init=init, start=start, update=update))
+    (files / "controllers.yaml").write_text(
+        "controller_manager: {ros__parameters: {f: {type: others_pkg/Faulty}}}\nf: {ros__parameters: {joint: j}}\n"
+    )
+    (files / "scenario.yaml").write_text("robots:\n- {name: arm, model: arm.urdf, controllers: [controllers.yaml]}\n")
+    result = run(files / "scenario.yaml", "--plugin", files / "faulty.py", "--strict", folder=files)
+    assert re.search(expected, result.stderr), result.stderr
+    assert "Traceback" not in result.stderr
+    assert result.returncode == (2 if which == "init" else 1)
+    if which != "init":
+        (finding,) = json.loads((files / "out.json").read_text())["findings"]
+        assert finding["kind"] == "failed"
+
+
+def test_a_module_in_the_present_folder_is_found_by_both_programs(files):
+    (files / "scenario.yaml").write_text("robots:\n- {name: arm, model: arm.urdf, controllers: [controllers.yaml]}\n")
+    shutil.copy(FOLDER / "wave_controller.py", files)
+    for program in ("from drake_twin.run import main", "from drake_twin.__main__ import main"):
+        more = [] if "run" in program else ["run"]
+        code = f"import sys; sys.path.remove(''); {program}; sys.exit(main())"  # as in an installed script
+        command = [sys.executable, "-c", code, *more, "scenario.yaml", "--plugin", "wave_controller", "--headless"]
+        result = subprocess.run([*command, "--duration", "0.1"], cwd=files, capture_output=True, text=True, check=False)
+        assert result.returncode == 0, result.stderr
+
+
+def test_a_misspelt_type_is_named_with_its_line_and_the_closest_one(files):
+    (files / "controllers.yaml").write_text(
+        "controller_manager:\n  ros__parameters:\n    v:\n"
+        "      type: velocity_controllers/JointGroupVelocityControler\n"
+        "v:\n  ros__parameters: {joints: [j]}\n"
+    )
+    twin = TwinBuilder().robot("arm", files / "arm.urdf", controllers=files / "controllers.yaml").build()
+    (finding,) = twin.findings
+    assert "did you mean 'velocity_controllers/JointGroupVelocityController'?" in finding.what
+    assert finding.lines == (4,)

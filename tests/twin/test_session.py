@@ -1,9 +1,12 @@
 """What stays and what ends when a twin is reset, restored or built again."""
 
+from dataclasses import replace
+
 import pytest
 from two_hinges import efforts, hinges, trajectories, velocities, write_hinges
 
-from drake_twin.scenario import Robot
+from drake_twin import InputError, Twin
+from drake_twin.scenario import Command, Robot
 
 WHEELS = "/r/wheels/commands"
 CONTROLLERS = {"wheels": velocities("left", "right")}
@@ -122,3 +125,19 @@ def test_a_description_is_heard_again_when_another_robot_has_taken_the_name(tmp_
     twin.advance_to(0.3)
     assert len(heard) == 2
     assert "other_hinges" in heard[1]
+
+
+@pytest.mark.parametrize("optional", [False, True])
+def test_an_optional_command_that_nobody_accepts_is_a_finding_and_another_one_an_error(tmp_path, optional):
+    scenario = hinges(tmp_path, {"wheels": velocities("left", "right")}).scenario()
+    commands = (Command("/r/arm/commands", (1.0,), optional=optional), Command("/r/wheels/commands", (1.0, 2.0)))
+    scenario = replace(scenario, commands=commands)
+    if not optional:
+        with pytest.raises(InputError, match="/r/arm/commands"):
+            Twin(scenario)
+        return
+    twin = Twin(scenario)
+    (finding,) = twin.findings
+    assert finding.what.startswith("ros2 topic pub /r/arm/commands (")
+    twin.advance_to(1.0)
+    assert twin.robot_state("r").velocities == pytest.approx((1.0, 2.0), rel=1e-3)
