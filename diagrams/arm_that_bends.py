@@ -1,4 +1,4 @@
-"""Lesson 1, first half: the digital twin of an arm, without controllers and with them.
+"""Lesson 1, first half: the digital twin of an arm, without `<ros2_control>` and with it.
 
 Run it: python diagrams/arm_that_bends.py
 

@@ -78,7 +78,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
         run = _Run(twin, target, files, page, seen, options, stopped)
         if not options.end_with_recording:
             run.run()
-        failure = save_results(run.twin, run.wall_time, options, run.failure)
+        failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
     if failure is not None:
         raise failure
     return 1 if options.strict and texts(run.twin.findings, Kind.FAILED) else 0
@@ -106,6 +106,7 @@ class _Run:
 
     Attributes:
         twin: The twin that runs.
+        simulated: The time simulated so far (s).
         wall_time: The duration so far (s).
         failure: The error that ended the run; the twin is in its last good state then.
     """
@@ -121,7 +122,7 @@ class _Run:
         stopped: Sequence[int],
     ):
         self.twin = twin
-        self.wall_time = 0.0
+        self.simulated = self.wall_time = 0.0
         self.failure: RunError | None = None
         self._target = target
         self._page = page
@@ -133,12 +134,14 @@ class _Run:
     def run(self) -> None:
         """Run the twin, and its successors."""
         while True:
-            start = time.perf_counter()
+            start, begin = time.perf_counter(), self.twin.time
             try:
                 self._simulate()
             except RunError as error:
                 self.failure = error
             self.wall_time += time.perf_counter() - start
+            now = self.twin.time
+            self.simulated += now - begin if now >= begin else now  # it is less after a reset
             if self.failure is not None or self._stopped or self._watch is None or not self._watch.has_changed:
                 return
             self.twin, self._target, self._watch = rebuilt_twin(self.twin, self._target, self._options, self._watch)

@@ -14,6 +14,7 @@ def test_a_saved_state_goes_on_as_if_it_had_not_been_saved(tmp_path):
     rest = summary_of(tmp_path, "--load-state", tmp_path / "state.json", "--duration", 1.3)
     assert rest["sim_time"] == pytest.approx(2.0)
     assert rest["state_sha256"] == whole["state_sha256"]
+    assert rest["real_time_factor"] == pytest.approx(1.3 / rest["wall_time"])  # of what this process has simulated
 
 
 def test_a_recorded_run_is_replayed(tmp_path):

@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 
 
 def save_results(
-    twin: "Twin", wall_time: float, options: argparse.Namespace, failure: RunError | None
+    twin: "Twin", simulated: float, wall_time: float, options: argparse.Namespace, failure: RunError | None
 ) -> RunError | None:
     """Write the files that the options ask for, and print the result; a failed file does not prevent the others.
 
     Args:
         twin: The twin at its last moment.
+        simulated: The time that the run has simulated (s).
         wall_time: The duration of the run (s).
         options: The options of ``drake_twin.run``.
         failure: The error that ended the run, if there was one.
@@ -35,7 +36,7 @@ def save_results(
         writers.append(lambda: twin.snapshot().save(options.save_state))
     if options.record is not None:
         writers.append(lambda: twin.recording().save(options.record))
-    writers.append(partial(_report, twin, wall_time, options.summary, failure))
+    writers.append(partial(_report, twin, simulated, wall_time, options.summary, failure))
     for write in writers:
         try:
             write()
@@ -63,15 +64,16 @@ def write_result(what: str, file: Path, text: str) -> None:
         raise RunError(f"the {what} {file} cannot be written ({error.strerror})") from None
 
 
-def _report(twin: "Twin", wall_time: float, file: Path | None, failure: RunError | None) -> None:
+def _report(twin: "Twin", simulated: float, wall_time: float, file: Path | None, failure: RunError | None) -> None:
     """Print the result, and write the summary."""
     from drake_twin.cli.summary import summary
 
-    result = summary(twin, wall_time, failure)
+    result = summary(twin, simulated, wall_time, failure)
     count = len(result["robots"])
+    now = "" if simulated == twin.time else f", at {twin.time:.3f} s"
     say(
-        f"{count} robot{'s' if count > 1 else ''}, {result['sim_time']:.3f} s simulated in {wall_time:.3f} s"
-        f" (real-time factor {result['real_time_factor']:.2f}), state {result['state_sha256'][:12]}"
+        f"{count} robot{'s' if count > 1 else ''}, {simulated:.3f} s simulated in {wall_time:.3f} s"
+        f" (real-time factor {result['real_time_factor']:.2f}){now}, state {result['state_sha256'][:12]}"
     )
     if file is not None:
         write_result("summary", file, json.dumps(result, indent=2) + "\n")

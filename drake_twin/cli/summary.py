@@ -6,10 +6,10 @@ from drake_twin.errors import RunError
 from drake_twin.twin.twin import Twin
 
 
-def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> dict[str, Any]:
+def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | None = None) -> dict[str, Any]:
     """Return the result of a run as plain data for JSON.
 
-    - ``sim_time``, ``wall_time`` (s), ``real_time_factor`` (sim over wall time), ``time_step`` (s), ``steps``
+    - ``sim_time``, ``wall_time`` (s), ``real_time_factor`` (of this run), ``time_step`` (s), ``steps``
     - ``robots``: name → ``joints`` (names of the movable joints), ``positions`` (rad or m), ``velocities``,
       ``efforts`` (that actuators apply, N·m or N; None after a failure, for they are those of the next step),
       ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
@@ -22,6 +22,7 @@ def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> di
 
     Args:
         twin: The twin at its last moment.
+        simulated: The time that the run has simulated (s).
         wall_time: The duration of the run (s).
         failure: The error that ended the run, if there was one.
     """
@@ -38,7 +39,7 @@ def summary(twin: Twin, wall_time: float, failure: RunError | None = None) -> di
     return {
         "sim_time": twin.time,
         "wall_time": wall_time,
-        "real_time_factor": twin.time / wall_time if wall_time > 0 else 0.0,
+        "real_time_factor": simulated / wall_time if wall_time > 0 else 0.0,
         "time_step": twin.scenario.time_step,
         "steps": twin.step_count,
         "robots": robots,

@@ -106,13 +106,17 @@ class DiagramParts:
     plans: tuple[RobotPlan, ...]
 
     def output(self, robot: str, name: str) -> OutputPort:
-        """Return an output port of a robot's sub-diagram: ``state_estimated``, or ``<controller>/<topic>``.
+        """Return an output port of a robot: ``state``, ``state_estimated``, ``net_actuation`` or a controller's.
 
         Raises:
             InputError: If the robot or the port is unknown.
         """
         system = self._robot(robot)
-        valid = [system.get_output_port(OutputPortIndex(i)).get_name() for i in range(system.num_output_ports())]
+        own = {"state": self.plant.get_state_output_port, "net_actuation": self.plant.get_net_actuation_output_port}
+        if name in own:
+            return own[name](self.plant.GetModelInstanceByName(robot))
+        ports = [system.get_output_port(OutputPortIndex(i)).get_name() for i in range(system.num_output_ports())]
+        valid = [*own, *ports]
         if name not in valid:
             raise InputError(f"robot {robot!r} has no output port {name!r}", value=name, valid=valid)
         return system.GetOutputPort(name)

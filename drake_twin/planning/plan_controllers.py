@@ -159,7 +159,7 @@ def _plan(
     plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
     kind = controller_class(controller.type)
     if kind is None:
-        close = get_close_matches(controller.type, controller_types(), n=1)
+        close = get_close_matches(controller.type, controller_types(), n=1, cutoff=0.85)
         hint = f"did you mean {close[0]!r}?" if close else "a module that has it is named by --plugin"
         return replace(plan, problem=f"type {controller.type} is not supported; {hint}"), ()
     if prefix:

@@ -172,8 +172,8 @@ def test_a_port_that_there_is_not_is_named_with_those_there_are(pendulum):
         driven(pendulum, extend).build()
     with pytest.raises(InputError, match=r"unknown robot 'q'.*Valid: p"):
         driven(pendulum, lambda builder, parts: parts.output("q", "state_estimated")).build()
-    with pytest.raises(InputError, match=r"no output port 'state'.*Valid: .*state_estimated"):
-        driven(pendulum, lambda builder, parts: parts.output("p", "state")).build()
+    with pytest.raises(InputError, match=r"no output port 'odometry'.*Valid: state, .*state_estimated"):
+        driven(pendulum, lambda builder, parts: parts.output("p", "odometry")).build()
 
 
 def test_a_pid_of_hers_on_the_joint_states_closes_no_algebraic_loop(pendulum):
