@@ -9,6 +9,7 @@ from pydrake.systems.framework import Context, OutputPort
 from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.messages import Numbers, float64_multi_array
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.session import Session
@@ -38,8 +39,15 @@ class Topics:
         """
         commanded = self._session.built.commanded
         if not isinstance(topic, str) or topic not in commanded:
-            raise InputError(f"nothing listens to {topic!r}", value=str(topic), valid=commanded)
+            why = "".join(f" ({item})" for item in self._not_started(str(topic)))
+            raise InputError(f"nothing listens to {topic!r}{why}", value=str(topic), valid=commanded)
         return commanded[topic]
+
+    def _not_started(self, topic: str) -> list[Finding]:
+        """Return why the controllers that a topic's name has are not started."""
+        wanted = tuple(f"controller {part}: " for part in topic.split("/"))
+        findings = self._session.built.findings
+        return [item for item in findings if item.kind is Kind.NOT_STARTED and item.what.startswith(wanted)]
 
     def published_topic(self, topic: Any) -> PublishedTopic:
         """Return a topic that the twin publishes.

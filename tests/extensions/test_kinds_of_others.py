@@ -262,3 +262,7 @@ def test_a_misspelt_type_is_named_with_its_line_and_the_closest_one(files):
     (finding,) = twin.findings
     assert "did you mean 'velocity_controllers/JointGroupVelocityController'?" in finding.what
     assert finding.lines == (4,)
+    with pytest.raises(
+        InputError, match=r"nothing listens to '/arm/v/commands' \(arm: controller v: type .*yaml:4\)\)"
+    ):
+        twin.publish("/arm/v/commands", [1.0])
