@@ -124,7 +124,7 @@ MUTANTS = (
             "if Interface(joint, claim.name) not in plans[owner].references:",
             "if joint not in [reference.joint for reference in plans[owner].references]:",
         ),
-        ("chain: a circle is allowed", "if below in circle:", "if below in circle[1:]:"),
+        ("chain: a circle is allowed", "TopologicalSorter(below).prepare()", "TopologicalSorter(below)"),
         ("chain: claims need not be of joints", "not (separator and owner in known)", "not separator"),
         (
             "chain: references are no claims at the start",
@@ -265,7 +265,7 @@ MUTANTS = (
         ("session: new robots are not started", "if control is not known.get(name):", "if control is known.get(name):"),
         (
             "session: goals of all end with a rebuild",
-            "self.goals.keep(self.controls.values())",
+            "self.goals.keep(controls.values())",
             "self.goals.drop_all()",
         ),
         (

@@ -3,6 +3,7 @@
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
 from drake_twin.controllers.interface import Interface
@@ -88,17 +89,33 @@ def _settled(
 ) -> Iterator[tuple[str, ControllerPlan, str | None]]:
     """Yield each chosen controller with its state at the start, and the conflict that prevents its activation."""
     claimed_by: dict[Interface, str] = {}
+    idle = _without_chain(chosen, plans)
     for name, wanted in chosen.items():
         plan, state, conflict = plans[name], wanted, None
         taken = next((claim for claim in plan.claims if claim in claimed_by), None)
         if plan.problem is not None:
             state = UNLOADED
+        elif name in idle:
+            conflict = f"it writes to {idle[name]}, which is not active"
+            state = INACTIVE
         elif wanted == ACTIVE and taken is not None:
             conflict = f"resource conflict, {taken} is already claimed by {claimed_by[taken]}"
             state = INACTIVE
         if state == ACTIVE:
             claimed_by.update(dict.fromkeys(plan.claims, name))
         yield name, replace(plan, state=state), conflict
+
+
+def _without_chain(chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan]) -> dict[str, str]:
+    """Return the controllers to be active that write to one that will not be, each with that one."""
+    active = {name for name, wanted in chosen.items() if wanted == ACTIVE and plans[name].problem is None}
+    idle: dict[str, str] = {}
+    for name in TopologicalSorter({name: chained_to(plans[name], plans) for name in plans}).static_order():
+        missing = next((below for below in chained_to(plans[name], plans) if below not in active), None)
+        if name in active and missing is not None:
+            idle[name] = missing
+            active.remove(name)
+    return idle
 
 
 def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:
@@ -254,9 +271,10 @@ def _check_references(plans: dict[str, ControllerPlan], by_name: Mapping[str, Co
                 error = by_name[name].error(f"controller {owner!r} has no reference {claim}", valid=valid)
                 plans[name] = replace(plan, problem=str(error), error=error)
                 break
-    for name in plans:
-        circle = [name]
-        while (below := next(iter(chained_to(plans[circle[-1]], plans)), None)) and below not in circle:
-            circle.append(below)
-        if below in circle:
-            raise by_name[name].error(f"the controllers {', '.join(circle)} claim each other's references in a circle")
+    below = {name: chained_to(plan, plans) for name, plan in plans.items()}
+    try:
+        TopologicalSorter(below).prepare()
+    except CycleError as error:
+        circle = error.args[1][:-1]
+        what = f"the controllers {', '.join(circle)} claim each other's references in a circle"
+        raise by_name[circle[0]].error(what) from None

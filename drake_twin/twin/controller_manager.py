@@ -329,6 +329,10 @@ class ControllerManager:
             else:
                 stopped.remove(owner)
                 problems.append(f"controller {owner!r} is written to by {name!r}, which is active")
+                kept = {*self._plans[owner].claims}
+                for rival in [rival for rival in started if kept & {*self._plans[rival].claims}]:
+                    started.remove(rival)
+                    problems.append(f"resource conflict for controller {rival!r}: {owner!r} stays active")
 
     def _in_the_way(self, to_start: Iterable[str]) -> list[str]:
         claims = self.claims

@@ -237,7 +237,6 @@ class Session:
             if control is known.get(name):
                 control.set_state(state)
         self.wrenches.put(self.wrenches.items)
-        self.goals.keep(self.controls.values())
         self.subscriptions.use(scenario.time_step)
         physics.initialize()
         old.discard()
@@ -262,6 +261,7 @@ class Session:
                 control = RobotControl(plan, self.commands.clear, self._note)
             control.use(physics)
             controls[plan.name] = control
+        self.goals.keep(controls.values())  # before the controllers of the others are gone
         for name, control in self.controls.items():
             if controls.get(name) is not control:
                 control.retire()

@@ -125,7 +125,6 @@ def test_controllers_that_write_to_each_other_in_a_circle_are_refused(plan):
         plan(a=pid("a/wheel", interface="position", references=["wheel"]))
 
 
-@pytest.mark.xfail(strict=True, reason="only the first controller that is written to is followed")
 def test_a_circle_beside_another_chain_is_refused_too(plan):
     with pytest.raises(InputError, match="in a circle"):
         plan(
@@ -143,7 +142,6 @@ def test_of_two_that_write_one_reference_the_first_is_active(plan):
     assert "pid/wheel/position is already claimed by first" in text
 
 
-@pytest.mark.xfail(strict=True, reason="the states at the start are settled without looking at chains")
 def test_a_writer_is_not_active_at_the_start_without_what_it_writes_to(plan):
     """As the switch of a running manager has it, and ros2_control's."""
     controllers = {"pid": pid("wheel"), "above": forward("pid/wheel", interface="position")}

@@ -133,7 +133,6 @@ def test_force_auto_deactivates_all_that_stand_in_the_way():
     assert chain.active == ("low", "on_a", "on_b")
 
 
-@pytest.mark.xfail(strict=True, reason="what starts is not looked at again when its rival stays active")
 @pytest.mark.parametrize(("deactivate", "strictness"), [(["low"], BEST_EFFORT), ([], FORCE_AUTO)])
 def test_a_rival_of_a_controller_that_has_to_stay_active_is_not_started(deactivate, strictness):
     chain = manager(controller("rival", "a/effort", state="inactive"))

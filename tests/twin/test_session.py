@@ -86,7 +86,6 @@ def test_a_robot_that_goes_leaves_a_manager_that_switches_nothing(tmp_path):
     twin.step()
 
 
-@pytest.mark.xfail(strict=True, raises=KeyError, reason="its goal is looked at once its controllers are gone")
 def test_a_robot_that_goes_ends_its_goals_without_a_word(tmp_path):
     twin = hinges(tmp_path, {"arm": trajectories("left")}, ("r", "other")).build()
     gone = goal(twin, "/other/arm/follow_joint_trajectory", 0.4)
