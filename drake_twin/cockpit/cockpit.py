@@ -21,6 +21,7 @@ from drake_twin.cockpit.snapshot import state, structure
 from drake_twin.cockpit.teleop import Teleop
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind, grouped
+from drake_twin.planning.controller_plan import chained_to
 from drake_twin.scenario import LONGEST_TIME, Robot
 from drake_twin.twin.controller_manager import STRICT
 from drake_twin.twin.twin import Twin
@@ -214,18 +215,28 @@ class Cockpit:
         self._commands.forget()
 
     def _switch_to(self, robot: str, controller: str) -> None:
-        """Activate a controller in place of those that command its joints by whatever interface, and say which."""
+        """Activate a controller in place of those that command its joints by whatever interface, and say which.
+
+        Those that it writes to, in a chain, are activated with it; those that write to what is replaced end with that.
+        """
         manager = self._twin.controller_manager(robot)
         plan = next(plan for plan in self._twin.plans if plan.name == robot)
         joints = {item.name: {claim.joint for claim in item.claims} for item in plan.controllers}
-        own = joints.get(controller, set())
-        replaced = [name for name in manager.active if name != controller and joints[name] & own]
-        answer = manager.switch_controller([controller], replaced, STRICT)
+        below = {item.name: chained_to(item, joints) for item in plan.controllers}
+        chain = [controller]
+        for name in chain:  # it grows: down the chain
+            chain += [other for other in below.get(name, ()) if other not in chain]
+        own = {joint for name in chain for joint in joints.get(name, ())}
+        replaced = [name for name in manager.active if name not in chain and joints[name] & own]
+        for name in replaced:  # it grows: up the chain
+            replaced += [other for other in manager.active if name in below[other] and other not in replaced]
+        started = [name for name in chain if name == controller or not manager.is_active(name)]
+        answer = manager.switch_controller(started, replaced, STRICT)
         if not answer:
             raise InputError(f"{robot}: {answer.message}")
         self._commands.forget()
-        states = ", ".join([f"{controller} active", *(f"{name} inactive" for name in replaced)])
-        self._log.add("info", f"{robot}: switched: {states}")
+        states = [*(f"{name} active" for name in started), *(f"{name} inactive" for name in replaced)]
+        self._log.add("info", f"{robot}: switched: {', '.join(states)}")
 
     def _show(self, name: str, on: bool) -> None:
         known = overlay_kinds()

@@ -3,6 +3,7 @@
 import pytest
 from conftest import rovers
 from fake_page import FakePage
+from two_hinges import hinges, velocities
 
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.cockpit import protocol
@@ -103,4 +104,37 @@ def test_a_recorded_switch_is_replayed_to_the_same_bits(scene):
     page.twin.advance_to(0.5)
     again = replay(page.twin.recording())
     assert again.state_sha256() == page.twin.state_sha256()
+    page.cockpit.close()
+
+
+def test_a_chain_is_switched_as_a_whole_in_both_directions(tmp_path, scene):
+    pid = (
+        "pid_controller/PidController",
+        {
+            "dof_names": ["left"],
+            "command_interface": "effort",
+            "reference_and_state_interfaces": ["velocity"],
+            "gains": {"left": {"p": 5.0}},
+        },
+    )
+    upper = (
+        "forward_command_controller/ForwardCommandController",
+        {"joints": ["low/left"], "interface_name": "velocity"},
+    )
+    builder = hinges(
+        tmp_path,
+        {"low": pid, "upper": upper, "plain": velocities("left")},
+        active=("plain",),
+        inactive=("low", "upper"),
+    )
+    page = FakePage(builder.build(), scene)
+    manager = page.twin.controller_manager("r")
+    page.ask(protocol.SwitchTo("r", "upper"))
+    assert page.state
+    assert page.messages[-1] == ("info", "r: switched: upper active, low active, plain inactive")
+    assert set(manager.active) == {"low", "upper"}
+    page.ask(protocol.SwitchTo("r", "plain"))
+    assert page.state
+    assert page.messages[-1] == ("info", "r: switched: plain active, low inactive, upper inactive")
+    assert manager.active == ("plain",)
     page.cockpit.close()
