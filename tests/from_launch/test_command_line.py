@@ -51,7 +51,7 @@ def test_a_flag_with_a_value_is_what_the_value_says(value, given):
 
 
 @pytest.mark.parametrize(
-    ("value", "message"), [("abc", "which is not a number"), ("nan", "not a finite number"), ("inf", "not a finite")]
+    ("value", "message"), [("abc", "which is not a number"), ("nan", "is not finite"), ("inf", "is not finite")]
 )
 def test_what_is_no_number_is_refused_with_its_place(value, message):
     with pytest.raises(InputError, match=rf"f.launch.py:7: -x is '{value}', .*{message}"):
