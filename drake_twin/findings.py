@@ -16,6 +16,7 @@ class Kind(StrEnum):
     FAILED = "failed"  # a controller whose code raised an error: it is deactivated
     NOT_STARTED = "not started"
     IGNORED = "ignored"
+    REFUSED_BY_ROS = "refused by ROS 2"  # the twin reads it, and ROS 2 Jazzy would end with an error
     WARNING = "warning"
     MENDED = "mended"
     WINDOW = "window"  # of a program such as RViz: the page replaces it, and nothing is lost
@@ -33,7 +34,8 @@ class Place:
         return self.file if self.line is None else f"{self.file}:{self.line}"
 
 
-LOST = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED)  # a file asks for it and the twin does not do it
+# What --strict counts: a file asks for it and the twin does not do it, or ROS does not.
+LOST = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
 
 _MOST_LINES = 8  # in a sentence
 
@@ -131,8 +133,8 @@ def counted(findings: Sequence[Finding], strict: str | None) -> list[Finding]:
 
     Args:
         findings: All findings.
-        strict: None without ``--strict``; ``lost`` for what is ignored or not started, ``mended`` for that and what is
-            mended.
+        strict: None without ``--strict``; ``lost`` for what is ignored, not started or refused by ROS 2, ``mended`` for
+            that and what is mended.
     """
     kinds = () if strict is None else (*LOST, Kind.MENDED) if strict == "mended" else LOST
     return [finding for finding in findings if finding.kind in kinds]

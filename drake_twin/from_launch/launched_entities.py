@@ -14,7 +14,7 @@ from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Finding, Kind, Place, at_places
 from drake_twin.from_launch.bridges import bridged_topics
 from drake_twin.from_launch.controller_managers import requests_by_robot
 from drake_twin.from_launch.launched_controllers import (
@@ -314,5 +314,6 @@ def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:
         yield Finding.at(Kind.NOT_STARTED, f"include {include.what} ({include.reason})", include.place)
     for handler in launched.unfired_handlers:
         yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
+    yield from at_places(Kind.REFUSED_BY_ROS, ((item.what, item.place) for item in launched.refused_by_ros))
     for name in launched.undeclared_arguments:
         yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it)", Place(str(file)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
+from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch.substitutions.text_substitution import TextSubstitution
 
@@ -32,6 +33,8 @@ def _pieces(parts: Iterable[Substitution]) -> Iterator[Substitution | None]:
             yield part
             continue
         piece, quote, quoted = "", "", False
+        if part.text.count('"') % 2 or part.text.count("'") % 2:
+            current_context().refused_by_ros(f"a quote that is not closed in the text {part.text!r} of a command line")
         for character in part.text:
             if quote:
                 if character == quote:

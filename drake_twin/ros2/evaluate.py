@@ -84,6 +84,7 @@ def _evaluated(
         ),
         undeclared_arguments=tuple(name for name in arguments if name not in context.declared),
         log=tuple(context.log),
+        refused_by_ros=tuple(context.refused),
         configurations={name: value for name, value in context.launch_configurations.items() if isinstance(value, str)},
         shutdown=context.events.shutdown_reason,
     )

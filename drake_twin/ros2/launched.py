@@ -142,6 +142,14 @@ class UnfiredHandler:
 
 
 @dataclass(frozen=True)
+class RefusedByRos:
+    """What ROS 2 ends with an error for and the twin does not: in words, and where it was written."""
+
+    what: str
+    place: Place
+
+
+@dataclass(frozen=True)
 class LaunchArgument:
     """An argument that a launch file declares.
 
@@ -171,6 +179,7 @@ class Launched:
         unfired_handlers: Event handlers whose event never came.
         undeclared_arguments: Arguments given that no file declares.
         log: What LogInfo and the like print, and what was repaired or ignored.
+        refused_by_ros: What ROS 2 refuses in the files, and the twin reads.
         configurations: The launch configurations at the end.
         shutdown: The reason of a Shutdown that was reached; None without one.
     """
@@ -181,6 +190,7 @@ class Launched:
     unfired_handlers: tuple[UnfiredHandler, ...] = ()
     undeclared_arguments: tuple[str, ...] = ()
     log: tuple[str, ...] = ()
+    refused_by_ros: tuple[RefusedByRos, ...] = ()
     configurations: Mapping[str, str] = field(default_factory=dict)
     shutdown: str | None = None
 

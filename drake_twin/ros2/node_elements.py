@@ -1,12 +1,10 @@
 """The ``<param>`` and ``<remap>`` elements of nodes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.parser import Parser
-from drake_twin.ros2.launch.launch_context import LaunchContext
-from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch_ros.parameter_descriptions import ParameterFile, ParameterValue
 
 _TYPES: Mapping[str, Any] = {
@@ -23,8 +21,7 @@ _TYPES: Mapping[str, Any] = {
 
 def parse_remappings(entity: Entity, parser: Parser) -> list[tuple[Any, Any]]:
     """Return the remappings of a node's element."""
-    pairs = [parser.parse_required(child, "from", "to") for child in entity.children_named("remap")]
-    return [(pair["from"], pair["to"]) for pair in pairs]
+    return [(pair["from"], pair["to"]) for pair in parser.parse_children(entity, "remap", "from", "to")]
 
 
 def parse_parameters(entity: Entity, parser: Parser) -> list[Any]:
@@ -42,6 +39,7 @@ def parse_parameters(entity: Entity, parser: Parser) -> list[Any]:
             entries.append({tuple(parser.parse_required(child, "name")["name"]): parse_parameter_value(child, parser)})
         else:
             raise child.error("a param has a name or a file (from)")
+        child.assert_entity_completely_parsed()
     return entries
 
 
@@ -57,28 +55,13 @@ def parse_parameter_value(entity: Entity, parser: Parser) -> Any:
             tuple(parser.parse_required(child, "name")["name"]): parse_parameter_value(child, parser)
             for child in nested
         }
-    value, kind = entity.raw("value"), entity.get_attr("type", optional=True)
-    separators = [entity.get_attr(name, optional=True) for name in ("sep", "value-sep")]
-    if value is None:
-        value = entity.get_attr("value")  # which refuses that it is missing
+    kind = entity.get_attr("type", optional=True)
     if kind is not None and kind not in _TYPES:
         raise entity.error(f"unknown type {kind!r}", value=kind, valid=_TYPES)
     value_type = None if kind is None else _TYPES[kind]
-    separator = separators[0] or separators[1]
-    if separator is not None:
-        return [parser.parse_substitution(part) for part in entity.get_attr("value").split(separator)]
-    if isinstance(value, str):
-        return ParameterValue(_Joined(parser.parse_substitution(value)), value_type=value_type)
-    if isinstance(value, Sequence):
-        return [_Joined(parser.parse_substitution(item)) if isinstance(item, str) else item for item in value]
-    return value if value_type is None else ParameterValue(value, value_type=value_type)
-
-
-class _Joined(Substitution):
-    """Substitutions as one, so that they are not taken for a list of values."""
-
-    def __init__(self, parts: list[Substitution]):
-        self._parts = parts
-
-    def perform(self, context: LaunchContext) -> str:
-        return context.perform_substitution(self._parts)
+    if "sep" in entity:
+        entity.refused_by_ros("ROS 2 calls its attribute sep value-sep")
+        value: Any = entity.get_attr("value").split(entity.get_attr("sep"))
+        return [parser.parse_substitution(part) for part in value]
+    value = entity.get_attr("value", data_type=value_type)
+    return ParameterValue(parser.parse_if_substitutions(value), value_type=value_type)

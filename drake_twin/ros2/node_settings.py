@@ -5,6 +5,7 @@ from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
+from drake_twin.ros2.typed_text import typed_text
 
 
 def add_global(context: LaunchContext, key: str, item: Any) -> None:
@@ -13,9 +14,15 @@ def add_global(context: LaunchContext, key: str, item: Any) -> None:
 
 
 def global_parameters(context: LaunchContext) -> list[Any]:
-    """Return the parameters of all nodes of the scope."""
+    """Return the parameters of all nodes of the scope.
+
+    ROS passes a value on the node's command line, as Python prints it: a list becomes the text ``(1, 2)``.
+    """
     items = context.launch_configurations.get("global_params", [])
-    return [{item[0]: item[1]} if isinstance(item, tuple) else item for item in items]
+    return [
+        {item[0]: typed_text(str(item[1]), can_be_str=True).value} if isinstance(item, tuple) else item
+        for item in items
+    ]
 
 
 def remapping_pairs(context: LaunchContext, remappings: Iterable[Any]) -> list[tuple[str, str]]:

@@ -1,154 +1,123 @@
 """The values of parameters, by ROS's typing rules."""
 
 import os
-import typing
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import yaml
-
-from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launched import ParameterValue as Value
-from drake_twin.ros2.launched import Scalar
+from drake_twin.ros2.typed_text import (
+    SCALARS,
+    Typed,
+    as_scalar,
+    is_of_type,
+    item_type,
+    type_name,
+    typed_items,
+    typed_text,
+)
 
-_SCALARS = (bool, int, float, str, bytes)
+_AS_TEXT = "; with ParameterValue(…, value_type=str) it is taken as text"
 
 
 def typed_value(context: LaunchContext, value: Any, what: str) -> Value:
-    """Return a value by ROS's rules: numbers and text as they are, what a substitution gives as YAML takes it.
-
-    Text that YAML refuses (a URDF with a colon in a comment, say) stays text, with a warning, where ROS refuses it.
+    """Return a value of a node's mapping of parameters: text and numbers as they are, substitutions as YAML takes them.
 
     Args:
         context: The context.
-        value: A number, text, a substitution, a path or a list of them.
+        value: A number, text, a substitution, or a list of them. Text and substitutions in a list are the parts of one
+            text; a list in a list is one item.
         what: The value in words, for messages.
 
     Raises:
         InputError: If a parameter cannot have a value of this type.
     """
-    if isinstance(value, bool | int | float | str | bytes):
+    if isinstance(value, bool | int | float | str | bytes) and not hasattr(value, "item"):
         return value
     if isinstance(value, Substitution):
-        return _yaml_value(context, context.perform_substitution(value), what)
-    if isinstance(value, os.PathLike):
-        return str(value)
+        return _of_text(context, value, what)
     if isinstance(value, Sequence):
-        return _sequence_value(context, value, what)
+        return _of_sequence(context, value, what)
     if hasattr(value, "item"):  # a NumPy number
+        context.refused_by_ros(f"{what} is a number of NumPy")
         return typed_value(context, value.item(), what)
+    if isinstance(value, os.PathLike):
+        context.refused_by_ros(f"{what} is a path object, which is not text")
+        return str(value)
     raise InputError(f"{what} is {value!r}, of type {type(value).__name__}, which no parameter can have")
 
 
-def _sequence_value(context: LaunchContext, values: Sequence[Any], what: str) -> Value:
+def _of_text(context: LaunchContext, value: Any, what: str) -> Value:
+    typed = typed_text(context.perform_substitution(value))
+    if typed.value == () or typed.value == []:
+        typed = Typed((), "an empty list")
+    return accepted(context, typed, what, _AS_TEXT if isinstance(typed.value, str) else "")
+
+
+def _of_sequence(context: LaunchContext, values: Sequence[Any], what: str) -> Value:
     if not values:
-        return ()
+        return accepted(context, Typed((), "an empty list"), what)
     if any(isinstance(value, Substitution) for value in values) and is_text(values):
-        return _yaml_value(context, context.perform_substitution(values), what)  # the parts of one text
-    kinds = {type(value) for value in values}
-    if kinds <= {bool, int, float}:
-        return _uniform(list(values))
-    items = [
-        _yaml_scalar(context.perform_substitution(value))
-        if isinstance(value, Sequence) and not isinstance(value, str)
-        else value
-        for value in values
-    ]
-    return _uniform(items)
+        return _of_text(context, values, what)
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        floats = any(isinstance(value, float) for value in values)
+        return tuple(float(value) if floats else value for value in values)
+    items = []
+    for value in values:
+        if isinstance(value, Mapping):
+            context.refused_by_ros(f"{what} is a list of mappings")
+            value = str(value)
+        elif isinstance(value, Substitution | Sequence) and not isinstance(value, str | bytes):
+            value = _of_text(context, value, what)
+        items.append(value)
+    return accepted(context, typed_items(items), what)
 
 
-def _uniform(values: Sequence[Any]) -> Value:
-    kinds = {type(value) for value in values}
-    if len(kinds) == 1 and kinds <= {bool, int, float, str}:
-        return tuple(values)
-    if kinds <= {int, float}:
-        return tuple(float(value) for value in values)
-    return tuple(str(value) for value in values)
+def typed_as(context: LaunchContext, value: Any, kind: Any, what: str) -> Value:
+    """Return a value of a type, as ``ParameterValue`` reads it.
 
-
-def _yaml_value(context: LaunchContext, text: str, what: str) -> Value:
-    if not text:
-        return ""
-    if text.lstrip().startswith("<"):  # a robot description
-        return _description(context, text, what)
-    try:
-        value = load_yaml(text)
-    except yaml.YAMLError:
-        context.log.append(
-            f"{what} is text that is not valid YAML, which ROS refuses without ParameterValue(…, value_type=str)"
-        )
-        return text
-    if isinstance(value, _SCALARS):
-        return value
-    if isinstance(value, list) and value and all(isinstance(item, _SCALARS) for item in value):
-        return _uniform(value)
-    return text
-
-
-def _description(context: LaunchContext, text: str, what: str) -> str:
-    try:
-        plain = isinstance(load_yaml(text), str)
-    except yaml.YAMLError:
-        plain = False
-    if not plain:
-        context.log.append(
-            f"{what} is XML that YAML misreads, which ROS refuses without ParameterValue(…, value_type=str)"
-        )
-    return text
-
-
-def _yaml_scalar(text: str) -> Any:
-    try:
-        value = load_yaml(text)
-    except yaml.YAMLError:
-        return text
-    return value if isinstance(value, _SCALARS) else text
-
-
-def as_type(value: Any, kind: Any) -> Value:
-    """Return text (or a number) as a type, or a list of a type.
+    Args:
+        context: The context.
+        value: A number, text, a substitution, or a list of them.
+        kind: ``bool``, ``int``, ``float``, ``str`` or a list of one of them; None for what YAML takes text for.
+        what: The value in words, for messages.
 
     Raises:
-        InputError: If it is of another type.
+        InputError: If it cannot be of the type.
     """
-    if typing.get_origin(kind) is not None and isinstance(value, str):
-        items = load_yaml(value)
-        if not isinstance(items, list):
-            raise InputError(f"{value!r} is not a list, which the parameter's type asks for")
-        return items_as(items, kind)
-    return _scalar_as(value, kind)
+    if isinstance(value, os.PathLike) or hasattr(value, "item"):
+        value = typed_value(context, value, what)
+    if isinstance(value, SCALARS):
+        if kind is None or is_of_type(value, kind):
+            return value
+        refused = f"{value!r}, and not of type {type_name(kind)}"
+        if item_type(kind) is not None:
+            return accepted(context, Typed(typed_text(str(value), kind).value, refused), what)
+        return accepted(context, Typed(as_scalar(value, kind), refused), what)
+    if isinstance(value, Substitution) or (is_text(value) and any(isinstance(part, Substitution) for part in value)):
+        return accepted(context, typed_text(context.perform_substitution(value), kind), what)
+    if kind is not None and item_type(kind) is None:
+        refused = f"a list, and not of type {type_name(kind)}"
+        return accepted(context, Typed(typed_text(context.perform_substitution(value), kind).value, refused), what)
+    item = item_type(kind)
+    items = []
+    for each in value:
+        if isinstance(each, Substitution | Sequence) and not isinstance(each, str):
+            each = accepted(context, typed_text(context.perform_substitution(each), item), what)
+        items.append(each)
+    if item in (None, float) and {type(each) for each in items} == {int, float}:
+        return tuple(float(each) for each in items)
+    return accepted(context, typed_items(items, item), what)
 
 
-def items_as(items: Iterable[Any], kind: Any) -> tuple[Scalar, ...]:
-    """Return items as ``x`` of ``list[x]``.
-
-    Raises:
-        InputError: If one is of another type.
-    """
-    arguments = typing.get_args(kind)
-    return tuple(_scalar_as(item, arguments[0] if arguments else str) for item in items)
-
-
-def _scalar_as(value: Any, kind: Any) -> Scalar:
-    if kind is str:
-        return str(value)
-    plain = load_yaml(value) if isinstance(value, str) else value
-    if kind is bool and isinstance(plain, bool):
-        return plain
-    if kind is int and isinstance(plain, int) and not isinstance(plain, bool):
-        return plain
-    if kind is float and isinstance(plain, int | float) and not isinstance(plain, bool):
-        return float(plain)
-    if kind is float and isinstance(plain, str):
-        try:
-            return float(plain)  # YAML 1.1 takes 1e-3 for text
-        except ValueError:
-            pass
-    name = getattr(kind, "__name__", str(kind))
-    raise InputError(f"{value!r} is not of the parameter's type, {name}")
+def accepted(context: LaunchContext, typed: Typed, what: str, advice: str = "") -> Value:
+    """Return a value; note that ROS refuses it, where it does."""
+    if typed.refused:
+        context.refused_by_ros(f"{what} is {typed.refused}{advice}")
+    value: Value = tuple(typed.value) if isinstance(typed.value, list) else typed.value
+    return value
 
 
 def is_text(value: Any) -> bool:

@@ -2,7 +2,9 @@ import pytest
 
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
+from drake_twin.ros2.evaluation import active
 from drake_twin.ros2.launch.frontend.entity import Entity
+from drake_twin.ros2.launch.launch_context import LaunchContext
 
 
 def entity(children=(), **attributes):
@@ -13,14 +15,14 @@ def entity(children=(), **attributes):
     ("value", "data_type", "expected"),
     [
         ("5", str, "5"),
-        (True, str, "true"),
         ("5", int, 5),
         ("0.5", float, 0.5),
         ("True", bool, True),
-        (0, bool, False),
+        ("yes", bool, True),
+        ("0", bool, False),
         ("[1, 2]", list[int], [1, 2]),
-        ([1, 2], list[float], [1.0, 2.0]),
-        ("{a: 1}", None, {"a": 1}),
+        ("[1, 2]", list[float], [1.0, 2.0]),
+        ("{a: 1}", None, "{a: 1}"),
         ("$(var x)", int, "$(var x)"),
     ],
 )
@@ -65,10 +67,30 @@ def test_a_wrong_attribute_is_refused_with_its_line(call, reason):
         call(entity(name="x"))
 
 
-def test_children_are_refused_only_where_the_element_is_closed():
+@pytest.mark.parametrize(
+    ("value", "data_type", "expected", "refused"),
+    [
+        ("'1'", str, "'1'", ""),
+        (True, bool, True, ""),
+        ("no", bool, "no", ""),
+        (True, str, "true", "True, and not of type str"),
+        (0, bool, False, "0, and not of type bool"),
+        ([1, 2], list[float], [1.0, 2.0], "[1, 2], and not of type list[float]"),
+        ([1, 2.5], None, [1.0, 2.5], "a list of different types, [1, 2.5]"),
+    ],
+)
+def test_values_of_yaml_keep_their_types(value, data_type, expected, refused):
+    context = LaunchContext()
+    with active(context):
+        result = Entity("tag", Place("x", 3), {"name": value}, typed=True).get_attr("name", data_type=data_type)
+    assert result == expected
+    assert type(result) is type(expected)
+    found = [f"<tag>: name is {refused}"] if refused else []
+    assert [item.what for item in context.refused] == found
+
+
+def test_children_that_nothing_asks_for_are_refused():
     element = entity(["a", "b"])
     element.children_named("a")
-    element.assert_entity_completely_parsed()
-    element.close()
     with pytest.raises(InputError, match=r"<b>: not an element of <tag>. Valid: a"):
         element.assert_entity_completely_parsed()

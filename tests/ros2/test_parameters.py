@@ -69,7 +69,8 @@ def test_a_robot_description_that_yaml_misreads_stays_text_with_a_word_about_ros
         "Node(package='p', executable='e', parameters=[{'rd': LaunchConfiguration('d', default=URDF)}])",
         f'URDF = """{URDF}"""',
     )
-    assert "parameter 'rd' is XML that YAML misreads, which ROS refuses" in launched.log[0]
+    (refused,) = launched.refused_by_ros
+    assert refused.what.startswith("parameter 'rd' is text that ")
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,6 @@
 import pytest
 from launch_files import launch_python
 
-from drake_twin.errors import InputError
-
 
 def process(folder, arguments, **more):
     return launch_python(folder, f"ExecuteProcess({arguments})", **more).processes[0]
@@ -50,9 +48,10 @@ def test_which_commands_do_their_work_and_end(tmp_path, command, ends):
     assert process(tmp_path, f'cmd=["{command}"], shell=True').ends is ends
 
 
-def test_a_command_as_one_text_is_refused(tmp_path):
-    with pytest.raises(InputError, match="TypeError: cmd is a list of words, and 'gz sim' is one text"):
-        process(tmp_path, "cmd='gz sim'")
+def test_a_command_as_one_text_is_taken_letter_by_letter(tmp_path):
+    launched = launch_python(tmp_path, "ExecuteProcess(cmd='gz')")
+    assert (launched.processes[0].executable, launched.processes[0].arguments) == ("g", ("z",))
+    assert launched.log == ("'gz' is one text and not a list of words: ROS takes each letter for a word",)
 
 
 def test_a_description_of_a_process_is_started_too(tmp_path):

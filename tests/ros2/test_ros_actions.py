@@ -53,7 +53,7 @@ def test_parameters_and_remappings_for_all_nodes_come_before_a_nodes_own(tmp_pat
         SetParametersFromFile([ThisLaunchFileDir(), "/all.yaml"]),
         SetRemap("tf", "/tf"), Node(package="p", executable="e", parameters=[{"rate": 10}], remappings=[("a", "b")])""",
     )
-    assert node.parameters == ({"use_sim_time": True}, {"rate": "50"}, tmp_path / "all.yaml", {"rate": 10})
+    assert node.parameters == ({"use_sim_time": True}, {"rate": 50}, tmp_path / "all.yaml", {"rate": 10})
     assert node.remappings == (("tf", "/tf"), ("a", "b"))
 
 

@@ -13,7 +13,7 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
 from drake_twin.ros2.event_queue import EventQueue, Handler
-from drake_twin.ros2.launched import FailedInclude, LaunchedProcess, ParameterText
+from drake_twin.ros2.launched import FailedInclude, LaunchedProcess, ParameterText, RefusedByRos
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.scopes import Scopes, copied
 from drake_twin.ros2.text_parts import text_parts
@@ -39,6 +39,7 @@ class LaunchContext:
         failed_includes: The includes that were left out.
         declared: The arguments that the files declare.
         log: What LogInfo and the like print, and what was repaired or ignored.
+        refused: What ROS 2 refuses, and the twin reads.
         rewritten: Path of a file made by the launch → what is in it.
         files: The files that are being executed, the outermost first, each with the place that includes it.
         place: Where the action that is being executed was written.
@@ -63,6 +64,7 @@ class LaunchContext:
         self.failed_includes: list[FailedInclude] = []
         self.declared: set[str] = set()
         self.log: list[str] = []
+        self.refused: list[RefusedByRos] = []
         self.rewritten: dict[str, ParameterText] = {}
         self.files: list[tuple[str, Place | None]] = []
         self.place: Place | None = None
@@ -238,6 +240,17 @@ class LaunchContext:
         process = replace(process, start_time=self.events.time, environment=environment)
         self.processes.append(process)
         return process
+
+    def refused_by_ros(self, what: str, place: Place | None = None) -> None:
+        """Note something that ROS 2 refuses and the twin reads.
+
+        Args:
+            what: What it is, as a sentence's beginning.
+            place: Where it is written; by default the place of the action that is being executed.
+        """
+        place = place or self.position or Place("")
+        if RefusedByRos(what, place) not in self.refused:
+            self.refused.append(RefusedByRos(what, place))
 
     def anonymous_name(self, name: str) -> str:
         """Return a name that is used once; the same in every run."""

@@ -1,19 +1,19 @@
 """Parameters of nodes: single values, and files of them."""
 
 import os
-import typing
 from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.parse_substitution import parse_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
-from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
+from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launched import ParameterText
 from drake_twin.ros2.launched import ParameterValue as Value
-from drake_twin.ros2.parameter_values import as_type, items_as, typed_value
+from drake_twin.ros2.parameter_values import typed_as
 from drake_twin.ros2.rewritten_files import read_parameter_file, write_rewritten
+from drake_twin.ros2.typed_text import typed_text
 
 
 class ParameterValue:
@@ -29,21 +29,17 @@ class ParameterValue:
         self.value = value
         self.value_type = value_type
 
-    def evaluate(self, context: LaunchContext) -> Value:
+    def evaluate(self, context: LaunchContext, what: str = "the parameter") -> Value:
         """Return the value.
+
+        Args:
+            context: The context.
+            what: The parameter in words, for messages.
 
         Raises:
             InputError: If the text is not of the type.
         """
-        if self.value_type is None:
-            return typed_value(context, self.value, "this parameter")
-        if isinstance(self.value, list | tuple) and typing.get_origin(self.value_type) is None:
-            return as_type(context.perform_substitution(self.value), self.value_type)  # parts of one text
-        if isinstance(self.value, list | tuple) and not any(isinstance(item, Substitution) for item in self.value):
-            return items_as(self.value, self.value_type)
-        if isinstance(self.value, bool | int | float):
-            return as_type(self.value, self.value_type)
-        return as_type(context.perform_substitution(self.value), self.value_type)
+        return typed_as(context, self.value, self.value_type, what)
 
 
 class Parameter(ParameterValue):
@@ -55,7 +51,8 @@ class Parameter(ParameterValue):
 
     def evaluate_pair(self, context: LaunchContext) -> tuple[str, Value]:
         """Return name and value."""
-        return context.perform_substitution(self.name), self.evaluate(context)
+        name = context.perform_substitution(self.name)
+        return name, self.evaluate(context, f"parameter {name!r}")
 
 
 class ParameterFile:
@@ -98,4 +95,4 @@ class ParameterFile:
     def _substitutes(self, context: LaunchContext) -> bool:
         if isinstance(self.allow_substs, bool):
             return self.allow_substs
-        return bool(as_type(context.perform_substitution(self.allow_substs), bool))
+        return bool(typed_text(context.perform_substitution(self.allow_substs), bool).value)

@@ -32,9 +32,9 @@ def _entity(document: YamlDocument, tag: str, body: Any, path: ValuePath, line: 
     """Return ``tag: body`` as an element; lists of mappings in the body are its children."""
     place = Place(str(document.file), line or document.line(path))
     if body is None:
-        return Entity(tag, place)
+        return _refused(Entity(tag, place, typed=True), "it is empty, where YAML wants {}")
     if isinstance(body, list):
-        return Entity(tag, place, children=_actions(document, body, path))
+        return Entity(tag, place, children=_actions(document, body, path), typed=True)
     if not isinstance(body, dict):
         raise document.error(path, f"{body!r} is not a mapping")
     attributes: dict[str, Any] = {}
@@ -46,12 +46,18 @@ def _entity(document: YamlDocument, tag: str, body: Any, path: ValuePath, line: 
                 raise document.error(below, f"{value!r} is not a list of actions")
             children += _actions(document, value, below)
         elif isinstance(value, dict):
-            children.append(_entity(document, str(key), value, below))
+            child = _entity(document, str(key), value, below)
+            children.append(_refused(child, "one mapping, where ROS wants a list of mappings"))
         elif isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
             children += [_entity(document, str(key), item, (*below, index)) for index, item in enumerate(value)]
         else:
             attributes[str(key)] = value
-    return Entity(tag, place, attributes, children)
+    return Entity(tag, place, attributes, children, typed=True)
+
+
+def _refused(entity: Entity, what: str) -> Entity:
+    entity.refused_by_ros(what)
+    return entity
 
 
 def _actions(document: YamlDocument, items: list[Any], path: ValuePath) -> list[Entity]:

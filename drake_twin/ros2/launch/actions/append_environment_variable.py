@@ -9,6 +9,7 @@ from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
 from drake_twin.ros2.launch.frontend.parser import Parser
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
+from drake_twin.ros2.typed_text import typed_text
 
 
 @expose_action("append_env")
@@ -32,7 +33,9 @@ class AppendEnvironmentVariable(SetEnvironmentVariable):
         """Return the class and its arguments for ``<append_env>``."""
         _, arguments = super().parse(entity, parser)
 
-        prepend = entity.get_attr("prepend", data_type=bool, optional=True, can_be_str=False) or False
+        prepend = parser.parse_if_substitutions(entity.get_attr("prepend", data_type=bool, optional=True) or False)
+        if isinstance(prepend, str):
+            entity.refused_by_ros(f"prepend is the text {prepend!r}, and not of type bool")
         return cls, {**arguments, "prepend": prepend, **parser.parse_optional(entity, "separator")}
 
     def execute(self, context: LaunchContext) -> None:
@@ -41,7 +44,7 @@ class AppendEnvironmentVariable(SetEnvironmentVariable):
         if context.environment.get(name):
             prepend = self.prepend
             if not isinstance(prepend, bool):
-                prepend = context.perform_substitution(prepend).strip().lower() in ("true", "1")
+                prepend = typed_text(context.perform_substitution(prepend), bool).value
             parts = [value, context.environment[name]] if prepend else [context.environment[name], value]
             value = context.perform_substitution(self.separator).join(parts)
         context.environment[name] = value

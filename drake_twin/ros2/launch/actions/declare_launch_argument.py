@@ -41,8 +41,11 @@ class DeclareLaunchArgument(Action):
             raise TypeError(f"DeclareLaunchArgument got an unexpected keyword argument {next(iter(kwargs))!r}")
         self.name = name
         self.default_value = None
+        self._refused = ""
         if default_value is not None:
             self.default_value = normalize_to_list_of_substitutions(as_text(default_value))
+            if as_text(default_value) is not default_value:
+                self._refused = f"the default value of {name!r} is {default_value!r}, which is not text"
         self.description = description or ""
         self.choices = None if choices is None else [str(choice) for choice in choices]
 
@@ -53,7 +56,8 @@ class DeclareLaunchArgument(Action):
 
         choices = [choice.get_attr("value", optional=True) or "" for choice in entity.children_named("choice")]
         default = parser.parse_optional(entity, "default").get("default")
-        entity.get_attr("value", optional=True)
+        if entity.get_attr("value", optional=True) is not None:
+            entity.refused_by_ros("it has a value, and ROS 2 knows default only")
         return cls, {
             **arguments,
             "name": entity.get_attr("name"),
@@ -74,6 +78,8 @@ class DeclareLaunchArgument(Action):
             InputError: If it has no value and no default, or a value that is not one of the choices.
         """
         context.declared.add(self.name)
+        if self._refused:
+            context.refused_by_ros(self._refused)
         if self.name not in context.launch_configurations:
             if self.default_value is None:
                 raise InputError(

@@ -91,6 +91,11 @@ class ExecuteLocal(Action):
         """Start the process, and emit events for its start and its end."""
         if context.is_shutdown:
             return
+        for word in self.process_description.numbers:
+            context.refused_by_ros(f"{word!r} in a command line is not text")
+        if self.process_description.single_text:
+            text = self.process_description.single_text
+            context.log.append(f"{text!r} is one text and not a list of words: ROS takes each letter for a word")
         self.started = started = context.start(self.prepare(context))
         captured = context.snapshot()
         details = self.process_details or {}

@@ -12,11 +12,15 @@ from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
 from drake_twin.ros2.launch.frontend.parser import Parser
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType
 
-# What ROS knows and the twin ignores: it starts no process.
-_IGNORED = (
-    *("respawn", "respawn_delay", "respawn_max_retries", "sigkill_timeout", "sigterm_timeout", "emulate_tty"),
-    *("log_cmd", "cached_output"),
-)
+# What ROS knows and the twin ignores, with the types: it starts no process.
+_IGNORED = {
+    **dict.fromkeys(("respawn", "sigkill_timeout", "sigterm_timeout"), str),
+    "respawn_delay": float,
+    "respawn_max_retries": int,
+    "emulate_tty": bool,
+    "log_cmd": bool,
+    "cached_output": bool,
+}
 
 
 @expose_action("executable")
@@ -43,8 +47,6 @@ class ExecuteProcess(ExecuteLocal):
         additional_env: Mapping[Any, Any] | None = None,
         **kwargs: Any,
     ):
-        if isinstance(cmd, str):
-            raise TypeError(f"cmd is a list of words, and {cmd!r} is one text")
         executable = Executable(cmd=cmd, prefix=prefix, name=name, cwd=cwd, env=env, additional_env=additional_env)
         super().__init__(process_description=executable, **kwargs)
 
@@ -52,21 +54,21 @@ class ExecuteProcess(ExecuteLocal):
     def parse(cls, entity: Entity, parser: Parser) -> Parsed:
         """Return the class and its arguments for ``<executable>``."""
         _, arguments = super().parse(entity, parser)
-        shell = entity.get_attr("shell", data_type=bool, optional=True, can_be_str=False) or False
+        shell = entity.get_flag("shell")
         cmd = split_command_line(parser.parse_required(entity, "cmd")["cmd"])
         name = parser.parse_optional(entity, "name")
-        return cls, {**arguments, **process_arguments(entity, parser), **name, "cmd": cmd, "shell": shell}
+        return cls, {**arguments, **process_arguments(entity, parser), **name, "cmd": cmd, "shell": bool(shell)}
 
 
 def process_arguments(entity: Entity, parser: Parser) -> dict[str, Any]:
     """Return the arguments of an action that starts a process, apart from its command and its name."""
-    for name in _IGNORED:
-        entity.raw(name)
+    for name, data_type in _IGNORED.items():
+        entity.get_attr(name, data_type=data_type, optional=True)
     arguments: dict[str, Any] = dict(parser.parse_optional(entity, "cwd", "output"))
     prefix = parser.parse_optional(entity, "launch-prefix")
     if prefix:
         arguments["prefix"] = prefix["launch_prefix"]
-    variables = [parser.parse_required(child, "name", "value") for child in entity.children_named("env")]
+    variables = parser.parse_children(entity, "env", "name", "value")
     if variables:
         arguments["additional_env"] = {tuple(variable["name"]): variable["value"] for variable in variables}
     if entity.get_attr("on_exit", optional=True) == "shutdown":

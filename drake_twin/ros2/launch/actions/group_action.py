@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.actions.reset_launch_configurations import kept_configurations
 from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
 from drake_twin.ros2.launch.frontend.parser import Parser
@@ -43,13 +44,10 @@ class GroupAction(Action):
         """Return the class and its arguments for ``<group>``."""
         _, arguments = super().parse(entity, parser)
 
-        kept = {
-            child.get_attr("name", optional=True) or "": parser.parse_required(child, "value")["value"]
-            for child in entity.children_named("keep")
-        }
+        kept = kept_configurations(entity, parser)
         actions = [parser.parse_action(child) for child in entity.children if child.type_name != "keep"]
         for name in ("scoped", "forwarding"):
-            flag = entity.get_attr(name, data_type=bool, optional=True, can_be_str=False)
+            flag = entity.get_flag(name)
             if flag is not None:
                 arguments[name] = flag
         return cls, {**arguments, "actions": actions, "launch_configurations": kept}

@@ -7,6 +7,7 @@ from typing import Any
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.launch.action import Action
+from drake_twin.ros2.launch.actions.declare_launch_argument import DeclareLaunchArgument
 from drake_twin.ros2.launch.frontend.entity import Entity
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_action
 from drake_twin.ros2.launch.frontend.parser import Parser
@@ -18,7 +19,7 @@ from drake_twin.ros2.launch_files import enter_built_in_file, enter_file, existi
 from drake_twin.ros2.launched import FailedInclude
 from drake_twin.ros2.packages import BUILT_IN, AbsentError
 from drake_twin.ros2.text_parts import as_text
-from drake_twin.ros2.visiting import visit_list
+from drake_twin.ros2.visiting import every_entity, visit_list
 
 # A file may include itself with other arguments, but hardly more often than this.
 _DEEPEST_REPETITION = 8
@@ -49,6 +50,7 @@ class IncludeLaunchDescription(Action):
         elif not isinstance(source, LaunchDescriptionSource):
             source = AnyLaunchDescriptionSource(source)
         self._source = source
+        self._is_mapping = isinstance(launch_arguments, Mapping)
         pairs = launch_arguments.items() if isinstance(launch_arguments, Mapping) else launch_arguments
         self._arguments = [tuple(pair) for pair in pairs or ()]
 
@@ -56,14 +58,10 @@ class IncludeLaunchDescription(Action):
     def parse(cls, entity: Entity, parser: Parser) -> Parsed:
         """Return the class and its arguments for ``<include>``."""
         _, arguments = super().parse(entity, parser)
-        for tag in ("arg", "let"):
-            entity.children_named(tag)
-        entity.close()
-        pairs = [
-            parser.parse_required(child, "name", "value")
-            for child in entity.children
-            if child.type_name in ("arg", "let")
-        ]
+        pairs = parser.parse_children(entity, "arg", "name", "value")
+        for child in entity.children_named("let"):
+            child.refused_by_ros("ROS 2 Jazzy knows only <arg> in an <include>")
+        pairs += parser.parse_children(entity, "let", "name", "value")
         return cls, {
             **arguments,
             "launch_description_source": AnyLaunchDescriptionSource(parser.parse_required(entity, "file")["file"]),
@@ -102,8 +100,14 @@ class IncludeLaunchDescription(Action):
             context.failed_includes.append(FailedInclude(where, f"{_reason(error, where)}{note}", place))
 
     def _include(self, path: str, context: LaunchContext) -> None:
+        if self._is_mapping:
+            context.refused_by_ros("launch_arguments is a mapping without .items()")
+        names = set()
         for name, value in self._arguments:
             text = context.perform_substitution(as_text(value))
+            if as_text(value) is not value:
+                context.refused_by_ros(f"the launch argument {name!r} is {value!r}, which is not text")
+            names.add(context.perform_substitution(name))
             context.launch_configurations[context.perform_substitution(name)] = text
         if self._source.is_description:
             visit_list([self._source.get_launch_description(context)], context)
@@ -117,7 +121,19 @@ class IncludeLaunchDescription(Action):
             chain = " → ".join(Path(name).name for name, _ in [*context.files[-4:], (str(file), None)])
             raise InputError(f"launch files include each other in a loop: {chain}", **file_and_line(self.place))
         description = load_launch_file(str(file), context, self._form(file))
+        self._note_missing(description, names, context)
         enter_file(str(file), description, context, self.place)
+
+    def _note_missing(self, description: LaunchDescription, names: set[str], context: LaunchContext) -> None:
+        """Note required arguments that have a value, but not from this include: ROS looks at its own only."""
+        for entity in every_entity(description, conditional=False):
+            if isinstance(entity, IncludeLaunchDescription):
+                names |= {name for name, _ in entity.launch_arguments if isinstance(name, str)}
+        for entity in every_entity(description, conditional=False):
+            if not isinstance(entity, DeclareLaunchArgument) or entity.condition or entity.default_value is not None:
+                continue
+            if entity.name in context.launch_configurations and entity.name not in names:
+                context.refused_by_ros(f"the include does not give the required argument {entity.name!r} itself")
 
     def _form(self, file: Path) -> str | None:
         """Return how to read a file; a source of another form than the file's name would fail in ROS."""

@@ -12,7 +12,7 @@ from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl im
 from drake_twin.ros2.text_parts import as_text
 
 
-@expose_action("log_info")
+@expose_action("log_info", jazzy=False)
 class LogInfo(Action):
     """Logs a message."""
 
@@ -46,6 +46,8 @@ class Log(LogInfo):
         _, arguments = super().parse(entity, parser)
 
         level = parser.parse_optional(entity, "level")
+        if level:
+            entity.refused_by_ros("ROS 2 Jazzy knows no level")
         return (cls if level else LogInfo), {**arguments, **level}
 
     def execute(self, context: LaunchContext) -> None:
@@ -67,21 +69,21 @@ class _LogAtLevel(Log):
         return cls, arguments
 
 
-@expose_action("log_warning")
+@expose_action("log_warning", jazzy=False)
 class LogWarning(_LogAtLevel):
     """Logs a warning."""
 
     _level = "WARNING"
 
 
-@expose_action("log_error")
+@expose_action("log_error", jazzy=False)
 class LogError(_LogAtLevel):
     """Logs an error."""
 
     _level = "ERROR"
 
 
-@expose_action("log_debug")
+@expose_action("log_debug", jazzy=False)
 class LogDebug(_LogAtLevel):
     """Logs a message for debugging."""
 

@@ -27,4 +27,7 @@ class OpaqueFunction(Action):
 
     def execute(self, context: LaunchContext) -> Any:
         """Call the function."""
-        return self.function(context, *self.args, **self.kwargs)
+        returned = self.function(context, *self.args, **self.kwargs)
+        if callable(getattr(returned, "visit", None)):
+            context.refused_by_ros("the function returns an entity, and not a list of them")
+        return returned

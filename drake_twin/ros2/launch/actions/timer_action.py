@@ -34,8 +34,12 @@ class TimerAction(Action):
         """Return the class and its arguments for ``<timer>``."""
         _, arguments = super().parse(entity, parser)
 
-        period = parser.parse_required(entity, "period")
-        return cls, {**arguments, **period, "actions": [parser.parse_action(child) for child in entity.children]}
+        period = parser.parse_if_substitutions(entity.get_attr("period", data_type=float))
+        return cls, {
+            **arguments,
+            "period": period,
+            "actions": [parser.parse_action(child) for child in entity.children],
+        }
 
     def describe_conditional_sub_entities(self) -> list[tuple[str, list[Any]]]:
         """Return the actions."""

@@ -9,7 +9,13 @@ from drake_twin.ros2.text_parts import as_text
 
 
 class Executable:
-    """A command line as data."""
+    """A command line as data.
+
+    Attributes:
+        cmd: Its words, each a list of substitutions.
+        numbers: The words that were given as numbers, which ROS refuses.
+        single_text: A text in place of a list of words; like ROS, each of its letters is taken for a word.
+    """
 
     def __init__(
         self,
@@ -22,6 +28,9 @@ class Executable:
         additional_env: Mapping[Any, Any] | None = None,
         arguments: Iterable[SomeSubstitutionsType] | None = None,
     ):
-        self.cmd = [normalize_to_list_of_substitutions(as_text(word)) for word in (*cmd, *(arguments or ()))]
+        self.single_text = next((text for text in (cmd, arguments) if isinstance(text, str)), "")
+        words = [*cmd, *(arguments or ())]
+        self.numbers = [word for word in words if as_text(word) is not word]
+        self.cmd = [normalize_to_list_of_substitutions(as_text(word)) for word in words]
         self.prefix, self.name, self.cwd = prefix, name, cwd
         self.env, self.additional_env = env, additional_env

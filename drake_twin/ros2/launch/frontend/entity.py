@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import typing
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import yaml
-
-from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
-
-_BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
+from drake_twin.ros2.evaluation import current_context
+from drake_twin.ros2.typed_text import Typed, is_of_type, item_type, type_name, typed_items, typed_text
 
 
 class MissingAttributeError(InputError):
@@ -38,8 +34,9 @@ class Entity:
     Args:
         type_name: Its tag.
         place: Where it stands.
-        attributes: Name → text, number, truth value, or a list of them (YAML only).
+        attributes: Name → text; with ``typed`` also a number, a truth value, or a list of them.
         children: The elements in it.
+        typed: Whether the values have types of their own, as in YAML, and are not converted.
 
     Attributes:
         parent: The element that it stands in; None for the outermost.
@@ -51,19 +48,27 @@ class Entity:
         place: Place,
         attributes: Mapping[str, Any] | None = None,
         children: Sequence[Entity] = (),
+        *,
+        typed: bool = False,
     ):
         self.type_name = type_name
         self.place = place
         self.parent: Entity | None = None
-        self.children = list(children)
+        self._children = list(children)
+        self._typed = typed
         self._attributes = {_spelled(name): value for name, value in (attributes or {}).items()}
         self._names = {_spelled(name): name for name in attributes or {}}
         self._known: dict[str, None] = {}
         self._known_children: set[str] = set()
-        self._closed = False
         self._searched = False
-        for child in self.children:
+        for child in self._children:
             child.parent = self
+
+    @property
+    def children(self) -> list[Entity]:
+        """The elements in it; asking for them says that their tags are known."""
+        self._known_children.update(child.type_name for child in self._children)
+        return list(self._children)
 
     def __contains__(self, name: str) -> bool:
         return _spelled(name) in self._attributes
@@ -78,10 +83,12 @@ class Entity:
             optional: Whether None is returned for a missing attribute.
             can_be_str: Whether text that is not of the type, such as a substitution, is returned as it is.
 
+        What ROS refuses and can only mean one thing is noted in the active context.
+
         Raises:
             InputError: If the attribute is missing, or not of the type.
         """
-        if _item_type(data_type) is Entity:
+        if item_type(data_type) is Entity:
             children = self.children_named(name)
             if not children and not optional:
                 raise MissingAttributeError(self, name)
@@ -93,17 +100,47 @@ class Entity:
             if self._searched:
                 return ""
             raise MissingAttributeError(self, name)
-        separator = self.raw(f"{name}-sep") if _item_type(data_type) is not None and isinstance(value, str) else None
-        if separator is not None:
-            value = value.split(str(separator))
         try:
-            return _typed(value, data_type)
-        except (ValueError, TypeError, KeyError, yaml.YAMLError):
-            if can_be_str and isinstance(value, str):
-                return value
-        if data_type is bool:
-            raise self.error(f"{name} is {value!r}, which is neither true nor false", valid=["true", "false"])
-        raise self.error(f"{name} is {value!r}, which is not of type {getattr(data_type, '__name__', data_type)}")
+            typed = (
+                self._of_yaml(value, data_type) if self._typed else self._of_text(name, value, data_type, can_be_str)
+            )
+        except InputError:
+            if data_type is bool:
+                raise self.error(
+                    f"{name} is {value!r}, which is neither true nor false", valid=["true", "false"]
+                ) from None
+            raise self.error(f"{name} is {value!r}, which is not of type {type_name(data_type)}") from None
+        if typed.refused:
+            self.refused_by_ros(f"{name} is {typed.refused}")
+        return typed.value
+
+    def _of_text(self, name: str, text: str, data_type: Any, can_be_str: bool) -> Typed:
+        if f"{name}-sep" not in self:
+            return typed_text(text, data_type, can_be_str=can_be_str)
+        separator = self.raw(f"{name}-sep")
+        kind = item_type(data_type)
+        items = [typed_text(item, kind, can_be_str=can_be_str) for item in text.split(str(separator))]
+        return typed_items([item.value for item in items], kind)
+
+    def _of_yaml(self, value: Any, data_type: Any) -> Typed:
+        if is_of_type(value, data_type, can_be_str=True):
+            return Typed(value)
+        if isinstance(value, list) and data_type is not str:
+            return typed_items(value, item_type(data_type))
+        refused = f"{value!r}, and not of type {type_name(data_type)}"
+        return Typed(typed_text(attribute_text(value), data_type).value, refused)
+
+    def refused_by_ros(self, what: str) -> None:
+        """Note something in the element that ROS 2 refuses and the twin reads, in the active context."""
+        current_context().refused_by_ros(f"<{self.type_name}>: {what}", self.place)
+
+    def get_flag(self, name: str) -> Any:
+        """Return a truth value; None if it is missing. ROS takes any text but an empty one for true."""
+        value = self.get_attr(name, data_type=bool, optional=True)
+        if isinstance(value, str):
+            current_context().log.append(f"{self.place}: {name} is the text {value!r}, which ROS takes for true")
+            return bool(value)
+        return value
 
     def raw(self, name: str) -> Any:
         """Return an attribute as the file has it: text in XML, any YAML scalar or list in YAML; None if missing."""
@@ -113,11 +150,7 @@ class Entity:
     def children_named(self, name: str) -> list[Entity]:
         """Return the children with a tag."""
         self._known_children.add(name)
-        return [child for child in self.children if child.type_name == name]
-
-    def close(self) -> None:
-        """Refuse, in `assert_entity_completely_parsed`, children with tags that were not asked for."""
-        self._closed = True
+        return [child for child in self._children if child.type_name == name]
 
     def refuse_unknown(self, parse: Callable[[Entity], object]) -> None:
         """Check that a parse method which failed for a missing attribute knows all those that the element has.
@@ -133,12 +166,12 @@ class Entity:
         self.assert_entity_completely_parsed()
 
     def assert_entity_completely_parsed(self) -> None:
-        """Check that all attributes have been asked for.
+        """Check that all attributes and children have been asked for.
 
         Raises:
             InputError: If some have not.
         """
-        for child in self.children if self._closed else ():
+        for child in self._children:
             if child.type_name not in self._known_children:
                 raise child.error(
                     f"not an element of <{self.type_name}>", value=child.type_name, valid=sorted(self._known_children)
@@ -158,28 +191,10 @@ def _spelled(name: str) -> str:
     return name.replace("-", "_")
 
 
-def _item_type(data_type: Any) -> Any:
-    """Return ``x`` of ``list[x]``; None for another type."""
-    return typing.get_args(data_type)[0] if typing.get_origin(data_type) is list else None
-
-
-def _typed(value: Any, data_type: Any) -> Any:
-    if _item_type(data_type) is not None:
-        items = load_yaml(value) if isinstance(value, str) else value
-        if not isinstance(items, list):
-            raise TypeError
-        return [_typed(item, _item_type(data_type)) for item in items]
-    if data_type is None:
-        return load_yaml(value) if isinstance(value, str) else value
-    if data_type is str:
-        return attribute_text(value)
-    if data_type is bool:
-        return value if isinstance(value, bool) else _BOOLEANS[attribute_text(value).strip().lower()]
-    return data_type(value)
-
-
 def attribute_text(value: Any) -> str:
     """Return an attribute as text, as XML would have it."""
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, list):
+        return " ".join(map(attribute_text, value))
     return str(value)

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from drake_twin.errors import InputError
+from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch_extensions import extension_problems, load_extensions, load_own_modules
 
 __all__ = ["expose_action", "expose_substitution", "instantiate_substitution"]
@@ -33,9 +34,17 @@ class Registry:
         self._folder = folder
         self._own: dict[str, Callable[..., Parsed]] = {}
         self._others: dict[str, Callable[..., Parsed]] = {}
+        self._later: set[str] = set()
 
-    def expose(self, name: str) -> Callable[[_Exposed], _Exposed]:
-        """Return a decorator that registers a class with a classmethod ``parse``, or a parse method."""
+    def expose(self, name: str, *, jazzy: bool = True) -> Callable[[_Exposed], _Exposed]:
+        """Return a decorator that registers a class with a classmethod ``parse``, or a parse method.
+
+        Args:
+            name: The name.
+            jazzy: Whether ROS 2 Jazzy knows it.
+        """
+        if not jazzy:
+            self._later.add(name)
 
         def register(exposed: _Exposed) -> _Exposed:
             method = getattr(exposed, "parse", None) if isinstance(exposed, type) else exposed
@@ -56,6 +65,10 @@ class Registry:
             if method is not None:
                 return method
         return None
+
+    def is_in_jazzy(self, name: str) -> bool:
+        """Return whether ROS 2 Jazzy knows a name, as one of its own."""
+        return name not in self._later or name in self._others
 
     def is_of_package(self, name: str) -> bool:
         """Return whether a launch file or one of its packages registered a name."""
@@ -79,18 +92,24 @@ ACTIONS = Registry("actions")
 SUBSTITUTIONS = Registry("substitutions")
 
 
-def expose_action(name: str) -> Callable[[_Exposed], _Exposed]:
+def expose_action(name: str, *, jazzy: bool = True) -> Callable[[_Exposed], _Exposed]:
     """Return a decorator that makes an action a tag of XML and YAML launch files.
 
     Args:
         name: The tag; ``-`` and ``_`` are the same in it.
+        jazzy: Whether ROS 2 Jazzy knows it.
     """
-    return ACTIONS.expose(name.replace("-", "_"))
+    return ACTIONS.expose(name.replace("-", "_"), jazzy=jazzy)
 
 
-def expose_substitution(name: str) -> Callable[[_Exposed], _Exposed]:
-    """Return a decorator that makes a substitution known as ``$(name …)``."""
-    return SUBSTITUTIONS.expose(name)
+def expose_substitution(name: str, *, jazzy: bool = True) -> Callable[[_Exposed], _Exposed]:
+    """Return a decorator that makes a substitution known as ``$(name …)``.
+
+    Args:
+        name: The name.
+        jazzy: Whether ROS 2 Jazzy knows it.
+    """
+    return SUBSTITUTIONS.expose(name, jazzy=jazzy)
 
 
 def instantiate_substitution(name: str, args: Sequence[Any] = ()) -> Any:
@@ -103,6 +122,8 @@ def instantiate_substitution(name: str, args: Sequence[Any] = ()) -> Any:
     if method is None:
         message = f"unknown substitution $({name} …){extension_problems()}"
         raise InputError(message, value=name, valid=SUBSTITUTIONS.names())
+    if not SUBSTITUTIONS.is_in_jazzy(name):
+        current_context().refused_by_ros(f"ROS 2 Jazzy has no $({name} …)")
     try:
         kind, arguments = method(args)
     except InputError as error:

@@ -1,6 +1,7 @@
 """``$(name arguments)`` in the text of XML and YAML launch files and of parameter files."""
 
 from drake_twin.errors import InputError
+from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.frontend.expose import instantiate_substitution
 from drake_twin.ros2.launch.substitution import Substitution
 from drake_twin.ros2.launch.substitutions.text_substitution import TextSubstitution
@@ -46,10 +47,13 @@ def _parse_one(text: str, start: int) -> tuple[Substitution, int]:
     name = text[start:position]
     arguments: list[list[Substitution]] = []
     while position < len(text):
+        blanks = position
         while position < len(text) and text[position].isspace():
             position += 1
         if position >= len(text):
             break
+        if text[blanks:position] not in ("", " "):
+            current_context().refused_by_ros(f"more than one blank in $({name} …)")
         character = text[position]
         if character == ")":
             return instantiate_substitution(name, arguments), position + 1
@@ -70,8 +74,13 @@ def _parse_unquoted(text: str, position: int) -> tuple[list[Substitution], int]:
     parts: list[Substitution] = []
     depth = 0
     while position < len(text):
-        piece, position = _parse(text, position, end=" \t\n()")
+        start = position
+        piece, position = _parse(text, start, end=" \t\n()")
         parts += piece
+        if "\\" not in text[start:position] and any(
+            isinstance(part, TextSubstitution) and ("'" in part.text or '"' in part.text) for part in piece
+        ):
+            current_context().refused_by_ros(f"a quote within {text!r}")
         if position >= len(text) or text[position].isspace():
             break
         if text[position] == ")":
@@ -80,6 +89,7 @@ def _parse_unquoted(text: str, position: int) -> tuple[list[Substitution], int]:
             depth -= 1
         else:
             depth += 1
+            current_context().refused_by_ros(f"parentheses in {text!r} without quotes around them")
         parts.append(TextSubstitution(text=text[position]))
         position += 1
     return parts, position

@@ -4,11 +4,12 @@ from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.evaluation import current_context
-from drake_twin.ros2.launch.frontend.entity import Entity, MissingAttributeError, attribute_text
+from drake_twin.ros2.launch.frontend.entity import Entity, MissingAttributeError
 from drake_twin.ros2.launch.frontend.expose import ACTIONS
 from drake_twin.ros2.launch.frontend.parse_substitution import parse_substitution
 from drake_twin.ros2.launch.launch_description_entity import LaunchDescriptionEntity
 from drake_twin.ros2.launch.substitution import Substitution
+from drake_twin.ros2.launch.substitutions.text_substitution import TextSubstitution
 from drake_twin.ros2.launch_errors import launch_error
 from drake_twin.ros2.launch_extensions import extension_problems
 
@@ -24,6 +25,10 @@ class Parser:
         Raises:
             InputError: If the element or one of its attributes is unknown, or an attribute is missing or wrong.
         """
+        with current_context().at(entity.place):
+            return self._action(entity)
+
+    def _action(self, entity: Entity) -> LaunchDescriptionEntity:
         tag = entity.type_name.replace("-", "_")
         method = ACTIONS.find(tag)
         of_ros_1 = tag in _OF_ROS_1 or "ns" in entity or (tag == "node" and "type" in entity)
@@ -32,6 +37,8 @@ class Parser:
         if method is None:
             message = f"unknown element{extension_problems()}"
             raise entity.error(message, value=entity.type_name, valid=ACTIONS.names())
+        if not ACTIONS.is_in_jazzy(tag):
+            entity.refused_by_ros("ROS 2 Jazzy has no such element")
         try:
             kind, arguments = method(entity, self)
             entity.assert_entity_completely_parsed()
@@ -60,15 +67,18 @@ class Parser:
 
     @staticmethod
     def parse_if_substitutions(value: Any) -> Any:
-        """Return text, alone or in lists, as substitutions; numbers and truth values as they are."""
+        """Return text that holds substitutions, alone or in a list, as substitutions; other values as they are."""
         if isinstance(value, list):
             return [Parser.parse_if_substitutions(item) for item in value]
-        return parse_substitution(value) if isinstance(value, str) else value
+        parts = parse_substitution(value) if isinstance(value, str) else []
+        if len(parts) == 1 and isinstance(parts[0], TextSubstitution):
+            return parts[0].text
+        return parts or value
 
     def parse_optional(self, entity: Entity, *names: str) -> dict[str, list[Substitution]]:
         """Return those attributes that an element has, as substitutions; the keys are the names with ``_``."""
-        given = {name.replace("-", "_"): entity.raw(name) for name in names}
-        return {name: parse_substitution(attribute_text(value)) for name, value in given.items() if value is not None}
+        given = {name.replace("-", "_"): entity.get_attr(name, optional=True) for name in names}
+        return {name: parse_substitution(value) for name, value in given.items() if value is not None}
 
     def parse_required(self, entity: Entity, *names: str) -> dict[str, list[Substitution]]:
         """Return attributes of an element as substitutions.
@@ -77,3 +87,15 @@ class Parser:
             InputError: If one is missing.
         """
         return {name: parse_substitution(entity.get_attr(name)) for name in names}
+
+    def parse_children(self, entity: Entity, tag: str, *names: str) -> list[dict[str, list[Substitution]]]:
+        """Return attributes of each child with a tag, which has them and no others, as substitutions.
+
+        Raises:
+            InputError: If one is missing or unknown.
+        """
+        found = []
+        for child in entity.children_named(tag):
+            found.append(self.parse_required(child, *names))
+            child.assert_entity_completely_parsed()
+        return found

@@ -46,6 +46,8 @@ class Command(Substitution):
         output, warnings = _run(command, words) if expanded is None else expanded
         if warnings.strip() and on_stderr != "ignore":
             context.log.append(f"{words[0]}: {warnings.strip()}")
+        if warnings.strip() and on_stderr == "fail":
+            context.refused_by_ros(f"the command {words[0]!r} writes to standard error")
         return output + (warnings if on_stderr == "capture" else "")
 
     def describe(self) -> str:

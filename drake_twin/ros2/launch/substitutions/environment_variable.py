@@ -43,7 +43,7 @@ class EnvironmentVariable(Substitution):
         return f"EnvVar({described(self.name)})"
 
 
-@expose_substitution("optenv")
+@expose_substitution("optenv", jazzy=False)
 def parse_optenv(data: Sequence[SomeSubstitutionsType]) -> Parsed:
     """Return the class and its arguments for ``$(optenv name words of the default)``."""
     check_count(data, 1, MANY)

@@ -6,9 +6,11 @@ from typing import Any
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
-from drake_twin.ros2.launch.substitutions.boolean_substitution import boolean_of, text_of
+from drake_twin.ros2.launch.substitutions.boolean_substitution import text_of
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.text_parts import as_texts
+
+_BOOLEANS = {"true": True, "1": True, "false": False, "0": False}  # fewer than those of $(not …)
 
 
 @expose_substitution("equals")
@@ -26,12 +28,10 @@ class EqualsSubstitution(Substitution):
     def equal(self, context: LaunchContext) -> bool:
         """Return whether the texts are equal."""
         left, right = context.perform_substitution(self.left), context.perform_substitution(self.right)
-        if left == right:
-            return True
-        booleans = [boolean_of(text) for text in (left, right)]
+        booleans = [_BOOLEANS.get(text.lower()) for text in (left, right)]
         if None not in booleans:
             return booleans[0] == booleans[1]
         try:
             return math.isclose(float(left), float(right))
         except ValueError:
-            return False
+            return left == right

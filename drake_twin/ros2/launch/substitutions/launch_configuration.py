@@ -44,7 +44,7 @@ class LaunchConfiguration(Substitution):
         return f"LaunchConfig({described(self.variable_name)})"
 
 
-@expose_substitution("arg")
+@expose_substitution("arg", jazzy=False)
 def parse_arg(data: Sequence[SomeSubstitutionsType]) -> Parsed:
     """Return the class and its arguments for ``$(arg name)``, as ROS 1 spells it."""
     check_count(data, 1, 1)

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Sequence
+from pathlib import PurePath
 from typing import Any
 
 from drake_twin.ros2.described_substitutions import described
@@ -11,15 +12,19 @@ from drake_twin.ros2.launch.substitution import MANY, SomeSubstitutionsType, Sub
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 
 
-@expose_substitution("path-join")
+@expose_substitution("path-join", jazzy=False)
 class PathJoinSubstitution(Substitution):
     """Parts of a path, joined; each is text, a substitution or a list of them."""
 
     def __init__(self, substitutions: Iterable[Any]):
-        self.substitutions = [normalize_to_list_of_substitutions(part) for part in substitutions]
+        parts = list(substitutions)
+        self._has_lists = any(not isinstance(part, str | PurePath | Substitution) for part in parts)
+        self.substitutions = [normalize_to_list_of_substitutions(part) for part in parts]
 
     def perform(self, context: LaunchContext) -> str:
         """Return the path."""
+        if self._has_lists:
+            context.refused_by_ros("ROS 2 Jazzy refuses a list in a PathJoinSubstitution")
         return os.path.join(*(context.perform_substitution(part) for part in self.substitutions))
 
     def describe(self) -> str:

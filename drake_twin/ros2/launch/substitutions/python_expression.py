@@ -7,6 +7,7 @@ from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.described_substitutions import described
+from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import MANY, SomeSubstitutionsType, Substitution, check_count
@@ -64,4 +65,6 @@ class PythonExpression(Substitution):
             if modules.replace(",", "").replace(" ", "").replace(".", "").isidentifier():
                 names = [module.strip() for module in modules.split(",")]
                 return cls, {"expression": data[0], "python_modules": names}
+        if len(data) > 1:
+            current_context().refused_by_ros("the expression of $(eval …) has blanks and no quotes around it")
         return cls, {"expression": joined_words(data)}

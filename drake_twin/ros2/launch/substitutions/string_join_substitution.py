@@ -9,7 +9,7 @@ from drake_twin.ros2.launch.substitution import MANY, SomeSubstitutionsType, Sub
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 
 
-@expose_substitution("string-join")
+@expose_substitution("string-join", jazzy=False)
 class StringJoinSubstitution(Substitution):
     """Texts, joined with a delimiter."""
 

@@ -1,5 +1,6 @@
 """Starts a ROS executable."""
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -23,6 +24,7 @@ from drake_twin.ros2.ros_arguments import split_ros_arguments
 
 # What ROS knows and the twin ignores.
 _IGNORED = ("exec_name", "machine", "autostart")
+_NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
 @expose_action("node")
@@ -63,13 +65,10 @@ class Node(ExecuteLocal):
         additional_env: Mapping[Any, Any] | None = None,
         **kwargs: Any,
     ):
-        words = [arguments] if isinstance(arguments, str) else list(arguments or ())
-        super().__init__(
-            process_description=Executable(
-                cmd=[executable, *words], prefix=prefix, cwd=cwd, env=env, additional_env=additional_env
-            ),
-            **kwargs,
+        command = Executable(
+            cmd=[executable], arguments=arguments, prefix=prefix, cwd=cwd, env=env, additional_env=additional_env
         )
+        super().__init__(process_description=command, **kwargs)
         self._package = package
         self._name = name
         self._namespace = namespace
@@ -87,7 +86,6 @@ class Node(ExecuteLocal):
             entity.raw(name)
         for tag in ("composable_node", "extra_arg"):
             entity.children_named(tag)
-        entity.close()
         named = {
             "package": given.get("pkg"),
             "name": given.get("name") or given.get("node_name"),
@@ -142,6 +140,10 @@ class Node(ExecuteLocal):
         split = split_ros_arguments([*words, "--ros-args", *ros_words])
         name = performed(context, self._name)
         given = performed(context, self._namespace)
+        if name is not None and not _NAME.fullmatch(name):
+            context.refused_by_ros(f"a node cannot have the name {name!r}")
+        if given and not all(_NAME.fullmatch(part) for part in given.strip("/").split("/") if given.strip("/")):
+            context.refused_by_ros(f"a namespace cannot be {given!r}")
         namespace = joined_namespace(context.launch_configurations.get("ros_namespace"), given)
         return LaunchedProcess(
             kind=NODE,

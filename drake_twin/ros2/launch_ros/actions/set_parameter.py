@@ -29,8 +29,12 @@ class SetParameter(Action):
         """Return the class and its arguments for ``<set_parameter>``."""
         _, arguments = super().parse(entity, parser)
 
-        name = parser.parse_required(entity, "name")
-        return cls, {**arguments, **name, "value": parse_parameter_value(entity, parser)}
+        if "type" in entity:
+            entity.refused_by_ros("it has a type, and ROS 2 knows name and value only")
+            value = parse_parameter_value(entity, parser)
+        else:
+            value = parser.parse_required(entity, "value")["value"]
+        return cls, {**arguments, **parser.parse_required(entity, "name"), "value": value}
 
     def execute(self, context: LaunchContext) -> None:
         """Set the parameter.
@@ -40,4 +44,7 @@ class SetParameter(Action):
         """
         name = context.perform_substitution(self.name)
         value = self.value.evaluate(context) if isinstance(self.value, ParameterValue) else self.value
-        add_global(context, "global_params", (name, typed_value(context, value, f"parameter {name!r}")))
+        value = typed_value(context, value, f"parameter {name!r}")
+        if isinstance(value, tuple):
+            context.log.append(f"SetParameter: ROS passes the list {name!r} on as the text {value!r}")
+        add_global(context, "global_params", (name, value))

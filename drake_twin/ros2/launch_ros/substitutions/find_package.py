@@ -32,7 +32,7 @@ class FindPackage(Substitution):
 
 
 @expose_substitution("find-pkg-share")
-@expose_substitution("find")
+@expose_substitution("find", jazzy=False)
 class FindPackageShare(FindPackage):
     """A package's share folder."""
 

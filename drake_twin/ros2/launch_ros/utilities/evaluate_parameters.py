@@ -64,7 +64,7 @@ def evaluate_parameters_dict(
 def _named(name: str, value: ParameterValue, context: LaunchContext) -> Value:
     """Evaluate a value; an error names the parameter."""
     try:
-        return value.evaluate(context)
+        return value.evaluate(context, f"parameter {name!r}")
     except AbsentError:
         raise
     except InputError as error:
