@@ -10,7 +10,7 @@ from drake_twin.ros2.launched import LaunchedProcess
 # Executables that do their work and end. Everything else keeps running, so that OnProcessExit never fires for it.
 _ENDING_NODES = re.compile(
     r"^(create|remove|spawner(\.py)?|unspawner(\.py)?|spawn_entity\.py|hardware_spawner|lifecycle_bringup)$"
-    r"|(^|_)(un)?spawn(er)?(_|$|\.py$)|^delete_entity|^load_controller|^set_"
+    r"|(^|_)(un)?spawn(er)?(_|$|\.py$)|^delete_entity|^load_controller|^set_|\.(ba)?sh$"
 )
 _ENDING_ROS2 = ("control", "service", "param", "lifecycle", "pkg", "run", "launch", "node", "interface", "bag")
 _ENDING_COMMANDS = {
@@ -29,6 +29,8 @@ def command_ends(words: Sequence[str]) -> bool:
     command, rest = Path(words[0]).name, list(words[1:])
     if command in ("bash", "sh") and rest[:1] == ["-c"] and len(rest) > 1:
         return command_ends(shell_words(rest[1].split("&&")[-1].split(";")[-1]) or [""])
+    if command in ("bash", "sh") and rest:
+        return node_ends(next((word for word in rest if not word.startswith("-")), ""))
     if command == "ros2":
         if rest[:1] == ["run"]:
             return len(rest) > 2 and node_ends(rest[2])

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from drake_twin.ros2.graph_modules import GraphFinder, is_graph_module
 from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
 from drake_twin.ros2.packages import scratch_folder
 from drake_twin.ros2.scopes import set_environment
@@ -74,11 +75,11 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         package_folders: Where the ``xacro`` command searches packages first.
     """
     with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation():
-        for name in [name for name in sys.modules if _root(name) in ROOTS or _is_foreign_xacro(name)]:
+        for name in [name for name in sys.modules if _is_ros(name)]:
             del sys.modules[name]
         importlib.invalidate_caches()
         sys.meta_path[:0] = [StandInFinder(), _XacroFinder()]
-        sys.meta_path.append(_WorkspaceFinder())
+        sys.meta_path += [_WorkspaceFinder(), GraphFinder()]
         os.environ.update(_ROS_ENVIRONMENT)
         for name in _DEFAULTS:
             os.environ.setdefault(name, "")
@@ -125,6 +126,10 @@ class _WorkspaceFinder(importlib.abc.MetaPathFinder):
         if spec is None or spec.origin is None:  # a folder without __init__.py is not a module here
             return None
         return spec
+
+
+def _is_ros(name: str) -> bool:
+    return _root(name) in ROOTS or is_graph_module(name) or _is_foreign_xacro(name)
 
 
 def _root(name: str) -> str:

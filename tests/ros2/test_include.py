@@ -64,10 +64,10 @@ def test_an_include_of_an_absent_package_is_left_out_and_the_launch_goes_on(tmp_
 
 
 def test_an_include_that_needs_an_absent_python_module_is_left_out(tmp_path):
-    write(tmp_path / "moveit.launch.py", "from moveit_configs_utils import MoveItConfigsBuilder\n")
+    write(tmp_path / "moveit.launch.py", "from launch_pal import helpers\n")
     launched = launch_xml(tmp_path, '<include file="$(dirname)/moveit.launch.py"/><node pkg="p" exec="e"/>')
     (failed,) = launched.failed_includes
-    assert failed.reason == "needs the Python module moveit_configs_utils, which is not there"
+    assert failed.reason == "needs the Python module launch_pal, which is not there"
     assert len(launched.processes) == 1
 
 

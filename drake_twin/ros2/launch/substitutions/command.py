@@ -4,13 +4,13 @@ import shlex
 import subprocess
 from collections.abc import Mapping, Sequence
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
+from drake_twin.ros2.launch.substitutions.substitution_failure import AbsentFailure, SubstitutionFailure
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
-from drake_twin.ros2.packages import AbsentError, absent_package_in
+from drake_twin.ros2.packages import absent_package_in
 from drake_twin.ros2.xacro_command import run_xacro
 
 
@@ -32,16 +32,16 @@ class Command(Substitution):
         """Return the command's output.
 
         Raises:
-            InputError: If the command is not found, or fails.
+            SubstitutionFailure: If the command is not found, or fails.
         """
         command = context.perform_substitution(self.command)
         on_stderr = context.perform_substitution(self.on_stderr)
         try:
             words = shlex.split(command)
         except ValueError as error:
-            raise InputError(f"the command {command!r} cannot be split into words ({error})") from None
+            raise SubstitutionFailure(f"the command {command!r} cannot be split into words ({error})") from None
         if not words:
-            raise InputError("the command is empty")
+            raise SubstitutionFailure("the command is empty")
         expanded = run_xacro(words, context) or _parameter_of_node(words, context)
         output, warnings = _run(command, words) if expanded is None else expanded
         if warnings.strip() and on_stderr != "ignore":
@@ -65,18 +65,18 @@ def _parameter_of_node(words: Sequence[str], context: LaunchContext) -> tuple[st
         values = [entry[parameter] for entry in process.parameters if isinstance(entry, Mapping) and parameter in entry]
         if process.full_name == node and values:
             return str(values[-1]), ""
-    raise AbsentError(f"{' '.join(words)!r} asks for a parameter of {node}, which this launch file does not start")
+    raise AbsentFailure(f"{' '.join(words)!r} asks for a parameter of {node}, which this launch file does not start")
 
 
 def _run(command: str, words: Sequence[str]) -> tuple[str, str]:
     try:
         result = subprocess.run(words, capture_output=True, text=True, check=False)
     except OSError as error:
-        raise AbsentError(f"the command {command!r} cannot be run: {words[0]}: {error.strerror}") from None
+        raise AbsentFailure(f"the command {command!r} cannot be run: {words[0]}: {error.strerror}") from None
     if result.returncode != 0:
         absent = absent_package_in(command)
         because = f", for package {absent!r} is absent" if absent else ""
-        kind = AbsentError if absent else InputError
+        kind = AbsentFailure if absent else SubstitutionFailure
         raise kind(
             f"the command {command!r} fails with exit code {result.returncode}{because}: {result.stderr.strip()}"
         )

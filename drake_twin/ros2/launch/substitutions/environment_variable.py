@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import MANY, SomeSubstitutionsType, Substitution, check_count
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 from drake_twin.ros2.launch.substitutions.text_substitution import joined_words
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 
@@ -28,14 +28,14 @@ class EnvironmentVariable(Substitution):
         """Return the value, or the default.
 
         Raises:
-            InputError: If it is not set and has no default.
+            SubstitutionFailure: If it is not set and has no default.
         """
         name = context.perform_substitution(self.name)
         value = context.environment.get(name)
         if value is not None:
             return value
         if self.default_value is None:
-            raise InputError(f"environment variable {name!r} is not set")
+            raise SubstitutionFailure(f"environment variable {name!r} is not set")
         return context.perform_substitution(self.default_value)
 
     def describe(self) -> str:

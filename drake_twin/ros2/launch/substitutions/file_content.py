@@ -1,11 +1,11 @@
 """The text of a file."""
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
+from drake_twin.ros2.launch.substitutions.substitution_failure import AbsentFailure, SubstitutionFailure
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
-from drake_twin.ros2.packages import AbsentError, absent_package_in
+from drake_twin.ros2.packages import absent_package_in
 
 
 @expose_substitution("file-content")
@@ -19,13 +19,13 @@ class FileContent(Substitution):
         """Return the text.
 
         Raises:
-            InputError: If the file cannot be read.
+            SubstitutionFailure: If the file cannot be read.
         """
         path = context.locate(context.perform_substitution(self.path))
         absent = absent_package_in(str(path))
         if absent is not None:
-            raise AbsentError(f"package {absent!r} is absent, and a file of it is read: {path}")
+            raise AbsentFailure(f"package {absent!r} is absent, and a file of it is read: {path}")
         try:
             return path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"cannot be read ({error})", file=path) from None
+            raise SubstitutionFailure(f"cannot be read ({error})", file=path) from None

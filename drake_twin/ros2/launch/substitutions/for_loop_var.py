@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution, check_count
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 
 
@@ -21,14 +21,14 @@ class ForEachVar(Substitution):
         """Return the value.
 
         Raises:
-            InputError: If the loop has no such variable, and the substitution no default.
+            SubstitutionFailure: If the loop has no such variable, and the substitution no default.
         """
         name = context.perform_substitution(self.name)
         values = context.get_locals_as_dict().get("for_each", {})
         if name in values:
             return str(values[name])
         if self.default_value is None:
-            raise InputError(f"the loop has no variable {name!r}", value=name, valid=values)
+            raise SubstitutionFailure(f"the loop has no variable {name!r}", value=name, valid=values)
         return context.perform_substitution(self.default_value)
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution, check_count
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.text_parts import as_texts
 
@@ -29,7 +29,7 @@ class LaunchConfiguration(Substitution):
         """Return the value.
 
         Raises:
-            InputError: If it is not set and has no default.
+            SubstitutionFailure: If it is not set and has no default.
         """
         name = context.perform_substitution(self.variable_name)
         if name in context.launch_configurations:
@@ -37,7 +37,7 @@ class LaunchConfiguration(Substitution):
         if self.default is not None:
             return context.perform_substitution(self.default)
         known = [key for key in context.launch_configurations if key not in ("ros_remaps", "global_params")]
-        raise InputError(f"launch configuration {name!r} does not exist", value=name, valid=known)
+        raise SubstitutionFailure(f"launch configuration {name!r} does not exist", value=name, valid=known)
 
     def describe(self) -> str:
         """Return ROS's own description."""

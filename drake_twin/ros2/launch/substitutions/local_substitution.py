@@ -1,8 +1,8 @@
 """A value of the context's locals."""
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 
 
 class LocalSubstitution(Substitution):
@@ -15,9 +15,9 @@ class LocalSubstitution(Substitution):
         """Return the value.
 
         Raises:
-            InputError: If the expression raises an exception.
+            SubstitutionFailure: If the expression raises an exception.
         """
         try:
             return str(eval(f"context.{self.expression}", {}, {"context": context.locals}))
         except Exception as error:  # the file's own code raises whatever it likes
-            raise InputError(f"the local {self.expression!r} is not there ({error})") from None
+            raise SubstitutionFailure(f"the local {self.expression!r} is not there ({error})") from None

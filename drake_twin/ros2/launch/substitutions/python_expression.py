@@ -5,12 +5,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.evaluation import current_context
 from drake_twin.ros2.launch.frontend.expose import Parsed, expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import MANY, SomeSubstitutionsType, Substitution, check_count
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 from drake_twin.ros2.launch.substitutions.text_substitution import TextSubstitution, joined_words
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.text_parts import as_texts
@@ -35,7 +35,7 @@ class PythonExpression(Substitution):
         """Return the expression's value as text.
 
         Raises:
-            InputError: If the expression raises an exception.
+            SubstitutionFailure: If the expression raises an exception.
         """
         expression = context.perform_substitution(self.expression)
         names: dict[str, Any] = {}
@@ -47,7 +47,9 @@ class PythonExpression(Substitution):
         try:
             return str(eval(expression, {}, names))
         except Exception as error:  # the file's own code raises whatever it likes
-            raise InputError(f"the Python expression {expression!r} fails: {type(error).__name__}: {error}") from None
+            raise SubstitutionFailure(
+                f"the Python expression {expression!r} fails: {type(error).__name__}: {error}"
+            ) from None
 
     def describe(self) -> str:
         """Return ROS's own description."""

@@ -1,9 +1,9 @@
 """The path of the launch file."""
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import Substitution
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 
 
 @expose_substitution("filename")
@@ -14,8 +14,8 @@ class ThisLaunchFile(Substitution):
         """Return the path.
 
         Raises:
-            InputError: If no launch file is being executed.
+            SubstitutionFailure: If no launch file is being executed.
         """
         if context.current_launch_file is None:
-            raise InputError("no launch file is being executed here")
+            raise SubstitutionFailure("no launch file is being executed here")
         return context.current_launch_file

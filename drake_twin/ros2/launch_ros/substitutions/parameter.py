@@ -4,10 +4,10 @@ from typing import Any
 
 import yaml
 
-from drake_twin.errors import InputError
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
+from drake_twin.ros2.launch.substitutions.substitution_failure import SubstitutionFailure
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.text_parts import as_texts
 
@@ -29,7 +29,7 @@ class Parameter(Substitution):
         """Return the value.
 
         Raises:
-            InputError: If no SetParameter gives one and it has no default.
+            SubstitutionFailure: If no SetParameter gives one and it has no default.
         """
         name = context.perform_substitution(self.name)
         for item in reversed(context.launch_configurations.get("global_params", [])):
@@ -37,4 +37,4 @@ class Parameter(Substitution):
                 return yaml.safe_dump(item[1]).split("\n")[0] if not isinstance(item[1], str) else item[1]
         if self.default is not None:
             return context.perform_substitution(self.default)
-        raise InputError(f"no SetParameter gives a value to {name!r}")
+        raise SubstitutionFailure(f"no SetParameter gives a value to {name!r}")
