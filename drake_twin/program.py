@@ -15,7 +15,11 @@ from drake_twin.errors import InputError, TwinError
 
 
 class ArgumentParser(argparse.ArgumentParser):
-    """Reports wrong arguments like any other wrong input."""
+    """Reports wrong arguments like any other wrong input, and takes them in any order."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse a command line; ``name:=value`` may stand after options."""
+        return self.parse_intermixed_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
         """Raise an error of the command line.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
+from drake_twin.program import say
 from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError
 from drake_twin.scenario.scenario_file import ScenarioFile
 
@@ -76,6 +78,8 @@ def find_target(options: argparse.Namespace) -> Target:
     if saved:
         target = _saved(options)
     elif launch_file is not None:
+        if len(words) > 1:
+            say(f"launch file: {launch_file}", sys.stderr)
         target = _launched(launch_file, options, given)
     elif len(words) > 1:
         raise InputError(f"only one scenario or robot file can be run at a time, not {', '.join(words)}")
@@ -188,9 +192,11 @@ def find_launch_file(words: Sequence[str], folders: Sequence[str]) -> Path | Non
 
 
 def _launch_file_of_package(package: str, name: str, folders: Sequence[str]) -> Path:
-    from drake_twin.description.package_index import PackageIndex
+    from drake_twin.description.package_index import PackageIndex, surrounding_workspace, workspace_folders
 
-    share = PackageIndex(folders).find(package, Path.cwd() / "here")
+    workspace = surrounding_workspace(Path.cwd())
+    around = [] if workspace is None else workspace_folders(workspace)
+    share = PackageIndex([*folders, *around]).find(package, Path.cwd() / "here")
     found = sorted(path for path in share.rglob("*") if path.is_file() and _LAUNCH_FILE.match(path.name))
     found = [path for path in found if path.suffix != ".py" or "launch" in path.name or path.parent.name == "launch"]
     for path in found:

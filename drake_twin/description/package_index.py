@@ -193,6 +193,15 @@ def workspace_folders(workspace: str | Path) -> tuple[Path, ...]:
     return tuple(folders)
 
 
+def surrounding_workspace(folder: Path) -> Path | None:
+    """Return the colcon workspace that a folder is in: it holds ``src`` with packages, or ``install``."""
+    for place in (folder, *list(folder.parents)[:_SEARCH_DEPTH]):
+        installed = place / "install"
+        if _packages_below(place / "src") or (installed / "setup.sh").is_file() or _share_folders(installed):
+            return place
+    return None
+
+
 def _share_folders(install: Path) -> list[Path]:
     """List the share folders of an install tree: one where it is merged, one a package where it is isolated."""
     merged = install / "share"

@@ -20,7 +20,7 @@ _DEEPEST = 20
 
 
 def collect_arguments(path: str, description: Any, context: LaunchContext) -> list[LaunchArgument]:
-    """Return the arguments, each name once, in the order in which they are declared.
+    """Return the arguments, each name once: those of the file itself, then those of the files that it includes.
 
     Only what decides which files are included is executed. An include that cannot be followed is left out, and so are
     arguments that an include gives itself.
@@ -33,7 +33,8 @@ def collect_arguments(path: str, description: Any, context: LaunchContext) -> li
     found: dict[str, LaunchArgument] = {}
     for argument in _arguments(path, description, context, frozenset(), 0):
         found.setdefault(argument.name, argument)
-    return list(found.values())
+    own = {entity.name for entity in every_entity(description) if isinstance(entity, DeclareLaunchArgument)}
+    return sorted(found.values(), key=lambda argument: argument.name not in own)
 
 
 def _arguments(

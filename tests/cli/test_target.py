@@ -62,6 +62,33 @@ def test_a_package_and_its_launch_file_as_with_ros2_launch(workspace):
     assert target("my_bringup", "look.launch.xml", *options).only_displayed
 
 
+def test_arguments_may_stand_after_options(workspace):
+    words = ("my_bringup", "--workspace", workspace, "arm.launch.xml", "--headless", "robot_name:=ur5e")
+    options = parser().parse_args([*map(str, words)])
+    assert options.target == ["my_bringup", "arm.launch.xml", "robot_name:=ur5e"]
+
+
+@pytest.mark.parametrize("inside", [".", "src", "src/group", "src/group/arduinobot_description/launch"])
+def test_the_present_workspace_comes_before_the_twins_own_packages(workspace, inside, monkeypatch, capsys):
+    own = workspace / "src" / "group" / "arduinobot_description"
+    (own / "launch").mkdir(parents=True)
+    (own / "package.xml").write_text("<package format='3'><name>arduinobot_description</name></package>")
+    rovers = '<launch><include file="$(find-pkg-share rover_gazebo)/launch/main.launch.xml"/></launch>'
+    (own / "launch" / "gazebo.launch.xml").write_text(rovers)
+    monkeypatch.chdir(workspace / inside)
+    found = target("arduinobot_description", "gazebo.launch.xml")
+    assert [robot.name for robot in found.scenario.robots] == ["robot_1", "robot_2"]
+    printed = capsys.readouterr().err.splitlines()[0]
+    assert printed.startswith("launch file: ")
+    assert Path(printed.removeprefix("launch file: ")).samefile(own / "launch" / "gazebo.launch.xml")
+
+
+def test_a_package_as_the_workspace(workspace, monkeypatch):
+    monkeypatch.chdir(workspace / "src" / "group" / "my_bringup")
+    found = target("my_bringup", "arm.launch.xml", "--workspace", ".")
+    assert [robot.name for robot in found.scenario.robots] == ["arduinobot"]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

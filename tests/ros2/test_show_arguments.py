@@ -61,3 +61,10 @@ def test_files_that_include_each_other_come_to_an_end(tmp_path):
     write(tmp_path / "b.launch.xml", '<launch><arg name="b"/><include file="$(dirname)/a.launch.xml"/></launch>')
     file = write(tmp_path / "a.launch.xml", '<launch><arg name="a"/><include file="$(dirname)/b.launch.xml"/></launch>')
     assert list(arguments(file)) == ["a", "b"]
+
+
+def test_the_arguments_of_the_file_itself_come_first(tmp_path):
+    write(tmp_path / "inner.launch.xml", '<launch><arg name="inner" default="1"/></launch>')
+    include = '<include file="$(dirname)/inner.launch.xml"/>'
+    file = write(tmp_path / "outer.launch.xml", f'<launch>{include}<arg name="outer" default="2"/></launch>')
+    assert [argument.name for argument in declared_arguments(file)] == ["outer", "inner"]
