@@ -116,7 +116,8 @@ def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]
     try:
         file = packages.resolve(address)
     except InputError as error:
-        beside = [folder / address for folder in packages.resource_folders if (folder / address).is_file()]
+        folders = (*packages.folders, *packages.resource_folders)
+        beside = [folder / address for folder in folders if (folder / address).is_file()]
         if beside:
             file = beside[0]
         elif name in BUILT_IN_WORLDS:

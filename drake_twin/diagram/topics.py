@@ -1,4 +1,8 @@
-"""The topics of a twin: each is a port of the root diagram, named like the topic without the leading slash."""
+"""The topics of a twin: each is a port of the root diagram, named like the topic without the leading slash.
+
+As in ROS, several robots may listen to one topic, and several may publish on it. The port of each further one has the
+topic's name with ``@ROBOT/CONTROLLER`` after it.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +17,7 @@ class PublishedTopic:
     """A topic that the twin publishes.
 
     Attributes:
+        topic: Its name.
         type: The ROS message type.
         port: The output port of the message.
         rate: The rate at which ROS would publish it (Hz); None if it never changes, so that once is enough.
@@ -20,6 +25,7 @@ class PublishedTopic:
         controller: The controller that publishes it while active; empty if it is always published.
     """
 
+    topic: str
     type: str
     port: OutputPort
     rate: float | None
@@ -32,6 +38,7 @@ class CommandTopic:
     """A topic or an action that a controller subscribes to.
 
     Attributes:
+        topic: Its name.
         type: The ROS message or action type.
         port: The input port, for values as the controller's ``read`` returns them.
         robot: The robot.
@@ -39,6 +46,7 @@ class CommandTopic:
         name: The topic below the controller's name.
     """
 
+    topic: str
     type: str
     port: InputPort
     robot: str
@@ -50,16 +58,16 @@ class Topics:
     """Collect the topics while the diagram is built, and export each topic's port under its name.
 
     Attributes:
-        published: Topic → message type, rate (Hz), robot and controller.
-        subscribed: Topic → message type, robot, controller and the controller's own topic.
-        actions: Action → the same.
+        published: Port → topic, message type, rate (Hz), robot and controller.
+        subscribed: Port → topic, message type, robot, controller and the controller's own topic.
+        actions: The same, for actions.
     """
 
     def __init__(self, builder: DiagramBuilder):
         self._builder = builder
-        self.published: dict[str, tuple[str, float | None, tuple[str, str]]] = {}
-        self.subscribed: dict[str, tuple[str, tuple[str, str, str]]] = {}
-        self.actions: dict[str, tuple[str, tuple[str, str, str]]] = {}
+        self.published: dict[str, tuple[str, str, float | None, tuple[str, str]]] = {}
+        self.subscribed: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
+        self.actions: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
 
     def publish(
         self, topic: str, port: OutputPort, kind: str, rate: float | None, robot: str = "", controller: str = ""
@@ -69,15 +77,16 @@ class Topics:
         If several controllers of one robot publish the same type on one topic, only the first does.
 
         Raises:
-            InputError: If another robot publishes on the topic.
+            InputError: If another message type is published on the topic.
         """
         if topic in self.published:
-            known, _, (owner, _) = self.published[topic]
+            _, known, _, (owner, _) = self.published[topic]
             if robot and (known, owner) == (kind, robot):
                 return
-            raise InputError(f"two robots would publish on {topic}: give each its own namespace")
-        self._builder.ExportOutput(port, topic[1:])
-        self.published[topic] = (kind, rate, (robot, controller))
+            _refuse_other_type(topic, known, kind, owner, robot)
+        name = _port_name(topic, self.published, robot, controller)
+        self._builder.ExportOutput(port, name[1:])
+        self.published[name] = (topic, kind, rate, (robot, controller))
 
     def listen(self, topic: str, port: InputPort, kind: str, *owner: str, action: bool = False) -> None:
         """Export an input port under the name of a topic or an action.
@@ -90,20 +99,24 @@ class Topics:
             action: Whether the port is that of an action.
 
         Raises:
-            InputError: If another controller subscribes to the topic.
+            InputError: If another controller has the action, or subscribes to the topic with another type.
         """
-        robot, controller, name = owner
+        robot, controller, own = owner
         known = self.actions if action else self.subscribed
         if topic in known:
-            raise InputError(f"robots {known[topic][1][0]!r} and {robot!r} would both subscribe to {topic}")
-        self._builder.ExportInput(port, topic[1:])
-        known[topic] = (kind, (robot, controller, name))
+            _, kind_before, before = known[topic]
+            if action:
+                raise InputError(f"robots {before[0]!r} and {robot!r} would both have the action {topic}")
+            _refuse_other_type(topic, kind_before, kind, before[0], robot)
+        name = _port_name(topic, known, robot, controller)
+        self._builder.ExportInput(port, name[1:])
+        known[name] = (topic, kind, (robot, controller, own))
 
     def published_of(self, diagram: Diagram) -> dict[str, PublishedTopic]:
         """Return the published topics of the built diagram."""
         return {
-            topic: PublishedTopic(kind, diagram.GetOutputPort(topic[1:]), rate, *owner)
-            for topic, (kind, rate, owner) in self.published.items()
+            name: PublishedTopic(topic, kind, diagram.GetOutputPort(name[1:]), rate, *owner)
+            for name, (topic, kind, rate, owner) in self.published.items()
         }
 
     def commanded_of(self, diagram: Diagram) -> dict[str, CommandTopic]:
@@ -115,7 +128,28 @@ class Topics:
         return _ports(diagram, self.actions)
 
 
-def _ports(diagram: Diagram, known: Mapping[str, tuple[str, tuple[str, str, str]]]) -> dict[str, CommandTopic]:
+def ports_by_topic(ports: Mapping[str, PublishedTopic] | Mapping[str, CommandTopic]) -> dict[str, tuple[str, ...]]:
+    """Return each topic with the ports that it has."""
+    found: dict[str, tuple[str, ...]] = {}
+    for name, item in ports.items():
+        found[item.topic] = (*found.get(item.topic, ()), name)
+    return found
+
+
+def _ports(diagram: Diagram, known: Mapping[str, tuple[str, str, tuple[str, str, str]]]) -> dict[str, CommandTopic]:
     return {
-        topic: CommandTopic(kind, diagram.GetInputPort(topic[1:]), *owner) for topic, (kind, owner) in known.items()
+        name: CommandTopic(topic, kind, diagram.GetInputPort(name[1:]), *owner)
+        for name, (topic, kind, owner) in known.items()
     }
+
+
+def _port_name(topic: str, known: Mapping[str, object], robot: str, controller: str) -> str:
+    """Return a port's name that is free: the topic's, or for a further port one with its owner."""
+    names = (topic, f"{topic}@{robot}/{controller}", *(f"{topic}@{robot}/{controller}/{n}" for n in range(2, 1000)))
+    return next(name for name in names if name not in known)
+
+
+def _refuse_other_type(topic: str, known: str, kind: str, owner: str, robot: str) -> None:
+    if known != kind:
+        what = f"{topic} would have two types: {known} for robot {owner!r} and {kind} for {robot!r}"
+        raise InputError(f"{what}. Give each its own namespace")

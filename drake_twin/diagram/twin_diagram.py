@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
@@ -26,7 +27,7 @@ from drake_twin.diagram.frames import TF_ODOMETRY, add_frames
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
-from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics
+from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
@@ -48,8 +49,8 @@ class TwinDiagram:
     Attributes:
         diagram: The root diagram. Each topic is one of its ports, named like the topic without the leading slash.
         plans: The robots.
-        published: Topic → its type, port, rate and publisher.
-        commanded: Topic → its type, port and subscriber.
+        published: Port → its topic, type, rate and publisher. A topic's first port has the topic's name.
+        commanded: Port → its topic, type and subscriber.
         actions: Action → its type, port and controller.
         parts: Robot → its controllers and servo.
         findings: The findings of the files: entries that were not used as they are.
@@ -76,6 +77,16 @@ class TwinDiagram:
     shapes: tuple[TouchingShape, ...]
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
+
+    @cached_property
+    def listeners(self) -> dict[str, tuple[str, ...]]:
+        """Topic → its ports in `commanded`."""
+        return ports_by_topic(self.commanded)
+
+    @cached_property
+    def publishers(self) -> dict[str, tuple[str, ...]]:
+        """Topic → its ports in `published`."""
+        return ports_by_topic(self.published)
 
     def owners(self) -> dict[ModelInstanceIndex, str]:
         """Return the robot or the model of the world that each model instance belongs to."""

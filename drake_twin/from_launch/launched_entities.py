@@ -193,16 +193,17 @@ class _Sorter:
             name = name_in_twin(launched.name)
             requests = managers.get(launched.name, [])
             namespace = launched.namespace
-            if namespace in namespaces:
+            if namespace in namespaces and launched.controller_manager is not None:
                 namespace = f"{namespace.rstrip('/')}/{name}"
-                self._log.append(f"{name}: another robot uses its namespace, so its topics are below {namespace}")
-            namespaces.add(namespace)
+                what = f"another robot's controller manager has its namespace, so its topics are below {namespace}"
+                self._findings.append(Finding(Kind.WARNING, what, robot=name))
+            if launched.controller_manager is not None:
+                namespaces.add(namespace)
             prefix = _frame_prefix(launched)
             if any(prefix + link in links for link in launched.links if prefix + link != "world"):
                 prefix = f"{name}/"
-                self._log.append(
-                    f"{name}: another robot has frames of the same names, so its frames begin with {prefix}"
-                )
+                what = f"another robot publishes frames of the same names, so its own begin with {prefix} on /tf"
+                self._findings.append(Finding(Kind.WARNING, what, robot=name))
             links |= {prefix + link for link in launched.links}
             if launched.process.start_time > 0:
                 self._log.append(

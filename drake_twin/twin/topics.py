@@ -63,30 +63,39 @@ class Topics:
     def types(self) -> dict[str, str]:
         """Return topic → ROS message type: the published topics, then those that controllers listen to."""
         built = self._session.built
-        published = {topic: item.type for topic, item in built.published.items()}
-        return published | {topic: item.type for topic, item in built.commanded.items()}
+        published = {item.topic: item.type for item in built.published.values()}
+        return published | {item.topic: item.type for item in built.commanded.values()}
 
     def publish(self, topic: Any, data: Any) -> None:
         """Publish a command; see `Twin.publish`."""
         session = self._session
-        item = session.physics.built.commanded.get(topic) if isinstance(topic, str) else None
+        commanded = session.physics.built.commanded
+        item = commanded.get(topic) if isinstance(topic, str) else None
         item = item or self.command_topic(topic)
-        control = session.controls[item.robot]
-        if control.stopped:
-            raise CommandError(f"{topic}: the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it")
-        if not control.manager.is_active(item.controller):
-            if topic not in self._unheard:
-                self._unheard.add(topic)
-                _log.warning("%s: nobody hears this: controller %s is not active", topic, item.controller)
-            return
-        try:
-            value = control.read(item, data)
-        except CommandError as error:
-            located = error.about(topic)
-            if error.deactivates:
-                control.deactivate(item.controller, located.message)
-            raise located from None
-        session.commands.queue.append((topic, value))
+        heard, refused = False, None
+        for port in session.physics.built.listeners[item.topic]:
+            item = commanded[port]
+            control = session.controls[item.robot]
+            if control.stopped:
+                why = f"the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it"
+                refused = refused or CommandError(f"{topic}: {why}")
+                continue
+            if not control.manager.is_active(item.controller):
+                continue
+            try:
+                value = control.read(item, data)
+            except CommandError as error:
+                refused = error.about(topic)
+                if error.deactivates:
+                    control.deactivate(item.controller, refused.message)
+                continue
+            session.commands.queue.append((port, value))
+            heard = True
+        if refused is not None and not heard:
+            raise refused
+        if not heard and topic not in self._unheard:
+            self._unheard.add(topic)
+            _log.warning("%s: nobody hears this: controller %s is not active", topic, item.controller)
 
     def check(self, topic: Any, data: Any) -> None:
         """Check whether a controller accepts a command.
@@ -102,8 +111,9 @@ class Topics:
 
     def command(self, topic: Any) -> Any:
         """Return the message published last on a topic; see `Twin.command`."""
-        self.command_topic(topic)
-        value = self._session.commands.last(topic)
+        ports = self._session.built.listeners[self.command_topic(topic).topic]
+        values = [value for port in ports if (value := self._session.commands.last(port)) is not None]
+        value = values[0] if values else None
         return float64_multi_array(value.data) if isinstance(value, Numbers) else value
 
     def command_limits(self, topic: Any) -> dict[Interface, tuple[float, float]]:
@@ -148,11 +158,26 @@ class Topics:
         own_rate = self.published_topic(topic).rate
         rate = own_rate and (rate or own_rate)
         period = None if rate is None else 1.0 / rate
-        return self._session.subscriptions.add(Subscription(topic, callback, period, self._session.clock.time))
+        session = self._session
+        ports = session.built.publishers[self.published_topic(topic).topic]
+        ends = [session.subscriptions.add(Subscription(port, callback, period, session.clock.time)) for port in ports]
+        if len(ends) == 1:
+            return ends[0]
+
+        def end() -> None:
+            for each in ends:
+                each()
+
+        return end
 
     def latest(self, topic: Any) -> Any:
         """Return a topic's message at the present time; see `Twin.latest`."""
-        return self._message(self.published_topic(topic))
+        built = self._session.built
+        for port in built.publishers[self.published_topic(topic).topic]:
+            message = self._message(built.published[port])
+            if message is not None:
+                return message
+        return None
 
     def latest_or_none(self, topic: str) -> Any:
         """Return a topic's message at the present time; None also if its robot has been deleted."""

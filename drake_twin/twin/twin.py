@@ -222,7 +222,9 @@ class Twin:
         kept = tuple(item for item in self.scenario.robots if item.name != robot)
         if not kept:
             raise InputError(f"Entity [{robot}] is the last one: a twin needs at least one robot.")
-        own = {topic for topic, item in self._session.built.commanded.items() if item.robot == robot}
+        commanded = self._session.built.commanded
+        own = {item.topic for item in commanded.values() if item.robot == robot}
+        own -= {item.topic for item in commanded.values() if item.robot != robot}
         commands = tuple(command for command in self.scenario.commands if command.topic not in own)
         self._session.rebuild(replace(self.scenario, robots=kept, commands=commands))
 
@@ -400,8 +402,7 @@ class Twin:
         Raises:
             InputError: If no controller listens to the topic.
         """
-        self._topics.command_topic(topic)
-        self._session.commands.silenced.add(topic)
+        self._session.commands.silenced.add(self._topics.command_topic(topic).topic)
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], rate: float | None = None) -> Callable[[], None]:
         """Call back with a topic's messages, on a grid of simulation times that starts at zero.

@@ -7,6 +7,7 @@ from hinge import create, hinge, launched, launched_hinge, node, publisher, spaw
 from launch_files import not_started, write
 
 from drake_twin.errors import InputError
+from drake_twin.findings import Kind
 
 
 def robots(launch):
@@ -88,7 +89,7 @@ def test_two_robots_in_one_namespace_are_kept_apart_and_both_run(tmp_path):
     first, second = launch.scenario.robots
     assert (first.topic_namespace, second.topic_namespace) == ("", "/second")
     assert (first.frame_prefix, second.frame_prefix) == ("", "second/")
-    assert [line.partition(":")[0] for line in launch.log] == ["second", "second"]
+    assert [item.robot for item in launch.scenario.findings if item.kind is Kind.WARNING] == ["second", "second"]
     twin = Twin(launch.scenario)
     assert {"/robot_description", "/second/robot_description"} <= set(twin.topics())
     frames = [item.child_frame_id for item in twin.latest("/tf").transforms]

@@ -255,8 +255,8 @@ def test_a_refused_spawn_leaves_nothing_behind(twin):
 
     before = systems()
     for _ in range(3):
-        with pytest.raises(InputError, match="two robots would publish on"):
-            twin.spawn(Robot("new", ROVER, namespace="robot_1"))
+        with pytest.raises(InputError, match="would both publish the frame"):
+            twin.spawn(Robot("new", ROVER, xacro_args={"robot_name": "robot_1"}, frame_prefix=""))
     assert systems() == before
     twin.step(10)
 

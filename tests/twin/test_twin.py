@@ -377,12 +377,6 @@ def test_frames_that_two_robots_would_share_are_refused():
         TwinBuilder().robot("a", ARM, frame_prefix="").robot("b", ARM, frame_prefix="").build()
 
 
-def test_two_robots_in_one_namespace_are_refused():
-    builder = TwinBuilder().robot("a", ARM, namespace="/arm").robot("b", ARM, namespace="/arm")
-    with pytest.raises(InputError, match="/arm/"):
-        builder.build()
-
-
 # --- the scenario's own commands
 
 
