@@ -6,7 +6,7 @@ Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import inf
+from math import copysign, inf
 from pathlib import Path
 
 from drake_twin.findings import Place
@@ -36,6 +36,9 @@ class Mimic:
     offset: float = 0.0
 
 
+NO_LIMIT = 1e16  # SDF's value for "no limit"; files have the largest double, too
+
+
 @dataclass(frozen=True)
 class JointLimits:
     """Position (rad or m), velocity (rad/s or m/s) and effort (N·m or N) bounds; infinite where the file has none."""
@@ -44,6 +47,12 @@ class JointLimits:
     upper: float = inf
     velocity: float = inf
     effort: float = inf
+
+    def __post_init__(self) -> None:
+        for name in ("lower", "upper", "velocity", "effort"):
+            value = getattr(self, name)
+            if abs(value) >= NO_LIMIT:
+                object.__setattr__(self, name, copysign(inf, value))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from lxml import etree
 
 from drake_twin.description.caster_balls import weld_caster_balls
 from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
+from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_document import free_name, is_within_static, number_in
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.xml_reader import XmlReader
@@ -35,7 +36,6 @@ _SILENT |= {"density", "auto_inertia_params", "audio_sink", "lighting", "descrip
 
 _LIMITLESS = ("ball", "universal", "screw")
 _JOINTS = ("fixed", "revolute", "continuous", "prismatic", "planar", *_LIMITLESS)
-_INFINITE = 1e16  # SDF's value for "no limit"
 
 
 def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list[Finding]:
@@ -165,7 +165,7 @@ def _joints(model: etree._Element) -> Iterator[str]:
 
 def _is_bound(limit: etree._Element) -> bool:
     value = number_in(limit)
-    if value is None or limit.tag not in ("lower", "upper", "velocity") or abs(value) >= _INFINITE:
+    if value is None or limit.tag not in ("lower", "upper", "velocity") or abs(value) >= NO_LIMIT:
         return False
     return limit.tag != "velocity" or value >= 0  # a negative one is SDF's old default
 

@@ -5,7 +5,8 @@ model that cannot be found. Poses are in the world frame.
 """
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -46,6 +47,19 @@ _SILENT = {"magnetic_field", "atmosphere", "spherical_coordinates", "light", "wi
 
 
 @dataclass(frozen=True)
+class RobotText:
+    """A robot's SDF, without a pose, that stands in another file.
+
+    Attributes:
+        file: That file's name, without its folder.
+        text: The SDF; its lines have the numbers that they have in that file.
+    """
+
+    file: str
+    text: str
+
+
+@dataclass(frozen=True)
 class WorldModel:
     """A model of a world.
 
@@ -57,6 +71,7 @@ class WorldModel:
         text: SDF of this model alone for Drake's parser, its pose included. A static model's planes and collision
             meshes are as in the file, since Drake's parser would take them for something else.
         place: Where the world asks for it.
+        robot: Its own SDF, if one of its plugins drives it: it is a robot that stands in the world's file.
     """
 
     name: str
@@ -65,6 +80,7 @@ class WorldModel:
     falls: bool
     text: str
     place: Place = field(default=Place(""))
+    robot: RobotText | None = None
 
 
 @dataclass(frozen=True)
@@ -88,13 +104,14 @@ class WorldFile:
     file: Path | None = None
 
 
-def read_world(address: str, packages: PackageIndex) -> WorldFile:
+def read_world(address: str, packages: PackageIndex, without: Collection[str] = ()) -> WorldFile:
     """Read a world.
 
     Args:
         address: Its file: a path, ``package://``, ``model://``, ``file://``, or a name below a folder of
             ``GZ_SIM_RESOURCE_PATH``; or one of `BUILT_IN_WORLDS`.
         packages: Resolves it and what it includes.
+        without: The names of models to leave out.
 
     Raises:
         InputError: If the file is missing or is not an SDF world, its includes form a loop, or a value is invalid.
@@ -108,7 +125,7 @@ def read_world(address: str, packages: PackageIndex) -> WorldFile:
     if reader.root.tag != "sdf" or world is None:
         what = "has no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
         raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
-    return _World(reader, world, packages).read()
+    return _World(reader, world, packages, without).read()
 
 
 def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]:
@@ -133,14 +150,39 @@ def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]
     return read_xml(file, "world file"), file
 
 
+def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:
+    """Return a model's own SDF if one of its plugins drives it."""
+    plugins = model.findall("plugin")
+    if not plugins:
+        return None
+    from drake_twin.description.gazebo_drives import is_drive
+    from drake_twin.description.robot_description import GazeboPlugin
+
+    found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
+    if not any(is_drive(plugin) or "ros2_control" in plugin.filename + plugin.name for plugin in found):
+        return None
+    copy = deepcopy(model)
+    for pose in copy.findall("pose"):
+        copy.remove(pose)
+    for address in copy.iter("uri"):
+        name = (address.text or "").strip()
+        if name and "://" not in name and reader.file is not None:  # relative to the file that it stands in
+            address.text = str(reader.file.parent / name)
+    line: object = model.sourceline  # the stubs' type is not a number's
+    above = "\n" * (line - 1 if isinstance(line, int) else 0)
+    text = f'{above}<sdf version="{".".join(map(str, version))}">{etree.tostring(copy, encoding="unicode")}</sdf>'
+    return RobotText("world.sdf" if reader.file is None else reader.file.name, text)
+
+
 _MOST_NAMED = 4  # models in one finding
 
 
 class _World:
     """One world, while it is read."""
 
-    def __init__(self, reader: XmlReader, world: etree._Element, packages: PackageIndex):
+    def __init__(self, reader: XmlReader, world: etree._Element, packages: PackageIndex, without: Collection[str]):
         self._reader = reader
+        self._without = without
         self._world = world
         self._version = sdf_version(reader.root)
         self._includes = SdfIncludes(packages)
@@ -198,6 +240,8 @@ class _World:
                 what = f"{name}: several models have this name; one is called {own}"
                 self._findings.append(Finding.at(Kind.WARNING, what, place))
             taken.add(own)
+            if own in self._without:
+                continue
             if model.find(".//link") is not None:
                 yield self._model(model, own, version, X, place, reader)
             elif not self._includes.addresses.missing:  # that finding gives the reason
@@ -222,13 +266,14 @@ class _World:
             model.remove(each)
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
+        robot = None if static else _robot_text(model, version, reader)
         unused = unused_in_sdf(reader, model, with_links=False)
         for finding in (*unused, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[Finding(finding.kind, finding.what)][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text, place)
+        return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text, place, robot)
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
         """Yield each model of the world, includes replaced.

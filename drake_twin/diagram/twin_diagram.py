@@ -186,7 +186,8 @@ def build_twin_diagram(
     if known is not None and known.world == scenario.world:
         world_file = known.world_file
     else:
-        world_file = None if scenario.world.file is None else read_world(scenario.world.file, packages)
+        world = scenario.world
+        world_file = None if world.file is None else read_world(world.file, packages, world.without_models)
     builder = DiagramBuilder()
     try:
         parts = add_plant(builder, scenario, plans, world_file, known_gains)

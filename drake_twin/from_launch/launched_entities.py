@@ -32,7 +32,7 @@ from drake_twin.from_launch.launched_robots import (
     parameter_file,
     parameters,
 )
-from drake_twin.from_launch.launched_world import launched_world, world_start
+from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world, world_start
 from drake_twin.from_launch.not_started import is_window, why_not_started
 from drake_twin.from_launch.static_frames import static_frame
 from drake_twin.ros2.launched import Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
@@ -129,28 +129,28 @@ class _Sorter:
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[LaunchedFrame] = []
-        self._worlds: list[tuple[WorldStart, Place]] = []
+        self._worlds: list[tuple[WorldStart, LaunchedProcess]] = []
 
     def entities(self) -> LaunchedEntities:
         found = LaunchedRobots(self._processes, self._packages)
-        self._findings += found.findings
-        self._log += found.warnings
         for process in self._processes:
             self._sort(process, found)
+        world = launched_world(self._worlds, self._file, self._packages, self._findings)
+        found.add_those_of_world(world)
+        if found.only_displayed:
+            world = LaunchedWorld(World(gravity=(0.0, 0.0, 0.0), ground=False))
+        self._findings += found.findings
+        self._log += found.warnings
         self._findings += _never_happened(self._launched, self._file)
         if not found.robots:
             raise self._no_robot()
         robots = tuple(self._robots(found))
-        if found.only_displayed:
-            world, step = World(gravity=(0.0, 0.0, 0.0), ground=False), None
-        else:
-            world, step = launched_world(self._worlds, self._file, self._packages, self._findings)
         return LaunchedEntities(
             robots=robots,
             frames=tuple(self._frames),
             commands=tuple(self._commands),
-            world=world,
-            time_step=step,
+            world=world.world,
+            time_step=world.time_step,
             packages=self._packages,
             folders=self._folders,
             paused=bool(self._worlds) and self._worlds[-1][0].paused,
@@ -170,7 +170,7 @@ class _Sorter:
             elif process.executable == "static_transform_publisher":
                 self._frames.append(LaunchedFrame(static_frame(process), process))
             elif (start := world_start(process)) is not None:
-                self._worlds += [] if start.window_only else [(start, process.place)]
+                self._worlds += [] if start.window_only else [(start, process)]
             elif not (
                 is_spawner(process)
                 or is_state_publisher(process)

@@ -16,6 +16,7 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.command_line import CommandLine, command_line
+from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.ros2.packages import lasting_folder
 from drake_twin.whole_file import write_whole
@@ -112,6 +113,26 @@ class LaunchedRobots:
     def only_displayed(self) -> bool:
         """Whether nothing is spawned or controlled, so that the robots are only displayed."""
         return bool(self.robots) and all(is_state_publisher(robot.process) for robot in self.robots)
+
+    def add_those_of_world(self, world: LaunchedWorld) -> None:
+        """Add the robots that stand in the world's file, in place of a robot that is only displayed.
+
+        As in Gazebo, a robot that is spawned under the name of a model of the world is refused.
+        """
+        for robot in [robot for robot in self.robots if robot.name in world.names and is_spawner(robot.process)]:
+            self.robots.remove(robot)
+            self._drop(f"{robot.process.what}: the world has a model named {robot.name!r} already", robot.process)
+        if world.process is None or not world.robots:
+            return
+        if self.only_displayed:
+            self.robots.clear()
+        for model in world.robots:
+            assert model.robot is not None
+            path = lasting_folder(model.robot.text) / model.robot.file
+            _keep(path, model.robot.text)
+            source = _read(str(path), model.robot.text, path)
+            publisher = self._publishers[0] if len(self._publishers) == 1 else None
+            self._add(model.name, source, world.process, model.pose, publisher, "")
 
     def _try(self, make: Any, process: LaunchedProcess) -> None:
         try:

@@ -2,15 +2,35 @@
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.world_file import read_world
+from drake_twin.description.world_file import WorldModel, read_world
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.launched_controllers import words_of
 from drake_twin.ros2.launched import WORLD, LaunchedProcess, WorldStart
 from drake_twin.scenario import LONGEST_STEP, SHORTEST_STEP, World
+
+
+@dataclass(frozen=True)
+class LaunchedWorld:
+    """The world that a launch file starts.
+
+    Attributes:
+        world: It, without the models that are robots.
+        time_step: The physics step of its file (s), if it is usable.
+        names: The names of all models in it.
+        robots: The models that are robots.
+        process: What starts it.
+    """
+
+    world: World = field(default_factory=World)
+    time_step: float | None = None
+    names: frozenset[str] = frozenset()
+    robots: tuple[WorldModel, ...] = ()
+    process: LaunchedProcess | None = None
 
 
 def world_start(process: LaunchedProcess) -> WorldStart | None:
@@ -19,9 +39,12 @@ def world_start(process: LaunchedProcess) -> WorldStart | None:
 
 
 def launched_world(
-    starts: Sequence[tuple[WorldStart, Place]], launch_file: Path, packages: PackageIndex, findings: list[Finding]
-) -> tuple[World, float | None]:
-    """Return the world of the simulator that is started last, and the physics step of its file (s).
+    starts: Sequence[tuple[WorldStart, LaunchedProcess]],
+    launch_file: Path,
+    packages: PackageIndex,
+    findings: list[Finding],
+) -> LaunchedWorld:
+    """Return the world of the simulator that is started last.
 
     Args:
         starts: The simulators and their processes.
@@ -29,19 +52,26 @@ def launched_world(
         packages: Resolves the world's address.
         findings: Is extended by a finding if the world cannot be used.
     """
-    started = next(((start.world, place) for start, place in reversed(starts) if start.world), None)
+    started = next(((start.world, process) for start, process in reversed(starts) if start.world), None)
     if started is None:
-        return World(), None
-    name, place = started
+        return LaunchedWorld()
+    name, process = started
     try:
         address = _address(name, launch_file)
         world = read_world(address, packages)
     except InputError as error:
-        findings.append(Finding.at(Kind.NOT_STARTED, f"world {name}: {error}", place))
-        return World(), None
+        findings.append(Finding.at(Kind.NOT_STARTED, f"world {name}: {error}", process.place))
+        return LaunchedWorld()
     step = world.max_step_size
     usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP
-    return World(file=address), step if usable else None
+    driven = tuple(model for model in world.models if model.robot is not None)
+    return LaunchedWorld(
+        World(file=address, without_models=tuple(model.name for model in driven)),
+        step if usable else None,
+        frozenset(model.name for model in world.models),
+        driven,
+        process,
+    )
 
 
 def _world_of_command(process: LaunchedProcess) -> WorldStart | None:

@@ -62,6 +62,7 @@ class World:
         ground_friction: The ground's coefficient of friction; by default the file's, or 1.
         file: An SDF world: a path, ``package://`` or ``model://``, or the name of a built-in one such as ``empty.sdf``.
         contact: ``hydroelastic``: flat shapes of the world touch with their faces; or ``point``: in a point.
+        without_models: The names of models of the file to leave out, such as those that are robots of the scenario.
     """
 
     gravity: Vector3 | None = None
@@ -69,6 +70,7 @@ class World:
     ground_friction: float | None = None
     file: str | None = None
     contact: str = HYDROELASTIC
+    without_models: tuple[str, ...] = ()
 
     @property
     def has_own_ground(self) -> bool:

@@ -1,0 +1,70 @@
+"""Robots that stand in a world's file, and robots that are spawned under the name of a model of the world."""
+
+import pytest
+from launch_files import not_started
+
+from drake_twin import Twin
+from drake_twin.builder.launch_file import launch_file_scenario
+from drake_twin.errors import InputError
+
+BASE = """<model name="{name}">{pose}<link name="base_link"><inertial><mass>1</mass></inertial>
+<collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>{plugin}</model>"""
+DRIVE = """<plugin filename="gz-sim-velocity-control-system" name="gz::sim::systems::VelocityControl">
+<topic>/cmd_vel</topic></plugin>"""
+CREATE = '<node pkg="ros_gz_sim" exec="create" args="-name {name} -file $(dirname)/spawned.sdf -z 0.1 -x 3"/>'
+POSE = "<pose>1 2 0.1 0 0 0.5</pose>"
+
+
+def launched(folder, models, nodes=""):
+    world = f'<sdf version="1.9"><world name="w">{models}</world></sdf>'
+    (folder / "room.sdf").write_text(world)
+    (folder / "spawned.sdf").write_text(
+        f'<sdf version="1.9">{BASE.format(name="spawned", pose="", plugin=DRIVE)}</sdf>'
+    )
+    start = '<executable cmd="gz sim -r $(dirname)/room.sdf"/>'
+    (folder / "room.launch.xml").write_text(f"<launch>{start}{nodes}</launch>")
+    return launch_file_scenario(folder / "room.launch.xml")
+
+
+GROUND = """<model name="ground"><static>true</static><link name="l"><collision name="c"><geometry><plane>
+<normal>0 0 1</normal></plane></geometry></collision></link></model>"""
+
+
+def test_a_model_with_a_drive_is_a_robot(tmp_path):
+    box = BASE.format(name="ball", pose="<pose>5 0 0.1 0 0 0</pose>", plugin="")
+    models = GROUND + BASE.format(name="rover", pose=POSE, plugin=DRIVE) + box
+    scenario = launched(tmp_path, models).scenario
+    (robot,) = scenario.robots
+    assert (robot.name, robot.xyz, robot.topic_namespace) == ("rover", (1.0, 2.0, 0.1), "")
+    assert robot.rpy == pytest.approx((0.0, 0.0, 0.5))
+    assert scenario.world.without_models == ("rover",)
+    twin = Twin(scenario)
+    assert twin.entity_state("ball").position[0] == pytest.approx(5.0)
+    twin.publish("/cmd_vel", {"linear": {"x": 0.5}})
+    twin.advance_to(1.0)
+    x, y, *_ = twin.robot_state("rover").base_pose
+    assert (x - 1.0, y - 2.0) == pytest.approx((0.5 * 0.8776, 0.5 * 0.4794), abs=0.02)
+
+
+def test_a_robot_under_the_name_of_a_model_of_the_world_is_refused_as_in_gazebo(tmp_path):
+    models = GROUND + BASE.format(name="rover", pose=POSE, plugin=DRIVE)
+    scenario = launched(tmp_path, models, CREATE.format(name="rover")).scenario
+    (robot,) = scenario.robots
+    assert robot.xyz == (1.0, 2.0, 0.1)
+    (reason,) = not_started(scenario)
+    assert "the world has a model named 'rover' already" in reason
+
+
+def test_without_another_robot_the_reason_is_in_the_error(tmp_path):
+    models = GROUND + BASE.format(name="rover", pose=POSE, plugin="")
+    with pytest.raises(InputError, match="starts no robot.* the world has a model named 'rover' already"):
+        launched(tmp_path, models, CREATE.format(name="rover"))
+
+
+def test_lines_of_findings_are_those_of_the_world_file(tmp_path):
+    plugin = DRIVE.replace("<topic>", "\n<bogus>1</bogus>\n<topic>")
+    scenario = launched(tmp_path, GROUND + BASE.format(name="rover", pose="", plugin=plugin)).scenario
+    text = (tmp_path / "room.sdf").read_text().splitlines()
+    line = next(index for index, each in enumerate(text, start=1) if "<plugin" in each)
+    (finding,) = [item for item in Twin(scenario).findings if "bogus" in item.what]
+    assert str(finding).endswith(f"(room.sdf:{line})")
