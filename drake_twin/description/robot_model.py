@@ -13,7 +13,7 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
 from drake_twin.description.unused_contact import unused_in_urdf
-from drake_twin.description.urdf import describe_urdf
+from drake_twin.description.urdf import describe_urdf, is_static_in_gazebo, skip_wrong_bounds
 from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro, places_of_expanded
 from drake_twin.description.xml_reader import XmlReader
@@ -90,6 +90,7 @@ def load_robot_model(
         places = places_of_expanded(text)
     reader = XmlReader(text, file, places=places)
     check_values(reader)
+    skipped = tuple(skip_wrong_bounds(reader))
     unread = (*unused_in_urdf(reader), *unread_in_urdf(reader))
     repairs = repair_urdf(reader, without_repairs)
     description = describe_urdf(reader, text)
@@ -100,8 +101,8 @@ def load_robot_model(
         description=description,
         drake_text=prepared.text,
         drake_format="urdf",
-        is_fixed=description.root_link == "world",
-        findings=(*repairs, *prepared.findings, *(Finding(Kind.WARNING, what) for what in warnings), *unread),
+        is_fixed=description.root_link == "world" or is_static_in_gazebo(reader.root),
+        findings=(*repairs, *skipped, *prepared.findings, *(Finding(Kind.WARNING, what) for what in warnings), *unread),
         meshes=prepared.meshes,
     )
 

@@ -1,7 +1,7 @@
 """URDF text as a ``RobotDescription``, with its ``<ros2_control>`` and ``<gazebo>`` tags."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import hypot, inf
 
@@ -22,7 +22,8 @@ from drake_twin.description.robot_description import (
 )
 from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.values import is_true
+from drake_twin.findings import Finding, Kind
+from drake_twin.values import is_true, parse_number
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
@@ -231,6 +232,27 @@ def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
         if found != LinkSurface():
             surfaces[link] = found
     return surfaces
+
+
+def is_static_in_gazebo(root: etree._Element) -> bool:
+    """Return whether a ``<gazebo>`` tag without a reference says ``<static>true</static>``."""
+    found = [element for element in root.findall("gazebo") if element.get("reference") is None]
+    return any(is_true(text) for element in found if (text := _text_or_value(element, "static")) is not None)
+
+
+def skip_wrong_bounds(reader: XmlReader) -> Iterator[Finding]:
+    """Remove bounds of command interfaces that are not numbers, such as ``{-2*pi}``, as ros2_control skips them."""
+    for interface in reader.root.iterfind("ros2_control/joint/command_interface"):
+        for param in interface.findall("param"):
+            name, text = param.get("name"), (param.text or "").strip()
+            if name not in ("min", "max"):
+                continue
+            try:
+                parse_number(text)
+            except ValueError as error:
+                what = f"{name} of a command interface is {text!r}, which is {error}: the interface has no such bound"
+                yield Finding.at(Kind.IGNORED, what, reader.place(param))
+                interface.remove(param)
 
 
 def _text_or_value(element: etree._Element, tag: str) -> str | None:

@@ -76,6 +76,7 @@ URDF = _part(
         selfCollide=_TEXT,
         self_collide=_TEXT,
         material=_TEXT,
+        static=_TEXT,
         preserveFixedJoint=_TEXT,
         disableFixedJointLumping=_TEXT,
     ),

@@ -57,7 +57,7 @@ def test_a_robot_under_the_name_of_a_model_of_the_world_is_refused_as_in_gazebo(
 
 def test_without_another_robot_the_reason_is_in_the_error(tmp_path):
     models = GROUND + BASE.format(name="rover", pose=POSE, plugin="")
-    with pytest.raises(InputError, match="starts no robot.* the world has a model named 'rover' already"):
+    with pytest.raises(InputError, match=r"starts no robot.* the world has a model named 'rover' already"):
         launched(tmp_path, models, CREATE.format(name="rover"))
 
 
