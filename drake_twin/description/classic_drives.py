@@ -18,6 +18,9 @@ from drake_twin.description.wheel_geometry import wheel_centers, wheel_radius
 _UNKNOWN = 1e12  # the covariance that classic plugins give to directions out of the plane
 
 
+_SOURCES = {"encoder": 0, "world": 1}  # the words of ROS 1; the plugin of ROS 2 has the numbers
+
+
 @gazebo_plugin("libgazebo_ros_diff_drive.so")
 def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
     """Convert ``libgazebo_ros_diff_drive.so`` to a diff_drive_controller."""
@@ -50,13 +53,18 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
     if len({*separations}) > 1 or len({*diameters}) > 1:
         warnings.append("its pairs of wheels differ, but all are driven like the first")
     odometry = plugin.flag("publish_odom", False)
+    source = plugin.text("odometry_source", "1")
+    if source in _SOURCES:
+        read = f"it is read as {_SOURCES[source]}, and the plugin of ROS 2 knows 0 and 1 only"
+        warnings.append(f"<odometry_source> is {source!r}: {read}")
     return GazeboDrive(
         plugin.plugin,
         plugin.controller("diff_drive_controller/DiffDriveController", parameters),
         topics=plugin.ros_topics({"cmd_vel_unstamped": "cmd_vel", "odom": "odom" if odometry else None}),
         interfaces=tuple((joint, "velocity") for joint in (*left, *right)),
         efforts=dict.fromkeys((*left, *right), plugin.number("max_wheel_torque", 5.0)),
-        true_odometry=int(plugin.number("odometry_source", 1.0)) == 1,
+        true_odometry=_SOURCES.get(source) == 1
+        or (source not in _SOURCES and plugin.number("odometry_source", 1.0) == 1),
         warnings=tuple(warnings),
     )
 

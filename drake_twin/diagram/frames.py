@@ -10,6 +10,7 @@ from drake_twin.diagram.plant import PlantOfTwin
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.topics import Topics
 from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import ROBOT_DESCRIPTION, robot_topic
 from drake_twin.scenario import Scenario
@@ -52,12 +53,7 @@ def add_frames(
     own = [plan for plan in plans if plan.base_frame not in placed]
     fixed_bases = [FixedFrame("world", plan.base_frame, plan.spawn_pose) for plan in own if plan.model.is_fixed]
     _refuse_circles(plans, static_transforms)
-    odometry = {
-        (robot, name): controller.odometry_frames
-        for robot, parts in robots.items()
-        for name, controller in parts.controllers.items()
-        if controller.odometry_frames is not None
-    }
+    odometry = _odometry(robots)
     placed_by_odometry = {child for _, child in odometry.values()}
     bases = {
         plan.name: plan.base_frame
@@ -93,6 +89,26 @@ def add_frames(
         port = publisher.GetOutputPort(f"{plan.name}/robot_description")
         topics.publish(topic, port, "std_msgs/msg/String", None, plan.name)
     return publisher
+
+
+def _odometry(robots: Mapping[str, RobotDiagram]) -> dict[tuple[str, str], tuple[str, str]]:
+    """Return robot and controller → the frames between which it publishes a transform."""
+    return {
+        (robot, name): controller.odometry_frames
+        for robot, parts in robots.items()
+        for name, controller in parts.controllers.items()
+        if controller.odometry_frames is not None
+    }
+
+
+def colliding_transforms(robots: Mapping[str, RobotDiagram]) -> Iterator[Finding]:
+    """Yield a finding for each further controller that publishes the pose of a frame."""
+    first: dict[str, str] = {}
+    for (robot, name), (_, child) in _odometry(robots).items():
+        if child in first:
+            what = f"controllers {first[child]} and {name} both publish the pose of {child!r} on /tf"
+            yield Finding(Kind.WARNING, what, robot=robot)
+        first.setdefault(child, name)
 
 
 def _posed_links(parts: PlantOfTwin, plan: RobotPlan) -> Iterator[LinkFrame]:

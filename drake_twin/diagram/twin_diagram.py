@@ -23,7 +23,7 @@ from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
-from drake_twin.diagram.frames import TF_ODOMETRY, add_frames
+from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
@@ -251,6 +251,7 @@ def _build(
         findings=(
             *scenario.findings,
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
+            *colliding_transforms(robots),
             *(() if world_file is None else world_file.findings),
             *parts.findings,
         ),

@@ -7,6 +7,7 @@ import pytest
 from drive_harness import Driven
 from urdf_text import parse_urdf
 
+from drake_twin import TwinBuilder
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.gazebo_drive import PLANAR_MOVE
@@ -366,3 +367,37 @@ def test_parameters_of_the_corpus_load(corpus, file):
     for controller, cls in drives:
         parameters, _ = read_parameters(cls.Parameters, controller)
         assert cls.claimed_interfaces(parameters, None)
+
+
+@pytest.mark.parametrize(("text", "true"), [("world", True), ("encoder", False), ("1", True), ("0", False)])
+def test_the_source_of_odometry_may_be_a_word_of_ros_1(text, true):
+    content = f"{DIFF}<odometry_source>{text}</odometry_source>"
+    drive = drive_of(content, "libgazebo_ros_diff_drive.so")
+    assert drive.true_odometry is true
+    assert bool(drive.warnings) is not text.isdigit()
+
+
+def test_two_drives_of_one_robot_hear_one_topic_and_their_transforms_collide(tmp_path):
+    """The idiom for four wheels: a plugin for the front wheels and one for those at the back."""
+    wheels, drives = "", ""
+    for place, x in (("front", 0.15), ("back", -0.15)):
+        for side, y in (("left", 0.2), ("right", -0.2)):
+            wheels += f'''<link name="{place}_{side}"><inertial><mass value="0.5"/>
+            <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial><collision>
+            <origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.1" length="0.04"/></geometry></collision></link>
+            <joint name="{place}_{side}_joint" type="continuous"><parent link="base_link"/><child link="{place}_{side}"/>
+            <origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>'''
+        drives += f'''<plugin name="{place}" filename="libgazebo_ros_diff_drive.so">
+        <left_joint>{place}_left_joint</left_joint><right_joint>{place}_right_joint</right_joint>
+        <wheel_separation>0.4</wheel_separation><wheel_diameter>0.2</wheel_diameter><publish_odom_tf>true</publish_odom_tf>
+        <robot_base_frame>base_link</robot_base_frame></plugin>'''
+    base = """<link name="base_link"><inertial><mass value="10"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+    file = tmp_path / "four.urdf"
+    file.write_text(f'<robot name="four">{base}{wheels}<gazebo>{drives}</gazebo></robot>')
+    twin = TwinBuilder().robot("four", str(file), xyz=(0, 0, 0.1), namespace="/").build()
+    twin.publish("/cmd_vel", {"linear": {"x": 0.5}})
+    twin.advance_to(2.0)
+    assert twin.robot_state("four").base_pose[0] == pytest.approx(1.0, abs=0.03)
+    (finding,) = [item for item in twin.findings if "/tf" in item.what]
+    assert finding.what == "controllers front and back both publish the pose of 'four/base_link' on /tf"
