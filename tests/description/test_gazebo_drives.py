@@ -385,8 +385,8 @@ def test_two_drives_of_one_robot_hear_one_topic_and_their_transforms_collide(tmp
             wheels += f'''<link name="{place}_{side}"><inertial><mass value="0.5"/>
             <inertia ixx="0.001" iyy="0.001" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial><collision>
             <origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.1" length="0.04"/></geometry></collision></link>
-            <joint name="{place}_{side}_joint" type="continuous"><parent link="base_link"/><child link="{place}_{side}"/>
-            <origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>'''
+            <joint name="{place}_{side}_joint" type="continuous"><parent link="base_link"/>
+            <child link="{place}_{side}"/><origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>'''
         drives += f'''<plugin name="{place}" filename="libgazebo_ros_diff_drive.so">
         <left_joint>{place}_left_joint</left_joint><right_joint>{place}_right_joint</right_joint>
         <wheel_separation>0.4</wheel_separation><wheel_diameter>0.2</wheel_diameter><publish_odom_tf>true</publish_odom_tf>

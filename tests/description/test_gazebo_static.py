@@ -6,7 +6,8 @@ from drake_twin import Twin, TwinBuilder
 from drake_twin.findings import Kind
 
 LINK = """<link name="l"><inertial><mass value="1"/>
-<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial><collision><geometry><box size="0.2 1 2"/></geometry></collision></link>"""
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="0.2 1 2"/></geometry></collision></link>"""
 
 
 def built(folder, text) -> Twin:
