@@ -35,4 +35,4 @@ def test_a_bound_that_is_not_a_number_is_skipped_as_in_ros2_control(tmp_path):
     (interface,) = twin.plans[0].description.controlled_joints["j"].command_interfaces
     assert (interface.min, interface.max) == (float("-inf"), 0.5)
     (finding,) = [item for item in twin.findings if "-2*pi" in item.what]
-    assert (finding.kind, finding.lines) == (Kind.IGNORED, (7,))
+    assert (finding.kind, finding.lines) == (Kind.IGNORED, (8,))
