@@ -147,3 +147,29 @@ def test_a_node_that_is_wrong_is_refused(tmp_path, entity, reason):
         launch_python(tmp_path, entity)
     assert reason in str(error.value)
     assert "test.launch.py" in str(error.value)
+
+
+def test_the_keywords_of_foxy_are_read_and_said(tmp_path):
+    launched = launch_python(tmp_path, "Node(package='p', node_executable='e', node_name='n', node_namespace='s')")
+    (node,) = launched.processes
+    assert (node.executable, node.name, node.namespace) == ("e", "n", "/s")
+    assert [item.what.split()[0] for item in launched.refused_by_ros] == [
+        *("node_executable", "node_name", "node_namespace"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("entity", "reason"),
+    [
+        (
+            "Node(pakage='p', executable='e')",
+            "Node got an unexpected .* 'pakage'. Did you mean 'package'",
+        ),
+        ("Node(package='p', executable='e', parameter=[])", "Did you mean 'parameters'"),
+        ("ExecuteProcess(cmd=['ls'], outputs='screen')", "ExecuteProcess got an .* Did you mean 'output'"),
+        ("Node(package='p')", "missing 1 required keyword-only argument: 'executable'"),
+    ],
+)
+def test_a_misspelt_keyword_is_refused_as_in_ros(tmp_path, entity, reason):
+    with pytest.raises(InputError, match=reason):
+        launch_python(tmp_path, entity)

@@ -1,6 +1,7 @@
 """Starts a process."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from typing import Any
 
 from drake_twin.findings import Place
@@ -17,6 +18,16 @@ from drake_twin.ros2.launched import (
     LaunchedProcess,
 )
 from drake_twin.ros2.visiting import visit_list
+
+# The keywords that ROS knows and the twin ignores, as it starts no process; and others of nodes, to be named.
+_IGNORED = (
+    *("sigterm_timeout", "sigkill_timeout", "emulate_tty", "output_format", "cached_output", "log_cmd"),
+    *("respawn_delay", "respawn_max_retries"),
+)
+_USED = (
+    *("package", "executable", "name", "namespace", "parameters", "remappings", "arguments", "ros_arguments", "cmd"),
+    *("output", "on_exit", "respawn", "condition", "prefix", "cwd", "env", "additional_env", "shell"),
+)
 
 
 class ExecuteLocal(Action):
@@ -40,8 +51,9 @@ class ExecuteLocal(Action):
         on_exit: Any = None,
         respawn: Any = False,
         condition: Any = None,
-        **ignored: Any,
+        **kwargs: Any,
     ):
+        refuse_unknown_keywords(type(self).__name__, kwargs, _IGNORED)
         super().__init__(condition=condition)
         self.process_description = process_description
         self.shell = shell
@@ -148,6 +160,20 @@ class ExecuteLocal(Action):
         if isinstance(self.output, Mapping):
             return ",".join(f"{context.perform_substitution(key)}:{value}" for key, value in self.output.items())
         return context.perform_substitution(self.output)
+
+
+def refuse_unknown_keywords(what: str, given: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse keyword arguments that ROS refuses, too: one that is misspelt would be lost.
+
+    Raises:
+        TypeError: If one is not known.
+    """
+    known = list(known)
+    for name in given:
+        if name not in known:
+            close = get_close_matches(name, [*known, *_USED], n=1)
+            hint = f". Did you mean {close[0]!r}?" if close else ""
+            raise TypeError(f"{what} got an unexpected keyword argument {name!r}{hint}")
 
 
 def performed(context: LaunchContext, subst: Any) -> str | None:

@@ -24,6 +24,7 @@ from drake_twin.ros2.ros_arguments import split_ros_arguments
 
 # What ROS knows and the twin ignores.
 _IGNORED = ("exec_name", "machine", "autostart")
+_OLD_NAMES = ("node_executable", "node_name", "node_namespace")  # of ROS 2 Foxy
 _NAME = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
@@ -50,7 +51,7 @@ class Node(ExecuteLocal):
     def __init__(
         self,
         *,
-        executable: SomeSubstitutionsType,
+        executable: SomeSubstitutionsType | None = None,
         package: SomeSubstitutionsType | None = None,
         name: SomeSubstitutionsType | None = None,
         namespace: SomeSubstitutionsType | None = None,
@@ -65,10 +66,16 @@ class Node(ExecuteLocal):
         additional_env: Mapping[Any, Any] | None = None,
         **kwargs: Any,
     ):
+        old = {name.removeprefix("node_"): kwargs.pop(name) for name in _OLD_NAMES if name in kwargs}
+        executable = executable or old.get("executable")
+        name, namespace = name or old.get("name"), namespace or old.get("namespace")
+        if executable is None:
+            raise TypeError("Node.__init__() missing 1 required keyword-only argument: 'executable'")
         command = Executable(
             cmd=[executable], arguments=arguments, prefix=prefix, cwd=cwd, env=env, additional_env=additional_env
         )
         super().__init__(process_description=command, **kwargs)
+        self._old_names = [f"node_{name}" for name in old]
         self._package = package
         self._name = name
         self._namespace = namespace
@@ -135,6 +142,8 @@ class Node(ExecuteLocal):
 
     def prepare(self, context: LaunchContext) -> LaunchedProcess:
         """Return what it starts, with its substitutions performed."""
+        for old in self._old_names:
+            context.refused_by_ros(f"{old} is a keyword of ROS 2 Foxy; it is {old.removeprefix('node_')} now")
         executable, *words = [context.perform_substitution(word) for word in self.cmd]
         ros_words = [context.perform_substitution(word) for word in self._ros_arguments]
         split = split_ros_arguments([*words, "--ros-args", *ros_words])
