@@ -47,3 +47,15 @@ def test_a_world_that_is_not_there_ends_in_a_paragraph(tmp_path, capsys, name, w
     error = capsys.readouterr().err
     assert what in error
     assert "Traceback" not in error
+
+
+def test_a_model_that_a_plugin_drives_is_a_robot_beside_the_others(tmp_path, crate_world, capsys):
+    plugin = '<plugin filename="gz-sim-velocity-control-system" name="gz::sim::systems::VelocityControl"/>'
+    shape = '<collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>'
+    rover = f'<model name="mine"><pose>0 5 0.1 0 0 0</pose><link name="l">{shape}</link>{plugin}</model></world>'
+    crate_world.write_text(crate_world.read_text().replace("</world>", rover))
+    assert main(["--robots", "1", "--world", str(crate_world), "--headless", "--duration", "0.1", "--topics"]) == 0
+    assert "/mine/cmd_vel " in capsys.readouterr().out
+    assert main(["--robots", "1", "--world", str(crate_world), "--show-scenario"]) == 0
+    text = capsys.readouterr().out
+    assert "without_models:\n  - mine" in text or "without_models: [mine]" in text

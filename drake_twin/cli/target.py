@@ -14,7 +14,16 @@ from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
 from drake_twin.program import say
-from drake_twin.scenario import CENIC, LONGEST_STEP, SHORTEST_STEP, Command, Scenario, ScenarioError
+from drake_twin.scenario import (
+    CENIC,
+    LONGEST_STEP,
+    SHORTEST_STEP,
+    Command,
+    Robot,
+    Scenario,
+    ScenarioError,
+    name_in_twin,
+)
 from drake_twin.scenario.scenario_file import ScenarioFile
 
 if TYPE_CHECKING:
@@ -280,15 +289,29 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
 
 
 def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
-    """Return the scenario with the world of a file, and with the file's step if ``own_step`` is set."""
+    """Return the scenario with the world of a file and the robots in it, and with its step if ``own_step`` is set."""
+    from drake_twin.description.lasting_files import lasting_file
     from drake_twin.description.package_index import PackageIndex
     from drake_twin.description.world_file import read_world
 
     file = address if "://" in address else absolute_path(address)
-    step = read_world(file, PackageIndex(scenario.package_paths)).max_step_size if own_step else None
+    found = read_world(file, PackageIndex(scenario.package_paths))
+    step = found.max_step_size if own_step else None
     if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP:
         scenario = replace(scenario, time_step=step)
-    return replace(scenario, world=replace(scenario.world, file=file))
+    robots = [
+        Robot(
+            name_in_twin(model.name),
+            str(lasting_file(model.robot.file, model.robot.text)),
+            xyz=model.pose.xyz,
+            rpy=model.pose.rpy,
+        )
+        for model in found.models
+        if model.robot is not None
+    ]
+    names = tuple(model.name for model in found.models if model.robot is not None)
+    world = replace(scenario.world, file=file, without_models=names)
+    return replace(scenario, world=world, robots=(*scenario.robots, *robots))
 
 
 def _command(topic: str, text: str) -> Command:

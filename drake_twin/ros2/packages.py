@@ -3,14 +3,13 @@
 import atexit
 import contextlib
 import functools
-import hashlib
 import os
 import re
 import shutil
 import tempfile
 from pathlib import Path
 
-from drake_twin.description.mesh_cache import cache_folder
+from drake_twin.description.lasting_files import lasting_folder
 from drake_twin.description.package_index import PackageIndex, containing_package
 from drake_twin.errors import InputError
 
@@ -144,13 +143,6 @@ def _prefix_of(share: Path) -> Path:
         with contextlib.suppress(FileExistsError):  # another process was faster
             link.symlink_to(share)
     return prefix
-
-
-def lasting_folder(content: str) -> Path:
-    """Return a folder in the user's cache for a file that the launch makes; the same in every run for its content."""
-    folder = cache_folder("launch") / hashlib.sha256(content.encode()).hexdigest()[:16]
-    folder.mkdir(exist_ok=True)
-    return folder
 
 
 @functools.lru_cache(maxsize=1)

@@ -4,12 +4,13 @@ import os
 from abc import ABC, abstractmethod
 from pathlib import Path
 
+from drake_twin.description.lasting_files import lasting_folder
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launched import ParameterText
-from drake_twin.ros2.packages import AbsentError, absent_package_in, lasting_folder
+from drake_twin.ros2.packages import AbsentError, absent_package_in
 
 
 class RewrittenFile(Substitution, ABC):
