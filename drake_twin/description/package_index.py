@@ -128,7 +128,7 @@ class PackageIndex:
         if near is not None:
             own_package = containing_package(near)
             if own_package is not None:
-                if package_name(own_package) == package:
+                if _is_named(own_package, package):
                     yield own_package
                 if own_package.parent.name == "share":
                     yield from _in_prefix(own_package.parents[1], package)
@@ -220,11 +220,16 @@ def _in_folder(folder: Path, package: str) -> Iterator[Path]:
     named = folder / package
     ignored = (named / "COLCON_IGNORE").exists()
     for place in (folder,) if ignored else (named, folder):
-        if (place / "package.xml").is_file() and package_name(place) == package:
+        if (place / "package.xml").is_file() and _is_named(place, package):
             yield place
-    yield from (place for place in _packages_below(folder) if package_name(place) == package)
+    yield from (place for place in _packages_below(folder) if _is_named(place, package))
     if named.is_dir() and not ignored:  # a Gazebo model folder, or a package without its package.xml
         yield named
+
+
+def _is_named(place: Path, package: str) -> bool:
+    """Return whether a package has a name: that in its package.xml, or that under which setup.py registers it."""
+    return package_name(place) == package or (place / "resource" / package).is_file()
 
 
 def workspace_of(package: Path) -> Path:

@@ -213,3 +213,13 @@ def test_a_workspace_without_packages_or_that_is_not_there_is_refused(tmp_path):
         workspace_folders(tmp_path)
     with pytest.raises(InputError, match="the workspace does not exist"):
         workspace_folders(tmp_path / "gone")
+
+
+def test_a_package_is_found_by_the_name_that_its_setup_py_registers(tmp_path):
+    """The name in the package.xml may be another one: ament's index has the file in resource/."""
+    package = tmp_path / "src" / "any"
+    (package / "resource").mkdir(parents=True)
+    (package / "package.xml").write_text("<package format='3'><name>short</name></package>")
+    (package / "resource" / "short_gz_sim").touch()
+    index = PackageIndex([tmp_path / "src"], environment={})
+    assert index.find("short_gz_sim") == index.find("short")
