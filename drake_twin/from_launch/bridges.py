@@ -1,7 +1,7 @@
 """The Gazebo topics that a parameter_bridge renames."""
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.from_launch.launched_robots import parameters
@@ -15,20 +15,30 @@ def bridged_topics(process: LaunchedProcess) -> dict[str, str]:
         topic = word.partition("@")[0]
         if "@" in word and process.resolve(topic) != topic:
             found[topic if topic.startswith("/") else f"/{topic}"] = process.resolve(topic)
-    files: list[Any] = [parameters(process).get("config_file")]
-    for file in files:
-        if isinstance(file, str) and Path(file).is_file():
-            found |= _bridge_file(Path(file), process)
-    return found
+    in_file = {f"/{gz.strip('/')}": process.resolve(ros) for gz, ros, _ in _entries(process)}
+    return found | {gz: ros for gz, ros in in_file.items() if gz != ros}
 
 
-def _bridge_file(file: Path, process: LaunchedProcess) -> dict[str, str]:
-    entries = YamlDocument(file.read_text(encoding="utf-8"), file).data
-    found = {}
+def stamped_topics(process: LaunchedProcess) -> tuple[str, ...]:
+    """Return the Gazebo topics of a parameter_bridge that are ``TwistStamped`` in ROS."""
+    words = [word.partition("@") for word in process.arguments if "@" in word]
+    found = [topic for topic, _, kinds in words if kinds.startswith(_STAMPED)]
+    found += [gz for gz, _, kind in _entries(process) if kind == _STAMPED]
+    return tuple(f"/{topic.strip('/')}" for topic in found)
+
+
+_STAMPED = "geometry_msgs/msg/TwistStamped"
+
+
+def _entries(process: LaunchedProcess) -> Iterator[tuple[str, str, str]]:
+    """Yield Gazebo topic, ROS topic and ROS type of each entry in the file of a bridge."""
+    name = parameters(process).get("config_file")
+    if not isinstance(name, str) or not Path(name).is_file():
+        return
+    entries = YamlDocument(Path(name).read_text(encoding="utf-8"), Path(name)).data
     for entry in entries if isinstance(entries, list) else []:
         if isinstance(entry, dict):
             ros = str(entry.get("ros_topic_name") or entry.get("topic_name") or "")
             gz = str(entry.get("gz_topic_name") or entry.get("topic_name") or ros)
             if ros and gz:
-                found["/" + gz.strip("/")] = process.resolve(ros)
-    return {gz: ros for gz, ros in found.items() if gz != ros}
+                yield gz, ros, str(entry.get("ros_type_name") or "")

@@ -15,7 +15,7 @@ from pathlib import Path
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place, at_places
-from drake_twin.from_launch.bridges import bridged_topics
+from drake_twin.from_launch.bridges import bridged_topics, stamped_topics
 from drake_twin.from_launch.controller_managers import requests_by_robot
 from drake_twin.from_launch.launched_controllers import (
     ControllerRequest,
@@ -221,6 +221,7 @@ class _Sorter:
                 active_controllers=tuple(dict.fromkeys(item.name for item in requests if item.active)),
                 inactive_controllers=tuple(dict.fromkeys(item.name for item in requests if not item.active)),
                 remappings=self._remappings(launched, requests, namespace),
+                stamped_topics=tuple(topic for bridge in self._bridges() for topic in stamped_topics(bridge)),
             )
             yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
 
@@ -265,10 +266,16 @@ class _Sorter:
             topic = launched.publisher.resolve("robot_description")
             if topic != f"{own}/robot_description":
                 found[f"{own}/robot_description"] = topic
-        for process in self._processes:
-            if (process.package, process.executable) in _BUILT_IN and process.executable == "parameter_bridge":
-                found |= bridged_topics(process)
+        for process in self._bridges():
+            found |= bridged_topics(process)
         return found
+
+    def _bridges(self) -> list[LaunchedProcess]:
+        return [
+            process
+            for process in self._processes
+            if (process.package, process.executable) in _BUILT_IN and process.executable == "parameter_bridge"
+        ]
 
     def _no_robot(self) -> InputError:
         text = "the launch file starts no robot"

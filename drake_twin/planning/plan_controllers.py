@@ -55,7 +55,7 @@ def plan_controllers(
     """
     by_name = {controller.name: controller for controller in manager.controllers}
     chosen = _chosen(robot, by_name)
-    by_drive = _drives_by_name(drives, by_name)
+    by_drive = _drives_by_name([_with_stamps(drive, robot) for drive in drives], by_name)
     chosen |= dict.fromkeys(by_drive, ACTIVE)
     by_name |= {name: replace(drive.controller, name=name) for name, drive in by_drive.items() if drive.controller}
     plans: dict[str, ControllerPlan] = {}
@@ -82,6 +82,28 @@ def plan_controllers(
             findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", place))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
+
+
+_UNSTAMPED = "_unstamped"
+
+
+def _with_stamps(drive: GazeboDrive, robot: Robot) -> GazeboDrive:
+    """Return a drive that listens to messages with a header, where a bridge has them on its topic."""
+    stamped = [
+        own
+        for own, topic in drive.gz_topics.items()
+        if own.endswith(_UNSTAMPED) and f"/{topic.format(model=robot.name).lstrip('/')}" in robot.stamped_topics
+    ]
+    if not stamped or drive.controller is None:
+        return drive
+    names = {own: own.removesuffix(_UNSTAMPED) if own in stamped else own for own in (*drive.topics, *drive.gz_topics)}
+    parameters = {**drive.controller.parameters, "use_stamped_vel": True}
+    return replace(
+        drive,
+        controller=replace(drive.controller, parameters=parameters),
+        topics={names[own]: topic for own, topic in drive.topics.items()},
+        gz_topics={names[own]: topic for own, topic in drive.gz_topics.items()},
+    )
 
 
 def _settled(

@@ -100,6 +100,8 @@ class Robot:
         collision: What a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
         contact: ``hydroelastic``: its flat shapes touch with their faces; or ``point``: in a point.
         remappings: Topic → the topic in its place, both in full.
+        stamped_topics: Topics of its Gazebo drives that are ``TwistStamped`` in ROS in place of ``Twist``, by their
+            names in Gazebo.
         without_repairs: Names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
         added_controllers: Controller name → its ``type`` and its parameters, beside those of the parameters files.
     """
@@ -119,6 +121,7 @@ class Robot:
     collision: str = "hull"
     contact: str = HYDROELASTIC
     remappings: Mapping[str, str] = field(default_factory=dict)
+    stamped_topics: tuple[str, ...] = ()
     without_repairs: tuple[str, ...] = ()
     added_controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 

@@ -222,6 +222,24 @@ def test_a_bridges_file_names_topics_too(tmp_path):
     assert "/sim/drive" in Twin(launched(tmp_path, *entities).scenario).topics()
 
 
+@pytest.mark.parametrize("form", ["arguments", "file"])
+def test_a_drive_listens_to_stamped_messages_where_the_bridge_has_them(tmp_path, form):
+    if form == "file":
+        entry = '- {topic_name: "/model/a/cmd_vel", ros_type_name: geometry_msgs/msg/TwistStamped, gz_type_name: y}'
+        options = {"parameters": [{"config_file": str(write(tmp_path / "bridge.yaml", entry))}]}
+        words = []
+    else:
+        options, words = {}, ["/model/a/cmd_vel@geometry_msgs/msg/TwistStamped]gz.msgs.Twist"]
+    spawn = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a", "-z", 0.1)
+    twin = Twin(launched(tmp_path, spawn, node("ros_gz_bridge", "parameter_bridge", *words, **options)).scenario)
+    (topic,) = [name for name, kind in twin.topics().items() if kind == "geometry_msgs/msg/TwistStamped"]
+    assert topic.endswith("cmd_vel")
+    assert "geometry_msgs/msg/Twist" not in twin.topics().values()
+    twin.publish(topic, {"twist": {"linear": {"x": 0.5}}})
+    twin.advance_to(0.5)
+    assert max(map(abs, twin.robot_state("a").velocities)) > 0.5
+
+
 # --- what is not started
 
 
