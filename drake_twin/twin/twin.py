@@ -8,7 +8,7 @@ import functools
 import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, Self, TypeVar
 
 from pydrake.geometry import Meshcat
 from pydrake.multibody.plant import MultibodyPlant
@@ -625,6 +625,24 @@ class Twin:
             InputError: If called inside a callback.
         """
         self._session.reset()
+
+    @_outside_callbacks("close")
+    def close(self) -> None:
+        """Free the memory of the twin's diagram; neither can be used afterwards, nor a plant or context of it.
+
+        pydrake never frees a diagram by itself (drake#22515). A program that makes many twins closes each; ``with
+        Twin(scenario) as twin:`` does so at the end.
+
+        Raises:
+            InputError: If called inside a callback.
+        """
+        self._session.physics.discard()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
     def draw(self) -> None:
         """Draw the present state on the page, if there is one."""

@@ -1,8 +1,10 @@
+import gc
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import ARM, ROVER, rovers
+from pydrake.systems.framework import LeafSystem
 
 from drake_twin import TwinBuilder, messages
 from drake_twin.errors import CommandError, InputError
@@ -643,3 +645,16 @@ def test_the_command_that_holds_is_a_message_that_can_be_published_again():
         twin.advance_to(advance)
     other = twin.robot_state("robot_2").velocities
     assert twin.robot_state("robot_1").velocities == pytest.approx(other, abs=1e-12)
+
+
+def test_a_closed_twin_is_freed():
+    def systems():
+        gc.collect()
+        return sum(isinstance(item, LeafSystem) for item in gc.get_objects())
+
+    before = systems()
+    for _ in range(3):
+        with rovers(1).build() as twin:
+            twin.advance_to(0.01)
+        del twin
+    assert systems() == before

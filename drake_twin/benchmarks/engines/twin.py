@@ -30,6 +30,10 @@ class TwinEngine:
             for plan in self.twin.plans
         ]
 
+    def __del__(self) -> None:
+        if hasattr(self, "twin"):
+            self.twin.close()
+
     def command(self, velocities: np.ndarray) -> None:
         """Command joint velocities."""
         for topic, values in zip(self._topics, velocities.tolist(), strict=True):
