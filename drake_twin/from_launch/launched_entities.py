@@ -323,5 +323,6 @@ def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:
     for handler in launched.unfired_handlers:
         yield Finding.at(Kind.NOT_STARTED, f"event handler ({handler.what} never happens)", handler.place)
     yield from at_places(Kind.REFUSED_BY_ROS, ((item.what, item.place) for item in launched.refused_by_ros))
-    for name in launched.undeclared_arguments:
-        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it)", Place(str(file)))
+    for name, close in launched.undeclared_arguments.items():
+        hint = f". Did you mean {close!r}?" if close else ""
+        yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it){hint}", Place(str(file)))

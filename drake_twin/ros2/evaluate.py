@@ -6,6 +6,7 @@ PythonExpression are executed.
 
 import sys
 from collections.abc import Callable, Mapping
+from difflib import get_close_matches
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, absolute_path
@@ -82,7 +83,11 @@ def _evaluated(
             for handler in reversed(context.events.handlers)
             if not handler.fired and handler.waits_for is not Shutdown and handler.place is not None
         ),
-        undeclared_arguments=tuple(name for name in arguments if name not in context.declared),
+        undeclared_arguments={
+            name: next(iter(get_close_matches(name, sorted(context.declared), n=1)), "")
+            for name in arguments
+            if name not in context.declared
+        },
         log=tuple(context.log),
         refused_by_ros=tuple(context.refused),
         configurations={name: value for name, value in context.launch_configurations.items() if isinstance(value, str)},

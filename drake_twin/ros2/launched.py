@@ -177,7 +177,7 @@ class Launched:
         failed_includes: Includes that were left out because something of theirs is absent.
         absent_packages: Packages that were asked for and not found, in the order in which they were asked for.
         unfired_handlers: Event handlers whose event never came.
-        undeclared_arguments: Arguments given that no file declares.
+        undeclared_arguments: Arguments given that no file declares, each with the closest that one declares.
         log: What LogInfo and the like print, and what was repaired or ignored.
         refused_by_ros: What ROS 2 refuses in the files, and the twin reads.
         configurations: The launch configurations at the end.
@@ -188,7 +188,7 @@ class Launched:
     failed_includes: tuple[FailedInclude, ...] = ()
     absent_packages: tuple[str, ...] = ()
     unfired_handlers: tuple[UnfiredHandler, ...] = ()
-    undeclared_arguments: tuple[str, ...] = ()
+    undeclared_arguments: Mapping[str, str] = field(default_factory=dict)
     log: tuple[str, ...] = ()
     refused_by_ros: tuple[RefusedByRos, ...] = ()
     configurations: Mapping[str, str] = field(default_factory=dict)

@@ -110,7 +110,8 @@ def test_arguments_reach_the_launch_file(tmp_path):
 
 
 def test_arguments_that_the_file_does_not_have_are_listed():
-    assert not_started(target(ARM, "modle:=x").scenario) == ("argument modle (no file declares it)",)
+    reason = "argument modle (no file declares it). Did you mean 'model'?"
+    assert not_started(target(ARM, "modle:=x").scenario) == (reason,)
 
 
 def test_required_arguments_without_a_value_are_listed(tmp_path):

@@ -43,7 +43,7 @@ def test_a_value_that_is_none_of_the_choices_is_refused(tmp_path):
 
 def test_arguments_that_no_file_declares_are_reported(tmp_path):
     launched = launch_python(tmp_path, 'DeclareLaunchArgument("robot", default_value="r")', robot="a", robt="b")
-    assert launched.undeclared_arguments == ("robt",)
+    assert launched.undeclared_arguments == {"robt": "robot"}
 
 
 def test_a_launch_file_that_is_not_there_is_refused(tmp_path):
