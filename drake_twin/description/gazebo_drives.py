@@ -15,6 +15,8 @@ from drake_twin.extensions import load_extensions
 
 GROUP = "drake_twin.gazebo_plugins"
 
+_ROS2_CONTROL = ("gz_ros2_control-system", "libgz_ros2_control-system.so", "libgazebo_ros2_control.so")
+
 # Each registers the plugins that it converts.
 for _module in ("classic_drives", "gz_drives", "joint_drives"):
     import_module(f"drake_twin.description.{_module}")
@@ -24,6 +26,13 @@ def is_drive(plugin: GazeboPlugin) -> bool:
     """Tell whether a plugin is of a kind that becomes a controller."""
     load_extensions(GROUP)
     return plugin_kind(plugin) in GAZEBO_PLUGINS
+
+
+def known_libraries() -> list[str]:
+    """Return the libraries of Gazebo's plugins that the twin knows, in their usual spelling."""
+    load_extensions(GROUP)
+    drives = [kind if "gazebo_ros" not in kind else f"lib{kind}.so" for kind in GAZEBO_PLUGINS]
+    return [f"gz-sim-{kind}" if kind.endswith("-system") else kind for kind in drives] + list(_ROS2_CONTROL)
 
 
 def gazebo_drives(description: RobotDescription) -> tuple[GazeboDrive, ...]:

@@ -1,10 +1,11 @@
 """The elements and attributes of a URDF or SDF file that the twin ignores: all that `used_elements` does not list."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
 
 from lxml import etree
 
-from drake_twin.description.gazebo_drives import is_drive
+from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sensors import SENSOR_KINDS, sensor_text
 from drake_twin.description.unused_contact import is_unused
@@ -105,7 +106,9 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str
                 yield plugin, f"the attribute {attribute} of <plugin>"
         return
     called = f"{name} ({filename})" if name and filename else name or filename or "?"
-    yield plugin, f"Gazebo plugin {called}: {_reason(_PLUGINS, filename + name, 'the twin has no such plugin')}"
+    close = get_close_matches(filename.rpartition("/")[2], known_libraries(), n=1, cutoff=0.85)
+    absent = "the twin has no such plugin" + (f". Did you mean {close[0]!r}?" if close else "")
+    yield plugin, f"Gazebo plugin {called}: {_reason(_PLUGINS, filename + name, absent)}"
 
 
 def _unread_sensor(sensor: etree._Element, place: str) -> Iterator[tuple[etree._Element, str]]:

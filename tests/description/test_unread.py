@@ -9,6 +9,7 @@ from ledger import Robot, misspelt_in_silence, used_for_nothing
 
 from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.unread import unread_in_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Kind
@@ -47,7 +48,7 @@ DROPS = {
     ' type="fixed"><parent link="base"/><child link="b6"/></joint>',
     "gazebo about nothing": '<gazebo reference="bass"><mu1>0.2</mu1></gazebo>',
     "gazebo visual": '<gazebo reference="base"><visual><material/></visual></gazebo>',
-    "static": "<gazebo><static>true</static></gazebo>",
+    "kinematic": "<gazebo><kinematic>true</kinematic></gazebo>",
     "light": '<gazebo reference="base"><light name="l" type="point"/></gazebo>',
     "transmission": '<transmission name="t"><type>x</type></transmission>',
     "element of nobody": "<mine/>",
@@ -171,3 +172,20 @@ def test_what_counts_as_used_is_used(robot):
 
 def test_each_name_that_means_nothing_is_a_finding_with_its_line(robot):
     assert list(misspelt_in_silence(robot, Random(1), 150)) == []
+
+
+@pytest.mark.parametrize(
+    ("library", "close"),
+    [
+        ("gz_ros_control-system", "gz_ros2_control-system"),
+        ("gz-sim-dif-drive-system", "gz-sim-diff-drive-system"),
+        ("libgazebo_ros_diffdrive.so", "libgazebo_ros_diff_drive.so"),
+        ("libmars_rover.so", None),
+    ],
+)
+def test_a_misspelt_library_names_the_closest(tmp_path, library, close):
+    file = tmp_path / "r.urdf"
+    file.write_text(f'<robot name="r"><link name="l"/><gazebo><plugin filename="{library}" name="p"/></gazebo></robot>')
+    (what,) = [item.what for item in load_robot_model(str(file), PackageIndex()).findings if library in item.what]
+    assert ("Did you mean" in what) is (close is not None)
+    assert close is None or f"Did you mean {close!r}?" in what
