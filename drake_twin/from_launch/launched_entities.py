@@ -41,11 +41,8 @@ from drake_twin.scenario import Command, Robot, StaticTransform, World, name_in_
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
 
 # The nodes whose work the twin does itself.
-_BUILT_IN = {
-    ("ros_gz_bridge", "parameter_bridge"),
-    ("ros_ign_bridge", "parameter_bridge"),
-    ("controller_manager", "ros2_control_node"),
-}
+_BRIDGES = {("ros_gz_bridge", "parameter_bridge"), ("ros_ign_bridge", "parameter_bridge")}
+_BUILT_IN = {*_BRIDGES, ("controller_manager", "ros2_control_node")}
 
 
 @dataclass(frozen=True)
@@ -129,12 +126,17 @@ class _Sorter:
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[LaunchedFrame] = []
+        self._bridged: dict[str, str] = {}  # topic in Gazebo → in ROS
+        self._stamped: tuple[str, ...] = ()
         self._worlds: list[tuple[WorldStart, LaunchedProcess]] = []
 
     def entities(self) -> LaunchedEntities:
         found = LaunchedRobots(self._processes, self._packages)
         for process in self._processes:
             self._sort(process, found)
+            if (process.package, process.executable) in _BRIDGES:
+                self._bridged |= bridged_topics(process)
+                self._stamped += stamped_topics(process)
         world = launched_world(self._worlds, self._file, self._packages, self._findings)
         found.add_those_of_world(world)
         if found.only_displayed:
@@ -221,7 +223,7 @@ class _Sorter:
                 active_controllers=tuple(dict.fromkeys(item.name for item in requests if item.active)),
                 inactive_controllers=tuple(dict.fromkeys(item.name for item in requests if not item.active)),
                 remappings=self._remappings(launched, requests, namespace),
-                stamped_topics=tuple(topic for bridge in self._bridges() for topic in stamped_topics(bridge)),
+                stamped_topics=self._stamped,
             )
             yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
 
@@ -266,16 +268,7 @@ class _Sorter:
             topic = launched.publisher.resolve("robot_description")
             if topic != f"{own}/robot_description":
                 found[f"{own}/robot_description"] = topic
-        for process in self._bridges():
-            found |= bridged_topics(process)
-        return found
-
-    def _bridges(self) -> list[LaunchedProcess]:
-        return [
-            process
-            for process in self._processes
-            if (process.package, process.executable) in _BUILT_IN and process.executable == "parameter_bridge"
-        ]
+        return found | self._bridged
 
     def _no_robot(self) -> InputError:
         text = "the launch file starts no robot"
