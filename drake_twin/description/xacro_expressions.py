@@ -6,7 +6,13 @@ import ctypes
 import operator
 import threading
 from collections.abc import Callable, Iterator
+from functools import lru_cache
+from types import CodeType
 from typing import Any
+
+import yaml
+
+from drake_twin.description.bounded_yaml import LOADER
 
 _LONGEST = 30.0  # s for one file; the largest public robots take two
 _MOST_BITS = 1 << 16
@@ -56,6 +62,31 @@ _OPERATORS = {ast.Pow: "xacro_power", ast.LShift: "xacro_shifted", ast.Mult: "xa
 _FUNCTIONS = {"xacro_power": _power, "xacro_shifted": _shifted, "xacro_times": _times}
 
 
+@lru_cache(maxsize=8192)
+def _compiled(text: str) -> tuple[CodeType, bool]:
+    """Return an expression's code, and whether functions replace its operators."""
+    if not any(mark in text for mark in ("*", "<<")):
+        return compile(text, "<expression>", "eval"), False
+    tree = ast.fix_missing_locations(_Bounded().visit(ast.parse(text, "<expression>", "eval")))
+    return compile(tree, "<expression>", "eval"), True
+
+
+def _quickly_loaded(stream: Any) -> Any:
+    loader: Any = type("QuickLoader", (LOADER,), {"yaml_constructors": yaml.SafeLoader.yaml_constructors})
+    return yaml.load(stream, Loader=loader)  # with the constructors that xacro has added
+
+
+@contextlib.contextmanager
+def quick_yaml() -> Iterator[None]:
+    """Let xacro's ``load_yaml`` read with libyaml, which takes a tenth of the time."""
+    plain = yaml.safe_load
+    yaml.safe_load = _quickly_loaded
+    try:
+        yield
+    finally:
+        yaml.safe_load = plain
+
+
 @contextlib.contextmanager
 def bounded_expressions(xacro: Any) -> Iterator[None]:
     """Let xacro evaluate expressions with bounds on their size and their time.
@@ -69,13 +100,10 @@ def bounded_expressions(xacro: Any) -> Iterator[None]:
     plain: Callable[..., Any] = xacro.safe_eval
 
     def safe_eval(expr: str, globals: Any, locals: Any = None) -> Any:
-        if not any(mark in expr for mark in ("*", "<<")):
-            return plain(expr, globals, locals)
-        tree = ast.fix_missing_locations(_Bounded().visit(ast.parse(expr.strip(), "<expression>", "eval")))
-        code = compile(tree, "<expression>", "eval")
+        code, is_bounded = _compiled(expr.strip())
         if invalid := [name for name in code.co_names if name.startswith("__")]:
             raise xacro.XacroException("Use of invalid name(s): ", ", ".join(invalid))
-        globals.update(__builtins__=dict(_FUNCTIONS))  # xacro gives no others
+        globals.update(__builtins__=dict(_FUNCTIONS) if is_bounded else {})  # xacro gives no others
         return eval(code, globals, locals)
 
     thread, is_over = threading.get_ident(), threading.Lock()

@@ -17,7 +17,7 @@ from xml.parsers.expat import ExpatError
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.xacro_expressions import bounded_expressions
+from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 
@@ -59,7 +59,7 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     xacro = installed_xacro()
     with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
-            with bounded_expressions(xacro), _tags_with_places(xacro):
+            with bounded_expressions(xacro), quick_yaml(), _tags_with_places(xacro):
                 document = xacro.process_file(str(file), mappings=dict(arguments))
         except (ExpatError, etree.XMLSyntaxError) as error:
             raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
