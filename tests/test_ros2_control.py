@@ -376,25 +376,56 @@ def test_position_and_velocity_of_one_controller_are_followed_together(make):
     assert position(twin, "arm") == pytest.approx(0.7, abs=1e-3)
 
 
-def test_commands_are_clamped_to_the_tightest_of_urdf_and_ros2_control(make):
-    twin = make("positions")
-    twin.publish("/r/positions/commands", [1.9])
-    twin.advance_to(2.0)
-    assert position(twin, "arm") == pytest.approx(1.0, abs=1e-3)
+ENFORCED = "enforce_command_limits: true"
 
 
-def test_limits_are_off_where_the_manager_says_so(make):
-    twin = make("positions", more_types="enforce_command_limits: false")
+def test_enforced_limits_are_the_tightest_of_urdf_and_ros2_control_and_a_cut_is_said_once(make, caplog):
+    twin = make("positions", more_types=ENFORCED)
+    for command in (1.9, 1.5, -7.0):
+        twin.publish("/r/positions/commands", [command])
+        twin.advance_to(twin.time + 3.0)
+    assert position(twin, "arm") == pytest.approx(-1.0, abs=1e-3)
+    twin = make("velocities", more_types=ENFORCED)
+    twin.publish("/r/velocities/commands", [0.0, 30.0])
+    twin.advance_to(1.0)
+    assert velocity(twin, "wheel") == pytest.approx(20.0, rel=1e-3)
+    assert [record.getMessage() for record in caplog.records if "is cut" in record.getMessage()] == [
+        "r: joint arm: the position command 1.9 is beyond the limit 1: it is cut to the limit",
+        "r: joint wheel: the velocity command 30 is beyond the limit 20: it is cut to the limit",
+    ]
+
+
+@pytest.mark.parametrize("more_types", ["", "enforce_command_limits: false"])  # controller_manager_parameters.yaml:12
+def test_limits_are_off_unless_the_manager_enforces_them(make, more_types, caplog):
+    twin = make("positions", more_types=more_types)
     twin.publish("/r/positions/commands", [1.9])
     twin.advance_to(2.0)
     assert position(twin, "arm") == pytest.approx(1.9, abs=1e-3)
+    twin = make("velocities", more_types=more_types)
+    twin.publish("/r/velocities/commands", [0.0, 30.0])
+    twin.advance_to(2.0)
+    assert velocity(twin, "wheel") == pytest.approx(30.0, rel=1e-3)
+    assert "is cut" not in caplog.text
 
 
-def test_an_effort_is_clamped_to_the_joints_limit(make):
-    twin = make("efforts")
+@pytest.mark.parametrize("more_types", ["", ENFORCED])
+def test_a_position_servo_never_exceeds_the_joints_velocity_limit(make, more_types):
+    twin = make("positions", more_types=more_types)
+    fastest = []
+    twin.subscribe("/clock", lambda message: fastest.append(abs(velocity(twin, "arm"))), rate=100)
+    twin.publish("/r/positions/commands", [-1.0])
+    twin.advance_to(2.0)
+    assert 2.5 < max(fastest) < 3.0 * 1.01
+    assert position(twin, "arm") == pytest.approx(-1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("more_types", ["", ENFORCED])
+def test_an_effort_is_clamped_to_the_joints_limit_whatever_the_manager_enforces(make, more_types, caplog):
+    twin = make("efforts", more_types=more_types)
     twin.publish("/r/efforts/commands", [1e6])
     twin.advance_to(0.01)
     assert velocity(twin, "finger") == pytest.approx(50 / 0.1 * 0.01, rel=1e-6)
+    assert caplog.text.count("r: joint finger: the effort command 1e+06 is beyond the limit 50") == 1
 
 
 def test_without_an_active_controller_joints_hold_where_they_are_left(make):

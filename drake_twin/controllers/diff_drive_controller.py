@@ -140,6 +140,7 @@ class DiffDriveController(DriveController):
     """
 
     Parameters: ClassVar[type] = DiffDriveParameters
+    halt_value = 0.0
 
     @classmethod
     def claimed_interfaces(

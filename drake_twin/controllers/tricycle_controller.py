@@ -174,6 +174,7 @@ class TricycleController(DriveController):
     """
 
     Parameters: ClassVar[type] = TricycleParameters
+    halt_value = 0.0
 
     @classmethod
     def claimed_interfaces(cls, parameters: TricycleParameters, description: RobotDescription) -> tuple[Interface, ...]:

@@ -89,14 +89,13 @@ class ControllerManagerParameters:
 
     Attributes:
         update_rate: The rate at which controllers are updated (Hz).
-        enforce_command_limits: Whether commands are clamped to the joints' limits. The twin does so unless a file
-            disables it; Jazzy's default is not to.
+        enforce_command_limits: Whether commands are clamped to the joints' limits; as in Jazzy, off by default.
         controllers: The controllers, in file order.
         findings: Parameters of the controller manager that are ignored.
     """
 
     update_rate: float = DEFAULT_UPDATE_RATE
-    enforce_command_limits: bool = True
+    enforce_command_limits: bool = False
     controllers: tuple[ControllerParameters, ...] = ()
     findings: tuple[Finding, ...] = ()
 
@@ -123,7 +122,7 @@ def read_controllers(
         for name, entries in _nodes(document, namespace).items():
             nodes.setdefault(name, []).extend((document, *entry) for entry in entries)
     update_rate = DEFAULT_UPDATE_RATE
-    enforce_limits = True
+    enforce_limits = False
     types: dict[str, str] = {}
     places: dict[str, tuple[YamlDocument, ValuePath]] = {}
     findings: list[Finding] = []

@@ -109,7 +109,7 @@ def test_a_controller_without_an_entry_of_its_own_has_no_parameters(read):
 
 @pytest.mark.parametrize("text", ["", "# nothing\n", "controller_manager:\n  ros__parameters:\n", "/:\n  " + ARM])
 def test_a_file_without_controllers_gives_none_and_the_default_rate(read, text):
-    assert read(text) == ControllerManagerParameters(DEFAULT_UPDATE_RATE, True, ())
+    assert read(text) == ControllerManagerParameters(DEFAULT_UPDATE_RATE, False, ())
 
 
 @pytest.mark.parametrize("placeholder", ["$(var prefix)", "$(var  prefix )", "${prefix}"])
