@@ -209,9 +209,9 @@ def test_joints_come_in_the_order_of_ros2_control_with_nan_for_what_is_not_measu
 def test_a_second_claim_of_an_interface_is_a_resource_conflict(make):
     twin = make("positions", inactive=("both",))
     manager = twin.controller_manager("r")
-    for strictness, ok in ((STRICT, False), (BEST_EFFORT, True)):
+    for strictness in (STRICT, BEST_EFFORT):  # controller_manager.cpp:4377
         response = manager.switch_controller(activate=["both"], strictness=strictness)
-        assert response.ok is ok
+        assert not response
         assert "resource conflict for controller 'both': command interface arm/position is already" in response.message
         assert states(twin)["both"] == "inactive"
     assert manager.switch_controller(activate=["both"], deactivate=["positions"], strictness=STRICT)
@@ -568,3 +568,40 @@ def test_a_gain_that_is_none_is_refused(make, monkeypatch):
         InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a positive number"
     ):
         make("positions")
+
+
+def test_hardware_that_is_not_active_is_not_driven(make):
+    inactive = "hardware_components_initial_state: {inactive: [system, nobody]}"
+    twin = make("positions", inactive=("efforts",), more_types=inactive)
+    assert states(twin)["positions"] == "inactive"
+    why = "hardware component 'system' is inactive"
+    assert f"controller positions: {why}" in twin.plans[0].not_started[0]
+    assert any("hardware component 'nobody' is unknown" in warning for warning in twin.plans[0].warnings)
+    manager = twin.controller_manager("r")
+    (component,) = manager.list_hardware_components()
+    assert component.state == "inactive"
+    assert all(item.is_available for item in manager.list_hardware_interfaces()[0])
+    for strictness in (BEST_EFFORT, STRICT):  # resource_manager.cpp:2126
+        response = manager.switch_controller(["efforts"], strictness=strictness)
+        assert not response
+        assert why in response.message
+
+    twin = make("positions", more_types=inactive.replace("inactive: [system, nobody]", "unconfigured: [system]"))
+    manager = twin.controller_manager("r")
+    assert [item.state for item in manager.list_hardware_components()] == ["unconfigured"]
+    assert not any(item.is_available for item in (*manager.list_hardware_interfaces()[0],))
+
+    allowed = f"{inactive}\n    defaults.allow_controller_activation_with_inactive_hardware: true"
+    assert states(make("positions", more_types=allowed))["positions"] == "active"
+
+
+def test_a_controller_that_fails_is_replaced_while_the_twin_runs(make, caplog):
+    more = "ramp: {ros__parameters: {fallback_controllers: [positions]}}"
+    twin = make("ramp", inactive=("positions",), more_types="ramp: {type: test/Ramp}", more=more)
+    twin.advance_to(0.5)
+    assert states(twin) == {"broadcaster": "active", "ramp": "inactive", "positions": "active"}
+    assert "fallback controllers positions are activated" in caplog.text
+    twin.publish("/r/positions/commands", [0.2])
+    twin.advance_to(2.5)
+    assert position(twin, "arm") == pytest.approx(0.2, abs=1e-3)
+    assert "controller ramp is deactivated" in str(twin.findings[-1])

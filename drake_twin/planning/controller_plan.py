@@ -47,6 +47,7 @@ class ControllerPlan:
         problem: Why it cannot be configured or activated; None if it can.
         error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.
         wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
+        fallbacks: The controllers that replace it when it fails.
     """
 
     name: str
@@ -59,6 +60,7 @@ class ControllerPlan:
     problem: str | None = None
     error: InputError | None = None
     wiring: Wiring | None = None
+    fallbacks: tuple[str, ...] = ()
 
     @property
     def sensor(self) -> str | None:

@@ -65,11 +65,22 @@ def test_a_writer_is_not_activated_before_what_it_writes_to():
 
 
 def test_part_of_a_chain_is_started_as_far_as_it_is_whole():
+    chain = manager(controller("wide", "c/effort", "middle/a/velocity", problem="its joint is missing"))
+    chain.switch_controller(deactivate=["low", "middle", "high"], strictness=STRICT)
+    chain.load_controller("wide")
+    response = chain.switch_controller(["low", "middle", "wide"], strictness=BEST_EFFORT)
+    assert "controller 'wide' is unconfigured" in response.message
+    assert set(chain.active) == {"low", "middle"}
+
+
+def test_a_claim_that_is_held_stops_the_whole_switch():
     chain = manager(controller("rival", "b/effort", state="inactive"))
     chain.switch_controller(["rival"], ["low", "middle", "high"], STRICT)
-    response = chain.switch_controller(["low", "middle", "high"], strictness=BEST_EFFORT)
-    assert "b/effort is already claimed by 'rival'" in response.message
-    assert set(chain.active) == {"low", "middle", "rival"}
+    for strictness in (BEST_EFFORT, STRICT):  # controller_manager.cpp:4377
+        response = chain.switch_controller(["low", "middle", "high"], strictness=strictness)
+        assert not response
+        assert "b/effort is already claimed by 'rival'" in response.message
+        assert chain.active == ("rival",)
 
 
 def test_the_lowest_is_restarted_below_the_others():
