@@ -45,20 +45,11 @@ SPEED_SCALING = "speed_scaling_input"
 class JointTrajectoryController(ActionController):
     """Follow trajectories of several joints.
 
-    Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy (from its sources), with
-    these differences:
-
-    - A command of time ``t`` acts for an update period ``P``, and the implicit servo aims at the end of each physics
-      step ``h``. The commanded position is that of ``t + (P + h) / 2``, with which the joint is on its trajectory on
-      average. Upstream writes that of ``t + P``, which leads by half a period. A feedforward for the servo's damping
-      goes with it: the trajectory's mean velocity in the period. Velocities and efforts are those of ``t + P / 2``.
-    - A command of a continuous joint includes the turns that it has made, so that it takes the short way; upstream
-      leaves this to the hardware.
-    - A goal's end is reported at its update, upstream's up to a period of ``action_monitor_rate`` later. After an abort
-      the hold begins at that update, upstream's at the next.
-    - A trajectory on the topic aborts a goal. Upstream reports that the goal has succeeded when that trajectory ends.
-    - A goal that runs into ``cmd_timeout`` is aborted. Upstream reports success.
-    - Numbers that are not finite and duplicate joints are refused.
+    Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy (from its sources);
+    ``docs/controllers.md`` has the differences. A command of time ``t`` acts for an update period ``P``, and the
+    implicit servo aims at the end of each physics step ``h``. The commanded position is that of ``t + (P + h) / 2``,
+    with which the joint is on its trajectory on average. A feedforward for the servo's damping goes with it: the
+    trajectory's mean velocity in the period. Velocities and efforts are those of ``t + P / 2``.
 
     .. pydrake_system::
 
