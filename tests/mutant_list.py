@@ -91,12 +91,6 @@ MUTANTS = (
             "for owner in chained_to(self.plans[name], self.plans)[:1]\n",
         ),
         ("chain: what starts below does not count", "| {*started}", "| {*started[:1]}"),
-        ("chain: a writer that cannot start is kept", "started.remove(name)\n                problems", "problems"),
-        (
-            "chain: what is written to stops",
-            "stopped.remove(owner)",
-            "stopped.remove(owner) if not started else None; stopped",
-        ),
         ("chain: a fallback needs nothing below", "below not in plan.fallbacks and", "False and"),
         ("chain: a fallback's chain is not in the list", "below not in plan.fallbacks and", ""),
         (

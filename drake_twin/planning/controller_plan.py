@@ -9,7 +9,7 @@ from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError
 
-UNLOADED, INACTIVE, ACTIVE = "unloaded", "inactive", "active"
+UNLOADED, UNCONFIGURED, INACTIVE, ACTIVE = "unloaded", "unconfigured", "inactive", "active"
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class ControllerPlan:
             read.
         claims: The command interfaces that it writes while active, in order.
         references: The references that other controllers may write, without its name as prefix.
-        state: Its state at the start: unloaded, inactive or active.
+        state: Its state at the start: unloaded, unconfigured, inactive or active.
         update_rate: The rate of its updates (Hz).
         problem: Why it cannot be configured or activated; None if it can.
         error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.

@@ -18,6 +18,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import (
     ACTIVE,
     INACTIVE,
+    UNCONFIGURED,
     UNLOADED,
     ControllerPlan,
     Wiring,
@@ -151,6 +152,7 @@ def _chosen(robot: Robot, known: Mapping[str, ControllerParameters]) -> dict[str
         inactive += [name for controller in known.values() for name in _fallbacks(controller) if name not in inactive]
     chosen = {name: ACTIVE for name in active if name not in inactive}
     chosen |= dict.fromkeys(inactive, INACTIVE)
+    chosen |= dict.fromkeys(robot.unconfigured_controllers, UNCONFIGURED)
     return {name: state for name, state in chosen.items() if name in known}
 
 
@@ -163,7 +165,7 @@ def _fallbacks(controller: ControllerParameters) -> tuple[str, ...]:
 
 def _missing(robot: Robot, path: ValuePath, known: Mapping[str, ControllerParameters]) -> Iterator[ScenarioError]:
     """Yield an error for each controller that should be loaded and is missing in the parameters files."""
-    for entry in ("active_controllers", "inactive_controllers"):
+    for entry in ("active_controllers", "inactive_controllers", "unconfigured_controllers"):
         for name in getattr(robot, entry) or ():
             if name not in known:
                 text = f"the parameters files have no controller {name!r}"

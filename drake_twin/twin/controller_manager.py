@@ -10,9 +10,9 @@ from typing import Any
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_types
-from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan
+from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.twin.controller_switch import UNCONFIGURED, Switch, SwitchRules
+from drake_twin.twin.controller_switch import Switch, SwitchRules
 
 # Strictness of a switch, as in controller_manager_msgs/srv/SwitchController.
 UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 0, 1, 2, 3, 4

@@ -4,9 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from drake_twin.controllers.interface import Interface
-from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, ControllerPlan, chained_to
-
-UNCONFIGURED = "unconfigured"
+from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, ControllerPlan, chained_to
 
 
 @dataclass(frozen=True)

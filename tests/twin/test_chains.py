@@ -83,6 +83,20 @@ def test_a_claim_that_is_held_stops_the_whole_switch():
         assert chain.active == ("rival",)
 
 
+def test_of_two_writers_of_one_reference_the_first_starts_and_nothing_above_the_other():
+    chain = Manager(
+        LOW,
+        controller("first", "low/a/position", state="inactive"),
+        controller("second", "low/a/position", references=("a/position",), state="inactive"),
+        controller("above", "second/a/position", state="inactive"),
+    )
+    response = chain.switch_controller(["first", "second", "above"], strictness=BEST_EFFORT)
+    assert not response
+    assert "low/a/position is already claimed by 'first'" in response.message
+    assert "controller 'above' writes to 'second', which is not active" in response.message
+    assert chain.active == ("low", "first")
+
+
 def test_the_lowest_is_restarted_below_the_others():
     chain = manager()
     assert chain.switch_controller(["low"], ["low"], STRICT)
