@@ -605,3 +605,48 @@ def test_a_controller_that_fails_is_replaced_while_the_twin_runs(make, caplog):
     twin.advance_to(2.5)
     assert position(twin, "arm") == pytest.approx(0.2, abs=1e-3)
     assert "controller ramp is deactivated" in str(twin.findings[-1])
+
+
+def test_the_interfaces_of_a_sensor_are_listed_with_those_of_the_joints(make, monkeypatch):
+    sensor = (
+        '<sensor name="imu"><state_interface name="orientation.x"/><state_interface name="orientation.y"/></sensor>'
+    )
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{sensor}</ros2_control>"))
+    manager = make().controller_manager("r")
+    own = ["imu/orientation.x", "imu/orientation.y"]
+    _, listed = manager.list_hardware_interfaces()
+    assert [item.name for item in listed if item.name.startswith("imu")] == own
+    assert all(item.is_available for item in listed)
+    (component,) = manager.list_hardware_components()
+    assert component.state_interfaces[-2:] == (*own,)
+    unconfigured = make(more_types="hardware_components_initial_state: {unconfigured: [system]}")
+    assert not any(item.is_available for item in unconfigured.controller_manager("r").list_hardware_interfaces()[1])
+
+
+def test_an_initial_velocity_is_a_finding(make, monkeypatch):
+    given = '<state_interface name="velocity"><param name="initial_value">2.5</param></state_interface></joint>'
+    changed = ROBOT.replace('<state_interface name="velocity"/></joint>', given, 1)
+    monkeypatch.setitem(globals(), "ROBOT", changed)
+    twin = make()
+    assert "joint arm: the initial_value 2.5 of its velocity is ignored: joints start at rest" in str(twin.warnings)
+    assert velocity(twin, "arm") == 0.0
+
+
+MOCK = ("mock_sensor_commands", "calculate_dynamics", "position_state_following_offset", "disable_commands")
+
+
+@pytest.mark.parametrize("name", MOCK)
+def test_a_parameter_of_mock_hardware_is_a_finding(make, monkeypatch, name):
+    plugin = f'<plugin>mock_components/GenericSystem</plugin><param name="{name}">true</param>'
+    changed = ROBOT.replace("<plugin>gz_ros2_control/GazeboSimSystem</plugin>", plugin)
+    monkeypatch.setitem(globals(), "ROBOT", changed)
+    (finding,) = (item for item in make().findings if name in item.what)
+    assert finding.lines
+    assert "param" in finding.what
+
+
+def test_a_transmission_of_ros2_control_is_a_finding(make, monkeypatch):
+    transmission = '<transmission name="t"><plugin>transmission_interface/SimpleTransmission</plugin></transmission>'
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{transmission}</ros2_control>"))
+    (finding,) = (item for item in make().findings if "transmission" in item.what)
+    assert finding.lines

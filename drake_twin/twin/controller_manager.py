@@ -160,6 +160,13 @@ class ControllerManager:
             for joint in self._plan.description.controlled_joints.values()
             for item in joint.state_interfaces
         ]
+        unconfigured = [name for name, state in self._plan.hardware_states.items() if state == UNCONFIGURED]
+        states += [
+            HardwareInterface(f"{sensor.name}/{name}", system.name not in unconfigured)
+            for system in self._plan.description.systems
+            for sensor in system.sensors
+            for name in sensor.state_interfaces
+        ]
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
@@ -171,7 +178,10 @@ class ControllerManager:
                 plugin=system.plugin,
                 state=self._plan.hardware_states.get(system.name, ACTIVE),
                 command_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
-                state_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+                state_interfaces=(
+                    *(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+                    *(f"{sensor.name}/{name}" for sensor in system.sensors for name in sensor.state_interfaces),
+                ),
             )
             for system in self._plan.description.systems
         )
