@@ -330,11 +330,11 @@ def _start_positions(
                 (*path, "initial_positions"), f"the robot has no movable joint {name!r}", value=name, valid=joints
             )
     positions: dict[str, float] = {}
-    for controlled in description.controlled_joints.values():
+    for tag in description.controlled_joints.values():
         warnings += [
-            f"joint {controlled.name}: the initial_value {item.initial_value:g} of its {item.name} is ignored: joints"
+            f"joint {tag.name}: the initial_value {item.initial_value:g} of its {item.name} is ignored: joints"
             " start at rest"
-            for item in controlled.state_interfaces
+            for item in tag.state_interfaces
             if item.name != "position" and item.initial_value
         ]
     for name, joint in joints.items():
