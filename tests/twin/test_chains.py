@@ -1,5 +1,6 @@
 """Controllers that write to the references of other controllers, as ros2_control chains them."""
 
+from dataclasses import replace
 from math import exp
 
 import numpy as np
@@ -30,6 +31,13 @@ def test_a_failure_deactivates_the_whole_chain_above_and_no_one_else():
     assert chain.active == ("lower", "over_lower")
     (((), stopped),) = chain.switches
     assert set(stopped) == {"low", "middle", "high"}
+
+
+def test_a_failure_activates_the_fallbacks_of_the_controllers_above_as_well():
+    spare = controller("spare", "b/effort", state="inactive")
+    chain = Manager(LOW, replace(MIDDLE, fallbacks=("spare",)), spare)
+    assert set(chain.deactivate_failed("low")) == {"low", "middle"}
+    assert chain.active == ("spare",)
 
 
 def test_a_failure_leaves_what_it_writes_to_active():
