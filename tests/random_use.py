@@ -85,7 +85,9 @@ def write_files(folder):
     robot.write_text(f'<robot name="robot">{"".join((*links, *joints))}{control}</robot>')
     types = "".join(f"    {name}: {{type: {kind}}}\n" for name, (kind, _) in CONTROLLERS.items())
     parameters = "".join(f"{name}:\n  ros__parameters: {text}\n" for name, (_, text) in CONTROLLERS.items())
-    controllers.write_text(f"controller_manager:\n  ros__parameters:\n{types}{parameters}")
+    controllers.write_text(
+        f"controller_manager:\n  ros__parameters:\n    enforce_command_limits: true\n{types}{parameters}"
+    )
     return robot, controllers
 
 

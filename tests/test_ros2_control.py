@@ -209,9 +209,9 @@ def test_joints_come_in_the_order_of_ros2_control_with_nan_for_what_is_not_measu
 def test_a_second_claim_of_an_interface_is_a_resource_conflict(make):
     twin = make("positions", inactive=("both",))
     manager = twin.controller_manager("r")
-    for strictness, ok in ((STRICT, False), (BEST_EFFORT, True)):
+    for strictness in (STRICT, BEST_EFFORT):  # controller_manager.cpp:4377
         response = manager.switch_controller(activate=["both"], strictness=strictness)
-        assert response.ok is ok
+        assert not response
         assert "resource conflict for controller 'both': command interface arm/position is already" in response.message
         assert states(twin)["both"] == "inactive"
     assert manager.switch_controller(activate=["both"], deactivate=["positions"], strictness=STRICT)
@@ -376,25 +376,56 @@ def test_position_and_velocity_of_one_controller_are_followed_together(make):
     assert position(twin, "arm") == pytest.approx(0.7, abs=1e-3)
 
 
-def test_commands_are_clamped_to_the_tightest_of_urdf_and_ros2_control(make):
-    twin = make("positions")
-    twin.publish("/r/positions/commands", [1.9])
-    twin.advance_to(2.0)
-    assert position(twin, "arm") == pytest.approx(1.0, abs=1e-3)
+ENFORCED = "enforce_command_limits: true"
 
 
-def test_limits_are_off_where_the_manager_says_so(make):
-    twin = make("positions", more_types="enforce_command_limits: false")
+def test_enforced_limits_are_the_tightest_of_urdf_and_ros2_control_and_a_cut_is_said_once(make, caplog):
+    twin = make("positions", more_types=ENFORCED)
+    for command in (1.9, 1.5, -7.0):
+        twin.publish("/r/positions/commands", [command])
+        twin.advance_to(twin.time + 3.0)
+    assert position(twin, "arm") == pytest.approx(-1.0, abs=1e-3)
+    twin = make("velocities", more_types=ENFORCED)
+    twin.publish("/r/velocities/commands", [0.0, 30.0])
+    twin.advance_to(1.0)
+    assert velocity(twin, "wheel") == pytest.approx(20.0, rel=1e-3)
+    assert [record.getMessage() for record in caplog.records if "is cut" in record.getMessage()] == [
+        "r: joint arm: the position command 1.9 is beyond the limit 1: it is cut to the limit",
+        "r: joint wheel: the velocity command 30 is beyond the limit 20: it is cut to the limit",
+    ]
+
+
+@pytest.mark.parametrize("more_types", ["", "enforce_command_limits: false"])  # controller_manager_parameters.yaml:12
+def test_limits_are_off_unless_the_manager_enforces_them(make, more_types, caplog):
+    twin = make("positions", more_types=more_types)
     twin.publish("/r/positions/commands", [1.9])
     twin.advance_to(2.0)
     assert position(twin, "arm") == pytest.approx(1.9, abs=1e-3)
+    twin = make("velocities", more_types=more_types)
+    twin.publish("/r/velocities/commands", [0.0, 30.0])
+    twin.advance_to(2.0)
+    assert velocity(twin, "wheel") == pytest.approx(30.0, rel=1e-3)
+    assert "is cut" not in caplog.text
 
 
-def test_an_effort_is_clamped_to_the_joints_limit(make):
-    twin = make("efforts")
+@pytest.mark.parametrize("more_types", ["", ENFORCED])
+def test_a_position_servo_never_exceeds_the_joints_velocity_limit(make, more_types):
+    twin = make("positions", more_types=more_types)
+    fastest = []
+    twin.subscribe("/clock", lambda message: fastest.append(abs(velocity(twin, "arm"))), rate=100)
+    twin.publish("/r/positions/commands", [-1.0])
+    twin.advance_to(2.0)
+    assert 2.5 < max(fastest) < 3.0 * 1.01
+    assert position(twin, "arm") == pytest.approx(-1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("more_types", ["", ENFORCED])
+def test_an_effort_is_clamped_to_the_joints_limit_whatever_the_manager_enforces(make, more_types, caplog):
+    twin = make("efforts", more_types=more_types)
     twin.publish("/r/efforts/commands", [1e6])
     twin.advance_to(0.01)
     assert velocity(twin, "finger") == pytest.approx(50 / 0.1 * 0.01, rel=1e-6)
+    assert caplog.text.count("r: joint finger: the effort command 1e+06 is beyond the limit 50") == 1
 
 
 def test_without_an_active_controller_joints_hold_where_they_are_left(make):
@@ -537,3 +568,85 @@ def test_a_gain_that_is_none_is_refused(make, monkeypatch):
         InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a positive number"
     ):
         make("positions")
+
+
+def test_hardware_that_is_not_active_is_not_driven(make):
+    inactive = "hardware_components_initial_state: {inactive: [system, nobody]}"
+    twin = make("positions", inactive=("efforts",), more_types=inactive)
+    assert states(twin)["positions"] == "inactive"
+    why = "hardware component 'system' is inactive"
+    assert f"controller positions: {why}" in twin.plans[0].not_started[0]
+    assert any("hardware component 'nobody' is unknown" in warning for warning in twin.plans[0].warnings)
+    manager = twin.controller_manager("r")
+    (component,) = manager.list_hardware_components()
+    assert component.state == "inactive"
+    assert all(item.is_available for item in manager.list_hardware_interfaces()[0])
+    for strictness in (BEST_EFFORT, STRICT):  # resource_manager.cpp:2126
+        response = manager.switch_controller(["efforts"], strictness=strictness)
+        assert not response
+        assert why in response.message
+
+    twin = make("positions", more_types=inactive.replace("inactive: [system, nobody]", "unconfigured: [system]"))
+    manager = twin.controller_manager("r")
+    assert [item.state for item in manager.list_hardware_components()] == ["unconfigured"]
+    assert not any(item.is_available for item in (*manager.list_hardware_interfaces()[0],))
+
+    allowed = f"{inactive}\n    defaults.allow_controller_activation_with_inactive_hardware: true"
+    assert states(make("positions", more_types=allowed))["positions"] == "active"
+
+
+def test_a_controller_that_fails_is_replaced_while_the_twin_runs(make, caplog):
+    more = "ramp: {ros__parameters: {fallback_controllers: [positions]}}"
+    twin = make("ramp", inactive=("positions",), more_types="ramp: {type: test/Ramp}", more=more)
+    twin.advance_to(0.5)
+    assert states(twin) == {"broadcaster": "active", "ramp": "inactive", "positions": "active"}
+    assert "fallback controllers positions are activated" in caplog.text
+    twin.publish("/r/positions/commands", [0.2])
+    twin.advance_to(2.5)
+    assert position(twin, "arm") == pytest.approx(0.2, abs=1e-3)
+    assert "controller ramp is deactivated" in str(twin.findings[-1])
+
+
+def test_the_interfaces_of_a_sensor_are_listed_with_those_of_the_joints(make, monkeypatch):
+    sensor = (
+        '<sensor name="imu"><state_interface name="orientation.x"/><state_interface name="orientation.y"/></sensor>'
+    )
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{sensor}</ros2_control>"))
+    manager = make().controller_manager("r")
+    own = ["imu/orientation.x", "imu/orientation.y"]
+    _, listed = manager.list_hardware_interfaces()
+    assert [item.name for item in listed if item.name.startswith("imu")] == own
+    assert all(item.is_available for item in listed)
+    (component,) = manager.list_hardware_components()
+    assert component.state_interfaces[-2:] == (*own,)
+    unconfigured = make(more_types="hardware_components_initial_state: {unconfigured: [system]}")
+    assert not any(item.is_available for item in unconfigured.controller_manager("r").list_hardware_interfaces()[1])
+
+
+def test_an_initial_velocity_is_a_finding(make, monkeypatch):
+    given = '<state_interface name="velocity"><param name="initial_value">2.5</param></state_interface></joint>'
+    changed = ROBOT.replace('<state_interface name="velocity"/></joint>', given, 1)
+    monkeypatch.setitem(globals(), "ROBOT", changed)
+    twin = make()
+    assert "joint arm: the initial_value 2.5 of its velocity is ignored: joints start at rest" in str(twin.warnings)
+    assert velocity(twin, "arm") == 0.0
+
+
+MOCK = ("mock_sensor_commands", "calculate_dynamics", "position_state_following_offset", "disable_commands")
+
+
+@pytest.mark.parametrize("name", MOCK)
+def test_a_parameter_of_mock_hardware_is_a_finding(make, monkeypatch, name):
+    plugin = f'<plugin>mock_components/GenericSystem</plugin><param name="{name}">true</param>'
+    changed = ROBOT.replace("<plugin>gz_ros2_control/GazeboSimSystem</plugin>", plugin)
+    monkeypatch.setitem(globals(), "ROBOT", changed)
+    (finding,) = (item for item in make().findings if name in item.what)
+    assert finding.lines
+    assert "param" in finding.what
+
+
+def test_a_transmission_of_ros2_control_is_a_finding(make, monkeypatch):
+    transmission = '<transmission name="t"><plugin>transmission_interface/SimpleTransmission</plugin></transmission>'
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{transmission}</ros2_control>"))
+    (finding,) = (item for item in make().findings if "transmission" in item.what)
+    assert finding.lines

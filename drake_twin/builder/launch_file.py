@@ -109,6 +109,11 @@ def _planned(hint: RobotHint, launched: LaunchedEntities, taken: set[str], findi
     remappings = {own: topic for own, topic in hint.robot.remappings.items() if topic not in taken}
     plan = plan_robot(replace(hint.robot, remappings=remappings), launched.packages)
     plan = _without_missing_controllers(plan, hint, findings)
+    if lone := _left_alone(plan, hint, findings):
+        active = tuple(name for name in plan.robot.active_controllers or () if name not in lone)
+        inactive = (*plan.robot.inactive_controllers, *lone)
+        robot = replace(plan.robot, active_controllers=active, inactive_controllers=inactive)
+        plan = plan_robot(robot, launched.packages)
     if launched.only_displayed:
         return _displayed(plan)
     if hint.on_ground and not plan.model.is_fixed:
@@ -126,9 +131,13 @@ def _without_missing_controllers(plan: RobotPlan, hint: RobotHint, findings: lis
     if not failed:
         return plan
     robot = plan.robot
-    active, inactive = robot.active_controllers or (), robot.inactive_controllers
+    active, inactive, loaded = (
+        robot.active_controllers or (),
+        robot.inactive_controllers,
+        robot.unconfigured_controllers,
+    )
     for name, error in failed.items():
-        if name not in (*active, *inactive):
+        if name not in (*active, *inactive, *loaded):
             raise error
         reason = error.reason if isinstance(error, ScenarioError) else str(error)
         what = f"controller {name} of {robot.name}: {reason}"
@@ -139,8 +148,25 @@ def _without_missing_controllers(plan: RobotPlan, hint: RobotHint, findings: lis
         robot,
         active_controllers=tuple(name for name in active if name not in failed),
         inactive_controllers=tuple(name for name in inactive if name not in failed),
+        unconfigured_controllers=tuple(name for name in loaded if name not in failed),
     )
     return replace(plan, robot=robot, controllers=tuple(known))
+
+
+def _left_alone(plan: RobotPlan, hint: RobotHint, findings: list[Finding]) -> list[str]:
+    """Return the controllers that are not activated because another one of their group is not, each with a finding."""
+    active = {item.name for item in plan.controllers if item.state == ACTIVE}
+    lone = []
+    for name in plan.robot.active_controllers or ():
+        process = hint.requests[name]
+        if name in active and "--activate-as-group" in process.arguments:
+            group = [other for other, own in hint.requests.items() if own is process]
+            failed = next((other for other in group if other not in active), None)
+            if failed is not None:
+                lone.append(name)
+                what = f"controller {name} of {plan.robot.name}: {failed!r} of its --activate-as-group is not active"
+                findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
+    return lone
 
 
 def _displayed(plan: RobotPlan) -> RobotPlan:

@@ -54,7 +54,7 @@ def goal_tolerances(
         goal_time: As in `Tolerances`.
 
     Raises:
-        CommandError: If a joint is unknown or a tolerance is negative. Upstream logs this and uses its defaults.
+        CommandError: If a joint is unknown or a tolerance is negative.
     """
     for where, given in (("path", path), ("goal", goal)):
         for joint in given:

@@ -112,8 +112,8 @@ class DiffDriveController(DriveController):
 
     Behaves as ``diff_drive_controller/DiffDriveController`` does in ROS 2 Jazzy: once a command is older than
     ``cmd_vel_timeout``, the base brakes as its limits allow. Before the first command nothing is written, and zero once
-    the time-out has passed since the activation. Unlike upstream, a command that is not finite is refused, and does not
-    prolong the previous one; see also `DriveController`.
+    the time-out has passed since the activation. A command that is not finite is refused, and does not prolong the
+    previous one; see also `DriveController`.
 
     .. pydrake_system::
 
@@ -140,6 +140,7 @@ class DiffDriveController(DriveController):
     """
 
     Parameters: ClassVar[type] = DiffDriveParameters
+    halt_value = 0.0
 
     @classmethod
     def claimed_interfaces(

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from math import inf, isnan
 from typing import Any
 
+from drake_twin.controllers.deviations import DEVIATIONS
 from drake_twin.controllers.registry import controller_class, controller_types
 from drake_twin.description.parameters import parameter_names
 
@@ -34,7 +35,7 @@ _LIST_NAMES = {
 
 def controllers_page() -> str:
     """Return the page as Markdown."""
-    sections = [_INTRODUCTION]
+    sections = [_INTRODUCTION, _deviations()]
     for parameters, types in _types_by_parameters().items():
         sections.append("## " + ", ".join(f"`{name}`" for name in types) + "\n")
         if any(parameters in getattr(other, "dialects", ()) for other in _types_by_parameters()):
@@ -45,6 +46,12 @@ def controllers_page() -> str:
         ]
         sections.append("\n".join(["| parameter | type | default | meaning |", "|---|---|---|---|", *rows, ""]))
     return "\n".join(sections)
+
+
+def _deviations() -> str:
+    rows = [f"| {item.of} | {item.behavior} | {item.upstream} | {item.twin} | {item.why} |" for item in DEVIATIONS]
+    header = ["| of | behavior | in ROS 2 Jazzy | in the twin | why |", "|---|---|---|---|---|"]
+    return "\n".join(["## What differs from ROS 2 on purpose\n", *header, *rows, ""])
 
 
 def _types_by_parameters() -> dict[type, list[str]]:

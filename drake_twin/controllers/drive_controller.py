@@ -73,9 +73,8 @@ class DriveMemory:
 class DriveController(PeriodicController):
     """Drive a base; a subclass declares the ports and implements ``update``.
 
-    Odometry is calculated and published from the first update, also before a command has come (upstream's
-    diff_drive_controller waits for a command or its time-out), and wheels may start at any angle. When a controller is
-    activated again, its odometry continues as upstream, and its last commands are forgotten.
+    Odometry is calculated and published from the first update, also before a command has come, and wheels may start
+    at any angle. When a controller is activated again, its odometry continues, and its last commands are forgotten.
     """
 
     _components: tuple[str, ...] = ("linear_x", "angular_z")  # those of `TwistCommand` that the base follows
@@ -108,8 +107,6 @@ class DriveController(PeriodicController):
 
     def read(self, topic: str, message: Any, context: Context) -> TwistCommand:
         """Convert a message; a stamp of zero or in the future means now.
-
-        Upstream accepts a stamp in the future as it is: a program that stamps with the wall's time is never timed out.
 
         Raises:
             CommandError: If the message has timed out or is not finite; the previous command stays.

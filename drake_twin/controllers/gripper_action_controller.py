@@ -56,9 +56,8 @@ class GripperActionController(ActionController):
 
     Behaves as gripper_controllers and parallel_gripper_controller in ROS 2 Jazzy: the gripper is held at its position
     on activation and when a goal is canceled, a newer goal replaces an older one, a goal ends within the tolerance or
-    with a stall, and its position stays commanded afterwards. Unlike upstream, a goal that is not finite is refused, a
-    goal that is executed at a deactivation ends as canceled, and the feedback, which upstream never sends, is the
-    present state.
+    with a stall, and its position stays commanded afterwards. A goal that is not finite is refused, a goal that is
+    executed at a deactivation ends as canceled, and the feedback is the present state.
 
     .. pydrake_system::
 

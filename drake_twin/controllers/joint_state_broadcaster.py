@@ -85,8 +85,8 @@ class JointStateBroadcaster(Controller):
     """Publish a robot's state as ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
     Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN where a joint has no state
-    interface, 0 for extra joints. Joints are in the order of the parameter ``joints``, else of ``<ros2_control>``;
-    upstream sorts them by name. Without ``<ros2_control>`` all movable joints have all interfaces.
+    interface, 0 for extra joints. Joints are in the order of the parameter ``joints``, else of ``<ros2_control>``.
+    Without ``<ros2_control>`` all movable joints have all interfaces.
 
     .. pydrake_system::
 

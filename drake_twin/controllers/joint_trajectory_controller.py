@@ -1,5 +1,6 @@
 """Joint trajectories from a topic and an action, as ros2_controllers' joint_trajectory_controller follows them."""
 
+import logging
 from dataclasses import replace
 from math import isfinite
 from typing import Any, ClassVar
@@ -7,7 +8,7 @@ from typing import Any, ClassVar
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, InputPort
 
-from drake_twin.control.tolerances import goal_tolerances
+from drake_twin.control.tolerances import Tolerances, goal_tolerances
 from drake_twin.control.trajectory import TrajectoryPoint
 from drake_twin.control.trajectory_check import TrajectoryRules, checked_trajectory
 from drake_twin.controllers.action_controller import ActionController
@@ -33,6 +34,8 @@ from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 
+_log = logging.getLogger(__name__)
+
 TOPIC = "joint_trajectory"
 ACTION = "follow_joint_trajectory"
 SPEED_SCALING = "speed_scaling_input"
@@ -42,20 +45,11 @@ SPEED_SCALING = "speed_scaling_input"
 class JointTrajectoryController(ActionController):
     """Follow trajectories of several joints.
 
-    Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy (from its sources), with
-    these differences:
-
-    - A command of time ``t`` acts for an update period ``P``, and the implicit servo aims at the end of each physics
-      step ``h``. The commanded position is that of ``t + (P + h) / 2``, with which the joint is on its trajectory on
-      average. Upstream writes that of ``t + P``, which leads by half a period. A feedforward for the servo's damping
-      goes with it: the trajectory's mean velocity in the period. Velocities and efforts are those of ``t + P / 2``.
-    - A command of a continuous joint includes the turns that it has made, so that it takes the short way; upstream
-      leaves this to the hardware.
-    - A goal's end is reported at its update, upstream's up to a period of ``action_monitor_rate`` later. After an abort
-      the hold begins at that update, upstream's at the next.
-    - A trajectory on the topic aborts a goal. Upstream reports that the goal has succeeded when that trajectory ends.
-    - A goal that runs into ``cmd_timeout`` is aborted. Upstream reports success.
-    - Numbers that are not finite, duplicate joints and meaningless tolerances are refused.
+    Behaves as ``joint_trajectory_controller/JointTrajectoryController`` does in ROS 2 Jazzy (from its sources);
+    ``docs/controllers.md`` has the differences. A command of time ``t`` acts for an update period ``P``, and the
+    implicit servo aims at the end of each physics step ``h``. The commanded position is that of ``t + (P + h) / 2``,
+    with which the joint is on its trajectory on average. A feedforward for the servo's damping goes with it: the
+    trajectory's mean velocity in the period. Velocities and efforts are those of ``t + P / 2``.
 
     .. pydrake_system::
 
@@ -163,18 +157,26 @@ class JointTrajectoryController(ActionController):
             if not self.sample(context).active:
                 raise CommandError("the controller is not active and accepts no goal")
             trajectory = message.trajectory
-            tolerances = goal_tolerances(
-                tolerances,
-                self._joints,
-                joint_tolerances_of(message.path_tolerance),
-                joint_tolerances_of(message.goal_tolerance),
-                seconds_of(message.goal_time_tolerance),
-            )
+            tolerances = self._tolerances_of(message)
         points, times, start = points_of(trajectory)
         checked = checked_trajectory(
             self._rules, tuple(trajectory.joint_names), points, times, start, context.get_time()
         )
         return TrajectoryCommand(self._newest_id(context) + 1, checked, tolerances)
+
+    def _tolerances_of(self, goal: Any) -> Tolerances:
+        """Return a goal's tolerances; the controller's own, with an error in the log, if one of them is invalid."""
+        try:
+            return goal_tolerances(
+                self._follower.tolerances,
+                self._joints,
+                joint_tolerances_of(goal.path_tolerance),
+                joint_tolerances_of(goal.goal_tolerance),
+                seconds_of(goal.goal_time_tolerance),
+            )
+        except CommandError as error:
+            _log.error("%s: the default tolerances are used: %s", self.setup.name, error)
+            return self._follower.tolerances
 
     def used_id(self, memory: JointTrajectoryMemory) -> int:
         """Return the id of the last executed command, of the topic or of the action."""

@@ -8,11 +8,9 @@ def odometry_frames(
 ) -> tuple[str, str]:
     """Return the odometry frame and the base's frame, as named on ``/tf``.
 
-    ros2_controllers prepends the prefix, or without one the namespace, to both names. It does not know how
-    robot_state_publisher names the links, so in a namespace the two often differ and the tree is broken. Here the
-    base's frame is the one of the robot's link in the twin's ``/tf``, whatever the prefix, if the link exists. The
-    odometry frame is upstream's; if the twin prefixes the robot's frames to keep robots apart, it prefixes the odometry
-    frame as well.
+    As in ros2_controllers the prefix, or without one the namespace, goes before both names. If the twin prefixes the
+    robot's frames to keep robots apart, it prefixes these two as well, unless they begin with that prefix already.
+    Without a prefix the base's frame is the robot's link, also if the link's name has the namespace before it.
 
     Args:
         setup: The controller's setup: namespace, frame prefix and links.
@@ -21,20 +19,16 @@ def odometry_frames(
         prefix_enable: ``tf_frame_prefix_enable``.
         prefix: ``tf_frame_prefix``; a ``~`` in it stands for the namespace.
     """
-    namespace = setup.namespace.strip("/")
-    before = ""
-    if prefix_enable:
-        before = prefix.replace("~", namespace).strip("/") if prefix else namespace
-        before = f"{before}/" if before else ""
-    base = f"{setup.frame_prefix}{_link(setup, before, namespace, base_frame_id)}"
-    odom = before + odom_frame_id.lstrip("/")
-    return (odom if odom.startswith(setup.frame_prefix) else setup.frame_prefix + odom), base
+    namespace, own = setup.namespace.strip("/"), setup.frame_prefix
+    odom, base = odom_frame_id.lstrip("/"), base_frame_id.lstrip("/")
+    before = (prefix.replace("~", namespace) or namespace).strip("/") if prefix_enable else ""
+    if before:
+        return _within(own, f"{before}/{odom}"), _within(own, f"{before}/{base}")
+    if namespace and base not in setup.description.links:
+        links = (f"{namespace}/{base}", f"{namespace}_{base}")
+        base = next((link for link in links if link in setup.description.links), base)
+    return _within(own, odom), own + base
 
 
-def _link(setup: ControllerSetup, before: str, namespace: str, name: str) -> str:
-    name = name.lstrip("/")
-    candidates = [name, before + name]
-    if namespace:
-        candidates += [f"{namespace}/{name}", f"{namespace}_{name}"]
-    links = set(setup.description.links)
-    return next((candidate for candidate in candidates if candidate in links), name)
+def _within(prefix: str, name: str) -> str:
+    return name if name.startswith(prefix) else prefix + name

@@ -45,10 +45,17 @@ class PeriodicController(StatefulController):
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
+
+    Attributes:
+        halt_value: What it leaves on its joints' interfaces when it is deactivated; NaN for nothing.
     """
+
+    halt_value: float = float("nan")
 
     def __init__(self, setup: ControllerSetup, feedforward: Sequence[Interface] = ()):
         self._nothing = (float("nan"),) * (len(setup.claims) + len(feedforward))
+        own = (self.halt_value if claim.joint in setup.layout.velocities else float("nan") for claim in setup.claims)
+        self._halted = (*own, *self._nothing[len(setup.claims) :])
         super().__init__(setup, tuple(feedforward), Sample(commands=self._nothing))
         self._reaches = self._position_reaches()
         self._velocities = [
@@ -121,7 +128,7 @@ class PeriodicController(StatefulController):
 
     def deactivate(self, context: Context) -> None:
         """Stop writing and updating; the memory stays readable."""
-        self.set_sample(context, replace(self.sample(context), active=False, commands=self._nothing))
+        self.set_sample(context, replace(self.sample(context), active=False, commands=self._halted))
 
     def positions(self, context: Context, joints: Sequence[str]) -> np.ndarray:
         """Return the positions of joints at the present time (rad or m)."""

@@ -132,8 +132,8 @@ class PidController(PeriodicController):
     """Command each degree of freedom by a PID on the difference between its reference and its state.
 
     Behaves as ``pid_controller/PidController`` in ROS 2 Jazzy. A reference that is not finite does not change the
-    command. Elements of a message are matched by name; upstream, against its own intention, takes them in the order of
-    its parameters. The service ``~/set_feedforward_control`` does not exist: use ``enable_feedforward``.
+    command. Elements of a message are matched by name. The service ``~/set_feedforward_control`` does not exist: use
+    ``enable_feedforward``.
 
     .. pydrake_system::
 

@@ -26,6 +26,7 @@ _NAMES = (
     "traction_joints_state_names",
     "steering_joints_state_names",
 )
+_NO_LIMITS = {"not_of_files": "steering controllers of ros2_controllers have no speed limits"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,8 +57,9 @@ class SteeringParameters(ABC):
         position_feedback: Whether the odometry uses the driven wheels' positions instead of their velocities.
         use_stamped_vel: A parameter of Humble; false replaces ``~/reference`` by ``~/reference_unstamped`` of type
             ``Twist``.
-        linear: The limits of the forward velocity; the twin's own, for robots that Gazebo's plugins drive.
-        angular: The limits of the velocity about z; the twin's own.
+        linear: The limits of the forward velocity; the twin's own, for robots that Gazebo's plugins drive;
+            ignored in parameters files.
+        angular: The limits of the velocity about z; the same applies.
         largest_steering_angle: The largest angle in the middle of the steered axle (rad); the twin's own.
         angular_is_steering_angle: Whether a command's ``angular.z`` is that angle (rad), as in classic Gazebo's
             Ackermann plugin; the twin's own.
@@ -83,8 +85,8 @@ class SteeringParameters(ABC):
     pose_covariance_diagonal: tuple[float, ...] = _UPSTREAMS_COVARIANCE
     position_feedback: bool = False
     use_stamped_vel: bool = True
-    linear: LimitsX = field(default_factory=LimitsX)
-    angular: LimitsZ = field(default_factory=LimitsZ)
+    linear: LimitsX = field(default_factory=LimitsX, metadata=_NO_LIMITS)
+    angular: LimitsZ = field(default_factory=LimitsZ, metadata=_NO_LIMITS)
     largest_steering_angle: float = field(default=inf, metadata={"above": 0.0})
     angular_is_steering_angle: bool = False
 

@@ -149,8 +149,8 @@ class TricycleController(DriveController):
 
     Behaves as ``tricycle_controller/TricycleController`` does in ROS 2 Jazzy: before the first command and after
     ``cmd_vel_timeout`` the command is zero, approached within the limits. The wheel turns slower while its steering
-    error is more than 30°. Unlike upstream, a command that is not finite is refused, and with a time-out of zero a
-    command is valid for ever, as with the other drives.
+    error is more than 30°. A command that is not finite is refused, and with a time-out of zero a command is valid for
+    ever, as with the other drives.
 
     .. pydrake_system::
 
@@ -174,6 +174,7 @@ class TricycleController(DriveController):
     """
 
     Parameters: ClassVar[type] = TricycleParameters
+    halt_value = 0.0
 
     @classmethod
     def claimed_interfaces(cls, parameters: TricycleParameters, description: RobotDescription) -> tuple[Interface, ...]:

@@ -1,8 +1,8 @@
 """Controllers' parameters files, read for one robot: its controllers, their types and parameters."""
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +13,25 @@ from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
 
-_OF_MANAGER = ("update_rate", "enforce_command_limits", "use_sim_time")
+_OF_MANAGER = (
+    *("update_rate", "enforce_command_limits", "use_sim_time"),
+    *("hardware_components_initial_state.inactive", "hardware_components_initial_state.unconfigured"),
+    *("defaults.switch_controller.strictness", "defaults.allow_controller_activation_with_inactive_hardware"),
+)
 _OF_CONTROLLER = ("type", "params_file", "fallback_controllers", "node_options_args")
 _PROCESS = "the twin has no process for it"
 _UNUSED_OF_MANAGER = {
     **dict.fromkeys(("thread_priority", "lock_memory", "cpu_affinity", "overruns", "handle_exceptions"), _PROCESS),
-    "hardware_components_initial_state": "all hardware is active",
-    "shutdown_on_initial_state_failure": "all hardware is active",
+    "hardware_components_initial_state.shutdown_on_initial_state_failure": "simulated hardware does not fail",
+    "defaults.deactivate_controllers_on_hardware_self_deactivate": "simulated hardware stays active",
     "diagnostics": "the twin publishes no diagnostics",
     "robot_description": "it is the robot's file",
-    "defaults": "controllers are switched at once",
 }
+_STATES = "hardware_components_initial_state"
+_STRICTNESS = "defaults.switch_controller.strictness"
+_USES_INACTIVE = "defaults.allow_controller_activation_with_inactive_hardware"
+_STRICTNESSES = {"best_effort": 1, "strict": 2}
+_GROUPS = (_STATES, "defaults")  # their parameters may be written as nested mappings
 _DEEPEST_NAME = 32  # dots in one name
 DEFAULT_UPDATE_RATE = 100.0  # Hz, controller_manager's default in Jazzy
 
@@ -89,16 +97,21 @@ class ControllerManagerParameters:
 
     Attributes:
         update_rate: The rate at which controllers are updated (Hz).
-        enforce_command_limits: Whether commands are clamped to the joints' limits. The twin does so unless a file
-            disables it; Jazzy's default is not to.
+        enforce_command_limits: Whether commands are clamped to the joints' limits; as in Jazzy, off by default.
         controllers: The controllers, in file order.
         findings: Parameters of the controller manager that are ignored.
+        hardware_states: ``<ros2_control>`` tag → inactive or unconfigured, and where the file says so.
+        strictness: The strictness of a switch that names none: 1 for ``best_effort``, 2 for ``strict``.
+        uses_inactive_hardware: Whether controllers may claim interfaces of inactive hardware.
     """
 
     update_rate: float = DEFAULT_UPDATE_RATE
-    enforce_command_limits: bool = True
+    enforce_command_limits: bool = False
     controllers: tuple[ControllerParameters, ...] = ()
     findings: tuple[Finding, ...] = ()
+    hardware_states: Mapping[str, tuple[str, Place]] = field(default_factory=dict)
+    strictness: int = 1
+    uses_inactive_hardware: bool = False
 
 
 def read_controllers(
@@ -123,14 +136,23 @@ def read_controllers(
         for name, entries in _nodes(document, namespace).items():
             nodes.setdefault(name, []).extend((document, *entry) for entry in entries)
     update_rate = DEFAULT_UPDATE_RATE
-    enforce_limits = True
+    enforce_limits = False
+    strictness, uses_inactive = 1, False
+    hardware: dict[str, tuple[str, Place]] = {}
+    fallbacks: dict[str, Any] = {}
     types: dict[str, str] = {}
     places: dict[str, tuple[YamlDocument, ValuePath]] = {}
     findings: list[Finding] = []
     for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
         enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
-        for name, value in parameters.items():
+        strictness, uses_inactive = _defaults(document, path, parameters, strictness, uses_inactive)
+        hardware |= _hardware_states(document, path, parameters)
+        for name, value in _written(parameters):
+            if isinstance(name, str) and name.endswith(".fallback_controllers"):
+                fallbacks[name.removesuffix(".fallback_controllers")] = value
+            elif isinstance(value, dict) and "fallback_controllers" in value:
+                fallbacks[str(name)] = value["fallback_controllers"]
             if isinstance(value, dict) and "type" in value:
                 if not isinstance(name, str) or not name:
                     raise document.error((*path, name), f"{name!r} is not a controller's name: it must be text")
@@ -152,18 +174,74 @@ def read_controllers(
         found = nodes.get(name, [])
         for *_, parameters in found:
             merge_nested(merged, nested(parameters))
+        if name in fallbacks:
+            merged.setdefault("fallback_controllers", fallbacks[name])
         sources = [*([places[name]] if name in places else ()), *(entry[:2] for entry in found)]
         controllers.append(ControllerParameters(name, kind, merged, tuple(sources)))
-    return ControllerManagerParameters(update_rate, enforce_limits, tuple(controllers), tuple(findings))
+    return ControllerManagerParameters(
+        update_rate, enforce_limits, tuple(controllers), tuple(findings), hardware, strictness, uses_inactive
+    )
+
+
+def _written(parameters: Mapping[Any, Any]) -> Iterator[tuple[Any, Any]]:
+    """Yield the controller manager's parameters, those of its nested groups by their names with dots."""
+    for name, value in parameters.items():
+        if name in _GROUPS and isinstance(value, dict):
+            yield from _leaves(value, name)
+        else:
+            yield name, value
+
+
+def _leaves(values: Mapping[Any, Any], name: str) -> Iterator[tuple[str, Any]]:
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{name}.{key}")
+        else:
+            yield f"{name}.{key}", value
+
+
+def _defaults(
+    document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], strictness: int, uses_inactive: bool
+) -> tuple[int, bool]:
+    given = dict(_written(parameters))
+    if _STRICTNESS in given:
+        text = given[_STRICTNESS]
+        if text not in _STRICTNESSES:
+            raise document.error(
+                (*path, _STRICTNESS), f"unknown strictness {text!r}", value=str(text), valid=_STRICTNESSES
+            )
+        strictness = _STRICTNESSES[text]
+    if _USES_INACTIVE in given:
+        uses_inactive = given[_USES_INACTIVE]
+        if not isinstance(uses_inactive, bool):
+            raise document.error((*path, _USES_INACTIVE), f"{uses_inactive!r} is neither true nor false")
+    return strictness, uses_inactive
+
+
+def _hardware_states(
+    document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any]
+) -> dict[str, tuple[str, Place]]:
+    """Return the hardware components that are not to be active; one that is in both lists is inactive, as upstream."""
+    given = dict(_written(parameters))
+    states = {}
+    for state in ("unconfigured", "inactive"):
+        name = f"{_STATES}.{state}"
+        names = given.get(name, [])
+        where = (*path, name)
+        if not isinstance(names, list) or not all(isinstance(item, str) for item in names):
+            raise document.error(where, f"{names!r} is not a list of hardware components")
+        states.update(dict.fromkeys(filter(None, names), (state, Place(str(document.file), document.line(where)))))
+    return states
 
 
 def _unread(name: str, value: Any) -> str | None:
     """Say why a parameter of the controller manager is ignored; return None when it is used, or is a controller's."""
     first, dot, last = name.partition(".")
-    if first in _OF_MANAGER or (dot and last in _OF_CONTROLLER):
+    if name in _OF_MANAGER or first in _OF_MANAGER or (dot and last in _OF_CONTROLLER):
         return None
-    if first in _UNUSED_OF_MANAGER:
-        return f"{name} is ignored: {_UNUSED_OF_MANAGER[first]}"
+    unused = next((key for key in (name, first) if key in _UNUSED_OF_MANAGER), None)
+    if unused is not None:
+        return f"{name} is ignored: {_UNUSED_OF_MANAGER[unused]}"
     if isinstance(value, dict):
         return f"{name!r} has no type, so it is not a controller: it is ignored"
     return f"unknown parameter {name!r}: it is ignored"

@@ -5,7 +5,8 @@ A parameters class is a frozen dataclass whose fields are named like the paramet
 ``Mapping[str, C]`` for one nested class per joint.
 
 A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive), ``above`` (exclusive), ``choices``, and
-``unsupported``: why a value other than the default has no effect in the twin. ``of_joints`` marks a mapping whose keys
+``unsupported``: why a value other than the default has no effect in the twin. ``not_of_files``: why the parameter is
+ignored in a parameters file; it is for plugins and scenarios. ``of_joints`` marks a mapping whose keys
 are beside the class's other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
 
 Values that depend on each other are checked in ``__post_init__``, which raises `ParameterError`.
@@ -113,6 +114,13 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
                 raise controller.error(f"the parameter {'.'.join(map(str, (*path, name)))!r} is missing", *path)
             continue
         place = path if "of_joints" in item.metadata else (*path, name)
+        if "not_of_files" in item.metadata and controller.sources:
+            what = (
+                f"controller {controller.name}: {'.'.join(map(str, place))} is ignored: {item.metadata['not_of_files']}"
+            )
+            leaf = next(_leaves(values[name], place))
+            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*leaf)))
+            continue
         value = _read(_types(kind)[name], values[name], controller, place, warnings)
         if value == () and _is_required(item):
             raise controller.error("the list is empty", *path, name)
@@ -127,6 +135,15 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
         return kind(**given)
     except ParameterError as error:
         raise controller.error(error.message, *path, *error.path) from None
+
+
+def _leaves(value: Any, path: Path) -> Iterator[Path]:
+    """Yield the paths of the values in a mapping; the path itself for another value."""
+    if not isinstance(value, dict) or not value:
+        yield path
+        return
+    for key, below in value.items():
+        yield from _leaves(below, (*path, key))
 
 
 def _is_required(item: "dataclasses.Field[Any]") -> bool:

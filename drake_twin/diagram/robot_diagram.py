@@ -25,7 +25,7 @@ from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.sensors.registry import sensor_class
-from drake_twin.systems.joint_servo import JointServo
+from drake_twin.systems.joint_servo import COMMANDS, JointServo
 from drake_twin.systems.state_layout import StateLayout
 
 
@@ -246,10 +246,13 @@ def _add_servo(
     description = plan.description
     limits = np.full((3, len(joints), 2), [-np.inf, np.inf])
     for index, joint in enumerate(joints):
-        if joint is not None and plan.enforce_limits:
-            for row, interface in enumerate(("position", "velocity", "effort")):
-                lower, upper = description.limits_of_command(joint, interface)
-                limits[row, index] = (lower, upper) if lower <= upper else (-np.inf, np.inf)
+        if joint is None:
+            continue
+        effort = description.joints_by_name[joint].limits.effort
+        limits[2, index] = -effort, effort  # it is the motor's, whether or not commands are clamped
+        for row, interface in enumerate(COMMANDS if plan.enforce_limits else ()):
+            lower, upper = description.limits_of_command(joint, interface)
+            limits[row, index] = (lower, upper) if lower <= upper else (-np.inf, np.inf)
     driving = {name: item for name, item in controllers.items() if item.claims}
     active = {item.name for item in plan.controllers if item.state == ACTIVE}
     holds = [plan.start_positions.get(joint or "", 0.0) for joint in joints]
@@ -265,7 +268,15 @@ def _add_servo(
     sizes = {name: len(item.interfaces) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
         _free_name(builder, "joint_servo"),
-        JointServo(sizes, assignment, limits[..., 0], limits[..., 1], as_position, own_velocities),
+        JointServo(
+            sizes,
+            assignment,
+            limits[..., 0],
+            limits[..., 1],
+            as_position,
+            own_velocities,
+            [f"{plan.name}: joint {joint}" for joint in joints],
+        ),
     )
     for name, controller in driving.items():
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))

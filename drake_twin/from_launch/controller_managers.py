@@ -51,5 +51,6 @@ def _settled(requests: Iterable[ControllerRequest]) -> list[ControllerRequest]:
             before = last.pop(request.name, None)
             files = (*(before.parameter_files if before else ()), *request.parameter_files)
             remappings = (*(before.remappings if before else ()), *request.remappings)
-            last[request.name] = replace(request, parameter_files=files, remappings=remappings)
+            parameters = {**(before.parameters if before else {}), **request.parameters}
+            last[request.name] = replace(request, parameter_files=files, remappings=remappings, parameters=parameters)
     return list(last.values())

@@ -2,8 +2,9 @@
 
 import contextlib
 import shlex
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,17 @@ _SPAWNER_FLAGS = (
     *("load-only", "stopped", "inactive", "u", "unload-on-kill", "activate-as-group", "ros-args"),
     *("switch-asap", "no-switch-asap"),
 )
+_SPAWNER_VALUES = (
+    *("c", "controller-manager", "n", "namespace", "p", "param-file", "t", "controller-type", "controller-ros-args"),
+    *("controller-manager-timeout", "switch-timeout", "service-call-timeout", "controller"),
+    *("r", "remap", "params-file", "log-level"),  # after --ros-args
+)
 _COMMAND_FLAGS = ("strict", "best-effort", "asap", "s", "use-sim-time", "include-hidden-nodes")
 _PUB_FLAGS = ("1", "once", "s", "use-sim-time", "no-daemon")
 
 _MOST_TIMES = 1000
+
+ACTIVE, INACTIVE, UNCONFIGURED = "active", "inactive", "unconfigured"
 
 _CONNECTIVES = ("&&", "||", ";", "&", "|")
 _OF_THE_SHELL = ("source", ".", "cd", "export", "echo", "true", "wait", "exit")
@@ -36,20 +44,24 @@ class ControllerRequest:
     Attributes:
         name: The controller.
         manager: The full name of the controller manager's node.
-        active: Whether it is activated as well.
+        state: The state to bring it to: active, inactive or unconfigured.
         unload: Whether it is unloaded instead.
         parameter_files: The parameters files given with it.
         remappings: Pairs (from, to) as written, for the controller's own names.
         process: The process that makes the request.
+        parameters: Parameters given on the command line; ``type`` is the controller's type.
+        group: Whether all controllers of the process are activated or none.
     """
 
     name: str
     manager: str
-    active: bool
+    state: str
     process: LaunchedProcess
     unload: bool = False
     parameter_files: tuple[str, ...] = ()
     remappings: tuple[tuple[str, str], ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    group: bool = False
 
 
 def as_nodes(process: LaunchedProcess) -> Iterator[LaunchedProcess]:
@@ -159,21 +171,57 @@ def _message(line: CommandLine, text: str) -> tuple[float, ...] | dict[str, Any]
 
 
 def _of_spawner(process: LaunchedProcess) -> list[ControllerRequest]:
-    line = command_line(process, flags=_SPAWNER_FLAGS, verbatim=("controller-ros-args",))
-    names = line.words
-    if not names:
-        raise line.error("it has no controller")
-    ros_words = [word for text in line.options.get("controller-ros-args", ()) for word in text.split()]
-    return list(
-        _requests(
-            process,
-            names,
-            _manager(line, process),
-            active=not line.flag("load-only", "stopped", "inactive"),
-            unload=process.executable.startswith("unspawner"),
-            files=tuple(value for name in ("p", "param-file") for value in line.options.get(name, ())),
-            remappings=split_ros_arguments(["--ros-args", *ros_words]).remappings,
-        )
+    line = _spawner_line(process, process.arguments)
+    unknown = [name for name in line.options if not _is_spawner_option(name)]
+    if unknown:
+        known = ", ".join(f"--{name}" for name in (*_SPAWNER_FLAGS, *_SPAWNER_VALUES) if len(name) > 1)
+        raise line.error(f"unknown option --{unknown[0]}. Valid: {known}")
+    if "controller" not in line.options:
+        if not line.words:
+            raise line.error("it has no controller")
+        return [_spawned(process, name, line, line) for name in line.words]
+    words = list(process.arguments)
+    starts = [index for index, word in enumerate(words) if word.partition("=")[0] == "--controller"]
+    requests = []
+    for start, end in pairwise((*starts, len(words))):
+        own = _spawner_line(process, words[start:end])
+        (name,) = own.options["controller"]
+        if name == "true":
+            raise line.error("--controller needs the name of a controller")
+        requests.append(_spawned(process, name, own, line))
+    return requests
+
+
+def _spawner_line(process: LaunchedProcess, words: Sequence[str]) -> CommandLine:
+    return command_line(process, words, flags=_SPAWNER_FLAGS, verbatim=("controller-ros-args",))
+
+
+def _is_spawner_option(name: str) -> bool:
+    """Return whether a spawner has an option; a long one may be abbreviated."""
+    known = (*_SPAWNER_FLAGS, *_SPAWNER_VALUES, "h", "help")
+    return name in known or (len(name) > 1 and any(option.startswith(name) for option in known))
+
+
+def _spawned(process: LaunchedProcess, name: str, own: CommandLine, line: CommandLine) -> ControllerRequest:
+    """Return the request for one controller from its own options and those of the spawner."""
+    ros_words = [word for text in own.options.get("controller-ros-args", ()) for word in shlex.split(text)]
+    said = split_ros_arguments(["--ros-args", *(word for word in ros_words if word != "--ros-args")])
+    kind = own.text("t", "controller-type")
+    parameters: dict[str, Any] = {} if kind is None else {"type": kind}
+    for item in said.parameters:
+        parameters |= item if isinstance(item, Mapping) else {}
+    inactive = own.flag("stopped", "inactive")
+    files = tuple(value for option in ("p", "param-file") for value in own.options.get(option, ()))
+    return ControllerRequest(
+        name,
+        _manager(line, process),
+        UNCONFIGURED if own.flag("load-only") else INACTIVE if inactive else ACTIVE,
+        process,
+        process.executable.startswith("unspawner"),
+        (*files, *(str(item) for item in said.parameters if isinstance(item, Path))),
+        said.remappings,
+        parameters,
+        line.flag("activate-as-group"),
     )
 
 
@@ -182,12 +230,13 @@ def _of_command(process: LaunchedProcess, verb: str, words: list[str]) -> list[C
     line = command_line(process, words, flags=_COMMAND_FLAGS, lists=lists)
     manager, names = _manager(line, process), line.words[:1]
     if verb == "load_controller":
-        active = (line.text("set-state", "state") or "") in ("active", "start")
-        return list(_requests(process, names, manager, active=active, files=line.words[1:2]))
+        wanted = line.text("set-state", "state")
+        state = UNCONFIGURED if wanted is None else _state(wanted)
+        return list(_requests(process, names, manager, state, files=line.words[1:2]))
     if verb in ("load_start_controller", "load_configure_controller"):  # ROS 2 Foxy's
-        return list(_requests(process, names, manager, active=verb == "load_start_controller"))
+        return list(_requests(process, names, manager, ACTIVE if verb == "load_start_controller" else INACTIVE))
     if verb == "set_controller_state" and len(line.words) >= 2:
-        return list(_requests(process, names, manager, active=line.words[1] in ("active", "start")))
+        return list(_requests(process, names, manager, _state(line.words[1])))
     if verb in ("switch_controllers", "switch_controller"):
         started, stopped = (
             [
@@ -199,11 +248,11 @@ def _of_command(process: LaunchedProcess, verb: str, words: list[str]) -> list[C
             for options in (("activate", "start"), ("deactivate", "stop"))
         )
         return [
-            *_requests(process, stopped, manager, active=False),
-            *_requests(process, started, manager, active=True),
+            *_requests(process, stopped, manager, INACTIVE),
+            *_requests(process, started, manager, ACTIVE),
         ]
     if verb == "unload_controller":
-        return list(_requests(process, names, manager, active=False, unload=True))
+        return list(_requests(process, names, manager, INACTIVE, unload=True))
     return None
 
 
@@ -211,14 +260,17 @@ def _requests(
     process: LaunchedProcess,
     names: Iterable[str],
     manager: str,
+    state: str,
     *,
-    active: bool,
     unload: bool = False,
     files: tuple[str, ...] = (),
-    remappings: tuple[tuple[str, str], ...] = (),
 ) -> Iterator[ControllerRequest]:
     for name in names:
-        yield ControllerRequest(name, manager, active, process, unload, files, remappings)
+        yield ControllerRequest(name, manager, state, process, unload, files)
+
+
+def _state(word: str) -> str:
+    return ACTIVE if word in ("active", "start") else INACTIVE
 
 
 def _manager(line: CommandLine, process: LaunchedProcess) -> str:

@@ -11,6 +11,9 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
@@ -18,6 +21,9 @@ from drake_twin.findings import Finding, Kind, Place, at_places
 from drake_twin.from_launch.bridges import bridged_topics, stamped_topics
 from drake_twin.from_launch.controller_managers import requests_by_robot
 from drake_twin.from_launch.launched_controllers import (
+    ACTIVE,
+    INACTIVE,
+    UNCONFIGURED,
     ControllerRequest,
     as_nodes,
     check_parameter_files,
@@ -220,8 +226,9 @@ class _Sorter:
                 namespace=namespace,
                 frame_prefix=prefix,
                 controllers=self._parameter_files(launched, requests),
-                active_controllers=tuple(dict.fromkeys(item.name for item in requests if item.active)),
-                inactive_controllers=tuple(dict.fromkeys(item.name for item in requests if not item.active)),
+                active_controllers=tuple(item.name for item in requests if item.state == ACTIVE),
+                inactive_controllers=tuple(item.name for item in requests if item.state == INACTIVE),
+                unconfigured_controllers=tuple(item.name for item in requests if item.state == UNCONFIGURED),
                 remappings=self._remappings(launched, requests, namespace),
                 stamped_topics=self._stamped,
             )
@@ -232,18 +239,26 @@ class _Sorter:
         for request in requests:
             error = check_parameter_files(request)
             if error is None:
-                given += [self._filled_in(Path(file)) for file in request.parameter_files]
+                given += [self._filled_in(Path(file), request.name) for file in request.parameter_files]
+                given += _command_line_file(request)
             else:
                 self._drop(f"controller {request.name}: {error}", request.process)
         if not given:
             return launched.parameter_files
         return tuple(dict.fromkeys((*(launched.parameter_files or launched.plugin_files), *given)))
 
-    def _filled_in(self, file: Path) -> str:
-        """Return a spawner's parameters file with its ``$(var name)`` substituted by launch configurations."""
+    def _filled_in(self, file: Path, controller: str) -> str:
+        """Return a spawner's parameters file with its ``$(var name)`` substituted by launch configurations.
+
+        A file for any node (``/**``) and no other becomes one for the controller: only it reads the file.
+        """
         text = file.read_text(encoding="utf-8", errors="replace")
         known = self._launched.configurations
         filled = re.sub(r"\$\(var\s+([\w.]+)\s*\)", lambda match: known.get(match[1], match[0]), text)
+        if re.findall(r"^[^\s#-].*?:", filled, re.MULTILINE) in (["/**:"], ["'/**':"], ['"/**":']):
+            filled = re.sub(
+                r"""^(['"]?)/\*\*\1:(?=\s*(#.*)?\n\s+ros__parameters)""", f"{controller}:", filled, flags=re.MULTILINE
+            )
         return str(file) if filled == text else parameter_file(ParameterText(file, filled))
 
     def _remappings(
@@ -319,3 +334,17 @@ def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:
     for name, close in launched.undeclared_arguments.items():
         hint = f". Did you mean {close!r}?" if close else ""
         yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it){hint}", Place(str(file)))
+
+
+def _command_line_file(request: ControllerRequest) -> list[str]:
+    """Return a file with the parameters that a spawner's command line gives; none if it gives none."""
+    parameters = dict(request.parameters)
+    kind = parameters.pop("type", None)
+    entries: dict[str, Any] = {}
+    if kind is not None:
+        entries["controller_manager"] = {"ros__parameters": {request.name: {"type": kind}}}
+    if parameters:
+        plain = {name: list(value) if isinstance(value, tuple) else value for name, value in parameters.items()}
+        entries[request.name] = {"ros__parameters": plain}
+    text = yaml.safe_dump(entries)
+    return [parameter_file(ParameterText(Path(f"{request.name}.yaml"), text))] if entries else []

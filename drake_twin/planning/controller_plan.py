@@ -9,7 +9,7 @@ from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError
 
-UNLOADED, INACTIVE, ACTIVE = "unloaded", "inactive", "active"
+UNLOADED, UNCONFIGURED, INACTIVE, ACTIVE = "unloaded", "unconfigured", "inactive", "active"
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,12 @@ class ControllerPlan:
             read.
         claims: The command interfaces that it writes while active, in order.
         references: The references that other controllers may write, without its name as prefix.
-        state: Its state at the start: unloaded, inactive or active.
+        state: Its state at the start: unloaded, unconfigured, inactive or active.
         update_rate: The rate of its updates (Hz).
         problem: Why it cannot be configured or activated; None if it can.
         error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.
         wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
+        fallbacks: The controllers that replace it when it fails.
     """
 
     name: str
@@ -59,6 +60,7 @@ class ControllerPlan:
     problem: str | None = None
     error: InputError | None = None
     wiring: Wiring | None = None
+    fallbacks: tuple[str, ...] = ()
 
     @property
     def sensor(self) -> str | None:

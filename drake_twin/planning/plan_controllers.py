@@ -18,12 +18,14 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import (
     ACTIVE,
     INACTIVE,
+    UNCONFIGURED,
     UNLOADED,
     ControllerPlan,
     Wiring,
     chained_to,
     is_chained,
 )
+from drake_twin.planning.idle_hardware import idle_joints
 from drake_twin.scenario import Robot, ScenarioError
 
 
@@ -74,7 +76,9 @@ def plan_controllers(
     for error in _missing(robot, path, by_name):
         name = str(error.value)
         plans[name] = ControllerPlan(name, "", problem=error.reason, error=error)
-    for name, plan, taken_by in _settled(chosen, plans):
+    states = {name: state for name, (state, _) in manager.hardware_states.items()}
+    unusable = idle_joints(description, states, uses_inactive=manager.uses_inactive_hardware)
+    for name, plan, taken_by in _settled(chosen, plans, unusable):
         plans[name] = plan
         problem = taken_by or plan.problem
         if problem is not None and plan.error is None:
@@ -107,16 +111,24 @@ def _with_stamps(drive: GazeboDrive, robot: Robot) -> GazeboDrive:
 
 
 def _settled(
-    chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan]
+    chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan], unusable_joints: Mapping[str, str]
 ) -> Iterator[tuple[str, ControllerPlan, str | None]]:
     """Yield each chosen controller with its state at the start, and the conflict that prevents its activation."""
     claimed_by: dict[Interface, str] = {}
     idle = _without_chain(chosen, plans)
     for name, wanted in chosen.items():
         plan, state, conflict = plans[name], wanted, None
+        lacking = next((other for other in plan.fallbacks if other not in chosen), None)
+        unusable = next((unusable_joints[claim.joint] for claim in plan.claims if claim.joint in unusable_joints), None)
         taken = next((claim for claim in plan.claims if claim in claimed_by), None)
         if plan.problem is not None:
             state = UNLOADED
+        elif wanted == ACTIVE and lacking is not None:
+            conflict = f"its fallback controller {lacking!r} is not loaded"
+            state = INACTIVE
+        elif wanted == ACTIVE and unusable is not None:
+            conflict = unusable
+            state = INACTIVE
         elif name in idle:
             conflict = f"it writes to {idle[name]}, which is not active"
             state = INACTIVE
@@ -158,14 +170,24 @@ def _chosen(robot: Robot, known: Mapping[str, ControllerParameters]) -> dict[str
     """Return the controllers to load, in the order of their activation, each with its wanted state."""
     active = known if robot.active_controllers is None else robot.active_controllers
     inactive = [name for name in robot.inactive_controllers if robot.active_controllers is None or name not in active]
+    if robot.active_controllers is None:  # what replaces another one waits for its failure
+        inactive += [name for controller in known.values() for name in _fallbacks(controller) if name not in inactive]
     chosen = {name: ACTIVE for name in active if name not in inactive}
     chosen |= dict.fromkeys(inactive, INACTIVE)
+    chosen |= dict.fromkeys(robot.unconfigured_controllers, UNCONFIGURED)
     return {name: state for name, state in chosen.items() if name in known}
+
+
+def _fallbacks(controller: ControllerParameters) -> tuple[str, ...]:
+    try:
+        return controller.names("fallback_controllers")
+    except InputError:  # reported with the controller
+        return ()
 
 
 def _missing(robot: Robot, path: ValuePath, known: Mapping[str, ControllerParameters]) -> Iterator[ScenarioError]:
     """Yield an error for each controller that should be loaded and is missing in the parameters files."""
-    for entry in ("active_controllers", "inactive_controllers"):
+    for entry in ("active_controllers", "inactive_controllers", "unconfigured_controllers"):
         for name in getattr(robot, entry) or ():
             if name not in known:
                 text = f"the parameters files have no controller {name!r}"
@@ -195,7 +217,12 @@ def _plan(
     rate = controller.parameters.get("update_rate", manager_rate)
     if isinstance(rate, bool) or not isinstance(rate, int | float) or not 0 <= rate < HIGHEST_RATE:
         raise controller.error(f"{rate!r} is not a rate (Hz)", "update_rate")
-    plan = ControllerPlan(controller.name, controller.type, update_rate=float(rate) or manager_rate)
+    fallbacks = controller.names("fallback_controllers")
+    if controller.name in fallbacks:
+        raise controller.error("a controller cannot be its own fallback", "fallback_controllers")
+    plan = ControllerPlan(
+        controller.name, controller.type, update_rate=float(rate) or manager_rate, fallbacks=fallbacks
+    )
     kind = controller_class(controller.type)
     if kind is None:
         close = get_close_matches(controller.type, controller_types(), n=1, cutoff=0.85)

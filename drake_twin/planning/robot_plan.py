@@ -1,7 +1,7 @@
 """The plan of a robot whose files have been read: its model, its controllers, its frames."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf, nan
 
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
@@ -17,6 +17,7 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, texts
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
+from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.plan_controllers import plan_controllers
 from drake_twin.scenario import Robot, ScenarioError
 from drake_twin.sensors.registry import sensor_class
@@ -37,6 +38,9 @@ class RobotPlan:
         frame_prefix: The prefix of its link names in tf messages.
         start_positions: Movable joint → start position (rad or m).
         findings: The findings of its files: entries that were not used as they are.
+        hardware_states: ``<ros2_control>`` tag → ``inactive`` or ``unconfigured`` where it is not active.
+        strictness: The strictness of a switch that names none, as in ``controller_manager_msgs/srv/SwitchController``.
+        uses_inactive_hardware: Whether controllers may claim interfaces of inactive hardware.
     """
 
     robot: Robot
@@ -49,6 +53,19 @@ class RobotPlan:
     frame_prefix: str
     start_positions: Mapping[str, float]
     findings: tuple[Finding, ...] = ()
+    hardware_states: Mapping[str, str] = field(default_factory=dict)
+    strictness: int = 1
+    uses_inactive_hardware: bool = False
+
+    @property
+    def idle_joints(self) -> dict[str, str]:
+        """Joint → why its hardware cannot be commanded."""
+        return idle_joints(self.description, self.hardware_states, uses_inactive=self.uses_inactive_hardware)
+
+    @property
+    def unconfigured_joints(self) -> frozenset[str]:
+        """The joints whose interfaces are not available."""
+        return frozenset(joints_in_state(self.description, self.hardware_states, "unconfigured"))
 
     @property
     def not_started(self) -> tuple[str, ...]:
@@ -135,6 +152,12 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
     controllers, controller_findings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )
+    hardware = {system.name for system in own.systems}
+    controller_findings += [
+        Finding.at(Kind.WARNING, f"hardware component {name!r} is unknown, so it is not set to {state}", place)
+        for name, (state, place) in manager.hardware_states.items()
+        if name not in hardware
+    ]
     starts = {joint: position for drive in drives for joint, position in drive.start.items()}
     positions, position_warnings = _start_positions(robot, path, description, starts)
     warnings += position_warnings
@@ -165,6 +188,9 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
                 *_unpublished_sensors(description, controllers),
             )
         ),
+        hardware_states={name: state for name, (state, _) in manager.hardware_states.items() if name in hardware},
+        strictness=manager.strictness,
+        uses_inactive_hardware=manager.uses_inactive_hardware,
     )
 
 
@@ -304,6 +330,13 @@ def _start_positions(
                 (*path, "initial_positions"), f"the robot has no movable joint {name!r}", value=name, valid=joints
             )
     positions: dict[str, float] = {}
+    for tag in description.controlled_joints.values():
+        warnings += [
+            f"joint {tag.name}: the initial_value {item.initial_value:g} of its {item.name} is ignored: joints"
+            " start at rest"
+            for item in tag.state_interfaces
+            if item.name != "position" and item.initial_value
+        ]
     for name, joint in joints.items():
         value = robot.initial_positions.get(name, starts.get(name))
         if value is None:

@@ -94,7 +94,8 @@ class Robot:
             names begin with its name already.
         controllers: Parameters files of its controllers; by default the ones that its ``<gazebo>`` plugin names.
         active_controllers: The controllers to activate; by default all in the parameters files, in their order.
-        inactive_controllers: The controllers to load and leave inactive; those in neither list are not loaded.
+        inactive_controllers: The controllers to load and leave inactive; those in no list are not loaded.
+        unconfigured_controllers: The controllers to load and leave unconfigured.
         initial_positions: Joint name → position at the start (rad or m).
         self_collision: Whether its links collide with each other; without it those do that ``<selfCollide>`` names.
         collision: What a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
@@ -124,6 +125,7 @@ class Robot:
     stamped_topics: tuple[str, ...] = ()
     without_repairs: tuple[str, ...] = ()
     added_controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    unconfigured_controllers: tuple[str, ...] = ()
 
     @property
     def topic_namespace(self) -> str:

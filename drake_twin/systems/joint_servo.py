@@ -1,5 +1,6 @@
 """The combination of a robot's controllers' commands into the set-points of its joint servos."""
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan, nan
@@ -18,6 +19,10 @@ from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
+
+_log = logging.getLogger(__name__)
+
+COMMANDS = ("position", "velocity", "effort")  # the rows of the limits
 
 
 @saved("ServoAssignment")
@@ -65,7 +70,7 @@ class JointServo(WitnesslessSystem):
     - ``actuation``: vector of the efforts added to the servos' (N·m or N).
 
     Both follow from the controllers' ports and the assignment alone, so they are computed once a command. Commands are
-    clamped to the limits.
+    clamped to the limits; the first command of each interface that is cut is logged as a warning.
 
     Args:
         controllers: Controller name → the number of its values.
@@ -76,6 +81,7 @@ class JointServo(WitnesslessSystem):
         own_velocities: The velocities of the modes that do not follow a command (rad/s or m/s).
         lower: Three rows (position, velocity, effort) of the lowest command of each actuator.
         upper: Three rows of the highest command of each actuator.
+        names: What warnings call each actuator's joint.
     """
 
     def __init__(
@@ -86,11 +92,14 @@ class JointServo(WitnesslessSystem):
         upper: np.ndarray,
         as_position: Mapping[str, Sequence[float]] | None = None,
         own_velocities: Mapping[str, Sequence[float]] | None = None,
+        names: Sequence[str] = (),
     ):
         super().__init__()
         self._as_position = as_position
         self._own_velocities = own_velocities or {}
         self._lower, self._upper = np.array(lower, dtype=float).tolist(), np.array(upper, dtype=float).tolist()
+        self._names = names or [f"actuator {index}" for index in range(len(self._lower[0]))]
+        self._said: set[tuple[int, int]] = set()
         self._ports = [self.DeclareVectorInputPort(name, size) for name, size in controllers.items()]
         self._assignment: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(assignment))
         prerequisites = {self.input_port_ticket(port.get_index()) for port in self._ports}
@@ -152,8 +161,16 @@ class JointServo(WitnesslessSystem):
     def _clamped(self, row: int, values: Sequence[float], sources: Sequence[int]) -> list[float]:
         """Return the command of each actuator within its limits; NaN without one."""
         clamped = []
-        for source, lower, upper in zip(sources, self._lower[row], self._upper[row], strict=True):
-            clamped.append(min(max(values[source], lower), upper))
+        for index, (source, lower, upper) in enumerate(zip(sources, self._lower[row], self._upper[row], strict=True)):
+            value = values[source]
+            if value < lower or value > upper:
+                limit = lower if value < lower else upper
+                if (row, index) not in self._said:
+                    self._said.add((row, index))
+                    text = "%s: the %s command %g is beyond the limit %g: it is cut to the limit"
+                    _log.warning(text, self._names[index], COMMANDS[row], value, limit)
+                value = limit
+            clamped.append(value)
         return clamped
 
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:

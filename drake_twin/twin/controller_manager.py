@@ -10,13 +10,12 @@ from typing import Any
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_types
-from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNLOADED, ControllerPlan, chained_to
+from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
-
-UNCONFIGURED = "unconfigured"
+from drake_twin.twin.controller_switch import Switch, SwitchRules
 
 # Strictness of a switch, as in controller_manager_msgs/srv/SwitchController.
-BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 1, 2, 3, 4
+UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO = 0, 1, 2, 3, 4
 
 
 @dataclass(frozen=True)
@@ -151,26 +150,38 @@ class ControllerManager:
         """Return the command interfaces and the state interfaces."""
         claims = self.claims
         commands = [
-            HardwareInterface(str(interface), True, interface in claims)
+            HardwareInterface(
+                str(interface), interface.joint not in self._plan.unconfigured_joints, interface in claims
+            )
             for interface in (*self._hardware_commands(), *self._references())
         ]
         states = [
-            HardwareInterface(f"{joint.name}/{item.name}")
+            HardwareInterface(f"{joint.name}/{item.name}", joint.name not in self._plan.unconfigured_joints)
             for joint in self._plan.description.controlled_joints.values()
             for item in joint.state_interfaces
+        ]
+        unconfigured = [name for name, state in self._plan.hardware_states.items() if state == UNCONFIGURED]
+        states += [
+            HardwareInterface(f"{sensor.name}/{name}", system.name not in unconfigured)
+            for system in self._plan.description.systems
+            for sensor in system.sensors
+            for name in sensor.state_interfaces
         ]
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
-        """Return the ``<ros2_control>`` tags, all of them active."""
+        """Return the ``<ros2_control>`` tags; they are active unless the parameters name another state."""
         return tuple(
             HardwareComponent(
                 name=system.name,
                 type=system.type,
                 plugin=system.plugin,
-                state=ACTIVE,
+                state=self._plan.hardware_states.get(system.name, ACTIVE),
                 command_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
-                state_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+                state_interfaces=(
+                    *(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+                    *(f"{sensor.name}/{name}" for sensor in system.sensors for name in sensor.state_interfaces),
+                ),
             )
             for system in self._plan.description.systems
         )
@@ -192,7 +203,7 @@ class ControllerManager:
         (name,) = _names([name])
         self._note("configure_controller", name)
         if name not in self._states:
-            return Response(False, self._not_loaded(name))
+            return Response(False, self._rules.not_loaded(name))
         if self._states[name] == ACTIVE:
             return Response(False, f"controller {name!r} is active: deactivate it first")
         problem = self._plans[name].problem
@@ -206,7 +217,7 @@ class ControllerManager:
         (name,) = _names([name])
         self._note("unload_controller", name)
         if name not in self._states:
-            return Response(False, self._not_loaded(name))
+            return Response(False, self._rules.not_loaded(name))
         if self._states[name] == ACTIVE:
             return Response(False, f"controller {name!r} is active: deactivate it first")
         del self._states[name]
@@ -216,7 +227,7 @@ class ControllerManager:
         self,
         activate: Iterable[str] = (),
         deactivate: Iterable[str] = (),
-        strictness: int = BEST_EFFORT,
+        strictness: int = UNSPECIFIED,
         *,
         start: Iterable[str] = (),
         stop: Iterable[str] = (),
@@ -224,37 +235,56 @@ class ControllerManager:
         """Deactivate and activate controllers at once; one that is in both lists is restarted.
 
         With ``STRICT`` all of the switch is done or nothing. With ``BEST_EFFORT`` (and ``AUTO``) the impossible parts
-        are left out and named in the message. ``FORCE_AUTO`` also deactivates controllers with conflicting claims.
+        are left out and named in the message. As in ROS 2, nothing is switched if a claim is held by a controller that
+        stays active, its hardware is not active, or all of one list are unknown. ``FORCE_AUTO`` also deactivates
+        controllers with conflicting claims. Of two controllers of the request that exclude each other the first is
+        activated, and the answer is not ok.
 
         Args:
             activate: The controllers to activate (``start`` is its older name).
             deactivate: The controllers to deactivate (``stop`` is its older name).
-            strictness: One of the four.
+            strictness: One of the four; 0 for the controller manager's default, ``BEST_EFFORT`` unless its parameters
+                say otherwise.
         """
         to_start = list(dict.fromkeys([*_names(activate), *_names(start)]))
         to_stop = list(dict.fromkeys([*_names(deactivate), *_names(stop)]))
         self._note("switch_controller", tuple(to_start), tuple(to_stop), strictness)
-        if strictness not in (0, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
+        if strictness not in (UNSPECIFIED, BEST_EFFORT, STRICT, AUTO, FORCE_AUTO):
             return Response(False, f"unknown strictness {strictness!r}: 1 is BEST_EFFORT, 2 is STRICT")
+        strictness = strictness or self._plan.strictness
+        for names in (to_stop, to_start):
+            if names and not any(name in self._states for name in names):
+                unknown = "; ".join(map(self._rules.not_loaded, names))
+                return Response(False, f"nothing is switched: {unknown}")
         if strictness == FORCE_AUTO:
             to_stop += [name for name in self._in_the_way(to_start) if name not in to_stop]
-        stopped, started, problems = self._resolve(to_start, to_stop)
-        message = "; ".join(problems)
-        if problems and strictness == STRICT:
-            return Response(False, f"nothing is switched: {message}")
-        self._states.update(dict.fromkeys(stopped, INACTIVE))
-        self._states.update(dict.fromkeys(started, ACTIVE))
-        if started or stopped:
-            self._switched(tuple(started), tuple(stopped))
-        return Response(True, message)
+        switch = self._rules.resolve(to_start, to_stop)
+        if switch.conflicts or (switch.message and strictness == STRICT):
+            return Response(False, f"nothing is switched: {switch.message}")
+        self._apply(switch)
+        return Response(not switch.rivals, switch.message)
 
     def deactivate_failed(self, name: str) -> tuple[str, ...]:
-        """Deactivate a controller that has failed, and those that write to its references.
+        """Deactivate a controller that has failed, and those that write to its references; activate their fallbacks.
+
+        Fallback controllers take their interfaces from the controllers that claim them, which are deactivated as well.
+        They are activated all or none.
 
         Returns:
             The deactivated controllers.
         """
-        stopped = [name] if self._states.get(name) == ACTIVE else []
+        failed = self._with_writers([name] if self._states.get(name) == ACTIVE else [])
+        fallbacks = list(dict.fromkeys(fallback for each in failed for fallback in self._plans[each].fallbacks))
+        stopped = self._with_writers([*failed, *(self._in_the_way(fallbacks) if fallbacks else ())])
+        switch = self._rules.resolve(fallbacks, stopped)
+        if not fallbacks or switch.message:
+            switch = Switch((), tuple(failed))
+        self._apply(switch)
+        return switch.stopped
+
+    def _with_writers(self, names: Iterable[str]) -> list[str]:
+        """Return active controllers and, up the chains, the active ones that write to them."""
+        stopped = list(dict.fromkeys(names))
         for below in stopped:  # grows during the loop: up the chain
             stopped += [
                 other
@@ -262,77 +292,17 @@ class ControllerManager:
                 if other not in stopped
                 and any(claim.joint.startswith(f"{below}/") for claim in self._plans[other].claims)
             ]
-        self._states.update(dict.fromkeys(stopped, INACTIVE))
-        if stopped:
-            self._switched((), tuple(stopped))
-        return tuple(stopped)
+        return stopped
 
-    def _resolve(self, to_start: list[str], to_stop: list[str]) -> tuple[list[str], list[str], list[str]]:
-        """Return the possible parts of a switch, and why the others are impossible."""
-        problems: list[str] = []
-        stopped = []
-        for name in to_stop:
-            if self._states.get(name) == ACTIVE:
-                stopped.append(name)
-            else:
-                problems.append(
-                    f"controller {name!r} is not active" if name in self._states else self._not_loaded(name)
-                )
-        claims = {claim: name for claim, name in self.claims.items() if name not in stopped}
-        started: list[str] = []
-        for name in to_start:
-            problem = self._refusal(name, stopped, claims)
-            if problem is not None:
-                problems.append(problem)
-                continue
-            started.append(name)
-            claims.update(dict.fromkeys(self._plans[name].claims, name))
-        return self._without_loose_ends(stopped, started, problems)
+    def _apply(self, switch: Switch) -> None:
+        self._states.update(dict.fromkeys(switch.stopped, INACTIVE))
+        self._states.update(dict.fromkeys(switch.started, ACTIVE))
+        if switch.started or switch.stopped:
+            self._switched(switch.started, switch.stopped)
 
-    def _refusal(self, name: str, stopped: list[str], claims: Mapping[Interface, str]) -> str | None:
-        """Return why a controller cannot be activated; None if it can."""
-        if name not in self._states:
-            return self._not_loaded(name)
-        if self._states[name] == UNCONFIGURED:
-            return f"controller {name!r} is unconfigured"
-        if self._states[name] == ACTIVE and name not in stopped:
-            return f"controller {name!r} is already active"
-        plan = self._plans[name]
-        if plan.problem is not None:
-            return f"controller {name!r}: {plan.problem}"
-        for claim in plan.claims:
-            if claim in claims:
-                return (
-                    f"resource conflict for controller {name!r}: command interface {claim} is already claimed by"
-                    f" {claims[claim]!r}"
-                )
-        return None
-
-    def _without_loose_ends(
-        self, stopped: list[str], started: list[str], problems: list[str]
-    ) -> tuple[list[str], list[str], list[str]]:
-        """Keep chains whole: a controller that writes to another one is active only while that one is."""
-        while True:
-            active = ({*self.active} - {*stopped}) | {*started}
-            loose = [
-                (name, owner)
-                for name in active
-                for owner in chained_to(self._plans[name], self._plans)
-                if owner not in active
-            ]
-            if not loose:
-                return stopped, started, problems
-            name, owner = min(loose)
-            if name in started:
-                started.remove(name)
-                problems.append(f"controller {name!r} writes to {owner!r}, which is not active")
-            else:
-                stopped.remove(owner)
-                problems.append(f"controller {owner!r} is written to by {name!r}, which is active")
-                kept = {*self._plans[owner].claims}
-                for rival in [rival for rival in started if kept & {*self._plans[rival].claims}]:
-                    started.remove(rival)
-                    problems.append(f"resource conflict for controller {rival!r}: {owner!r} stays active")
+    @property
+    def _rules(self) -> SwitchRules:
+        return SwitchRules(self._plans, self._states, self._plan.idle_joints)
 
     def _in_the_way(self, to_start: Iterable[str]) -> list[str]:
         claims = self.claims
@@ -367,9 +337,6 @@ class ControllerManager:
             if self._states.get(plan.name) in (INACTIVE, ACTIVE)
             for item in plan.references
         ]
-
-    def _not_loaded(self, name: str) -> str:
-        return f"controller {name!r} is not loaded; loaded controllers: {', '.join(self._states) or 'none'}"
 
 
 def _names(names: Any) -> list[str]:

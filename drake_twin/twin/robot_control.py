@@ -159,9 +159,13 @@ class RobotControl:
                     self.deactivate(name, fault)
 
     def deactivate(self, controller: str, why: str) -> None:
-        """Deactivate a controller, and log the reason."""
+        """Deactivate a controller, activate its fallback controllers, and log the reason."""
+        before = self.manager.active
         stopped = self.manager.deactivate_failed(controller)
         what = f"controller {', '.join(stopped)} is deactivated: {why}"
+        fallbacks = [name for name in self.manager.active if name not in before or name in stopped]
+        if fallbacks:
+            what += f"; fallback controllers {', '.join(fallbacks)} are activated"
         self.faults.append(Finding(Kind.FAILED, what, self._plan.name))
         _log.error("%s: %s", self._plan.name, what)
 

@@ -21,6 +21,20 @@ def test_zero_leaves_a_tolerance_and_minus_one_takes_it_away():
     assert merged.goal_time == 0.0
 
 
+def test_a_goals_own_tolerances_in_any_order_of_joints():
+    """test_tolerances.cpp:84-160: three joints, the goal's in another order."""
+    joints = ("joint1", "joint2", "joint3")
+    defaults = Tolerances((StateTolerance(0.1),) * 3, (StateTolerance(0.1, 0.1),) * 3, 0.1)
+    path = dict.fromkeys(joints, StateTolerance(0.2, 0.3, 0.4))
+    goal = {f"joint{i}": StateTolerance(1 + i / 10, 2 + i / 10, 3 + i / 10) for i in (2, 3, 1)}
+    merged = goal_tolerances(defaults, joints, path, goal, 2.0)
+    assert merged == Tolerances((StateTolerance(0.2, 0.3, 0.4),) * 3, tuple(goal[joint] for joint in joints), 2.0)
+    erased = dict.fromkeys(joints, StateTolerance(-1.0, -1.0, -1.0))  # test_tolerances.cpp:162-220
+    assert goal_tolerances(defaults, joints, erased, erased, -1.0) == Tolerances(
+        (StateTolerance(),) * 3, (StateTolerance(),) * 3, 0.0
+    )
+
+
 @pytest.mark.parametrize(
     ("path", "goal", "time", "text"),
     [

@@ -2,6 +2,7 @@ import dataclasses
 from pathlib import Path
 
 import drake_twin
+from drake_twin.controllers.deviations import DEVIATIONS
 from drake_twin.controllers.docs import controllers_page
 from drake_twin.controllers.registry import controller_class, controller_types
 
@@ -41,3 +42,12 @@ def test_each_controller_has_a_frozen_parameters_class():
         parameters = controller_class(name).Parameters
         assert dataclasses.is_dataclass(parameters)
         assert parameters.__dataclass_params__.frozen
+
+
+def test_each_difference_from_upstream_is_a_row_with_its_reason():
+    lines = controllers_page().splitlines()
+    for item in DEVIATIONS:
+        cells = (item.of, item.behavior, item.upstream, item.twin, item.why)
+        assert all(cell and "|" not in cell for cell in cells)
+        assert f"| {' | '.join(cells)} |" in lines
+    assert len({(item.of, item.behavior) for item in DEVIATIONS}) == len(DEVIATIONS)

@@ -101,7 +101,7 @@ def test_a_message_while_inactive_is_ignored_and_nothing_is_written_after_reacti
     dut.controller.deactivate(dut.context)
     dut.send(x=0.7)
     dut.advance(1.0)
-    assert np.isnan(dut.commands).all()
+    assert dut.commands == [0.0, 0.0]
     dut.activate()
     dut.advance(1.005)
     assert np.isnan(dut.commands).all()
@@ -269,26 +269,35 @@ def test_a_saved_context_is_a_saved_controller():
     assert run(one).tolist() == run(other).tolist()
 
 
+OFF = {"tf_frame_prefix_enable": False}
+
+
 @pytest.mark.parametrize(
     ("namespace", "prefix", "links", "parameters", "frames"),
     [
+        # test_diff_drive_controller.cpp:340-483, test_mecanum_drive_controller.cpp:133-302
+        ("", "", ["base_link"], {**OFF, "tf_frame_prefix": "test_prefix"}, ("odom", "base_link")),
+        ("", "", ["base_link"], {"tf_frame_prefix": "test_prefix"}, ("test_prefix/odom", "test_prefix/base_link")),
         ("", "", ["base_link"], {}, ("odom", "base_link")),
-        # the namespace before the odometry frame, as upstream; the base as the link is called on /tf
-        ("/robot_1", "", ["base_link"], {}, ("robot_1/odom", "base_link")),
-        ("/robot_1", "robot_1/", ["base_link"], {}, ("robot_1/odom", "robot_1/base_link")),
+        ("/test_namespace", "", ["base_link"], {**OFF, "tf_frame_prefix": "test_prefix"}, ("odom", "base_link")),
         (
-            "/robot_1",
-            "robot_1/",
+            "/test_namespace",
+            "",
             ["base_link"],
-            {"tf_frame_prefix_enable": False},
-            ("robot_1/odom", "robot_1/base_link"),
+            {"tf_frame_prefix": "test_prefix"},
+            ("test_prefix/odom", "test_prefix/base_link"),
         ),
-        ("/robot_1", "", ["robot_1_base_link"], {}, ("robot_1/odom", "robot_1_base_link")),
+        ("/test_namespace", "", ["base_link"], {}, ("test_namespace/odom", "test_namespace/base_link")),
         ("/robot_1", "", ["robot_1/base_link"], {"tf_frame_prefix": "~"}, ("robot_1/odom", "robot_1/base_link")),
-        ("/robot_1", "", ["chassis"], {"tf_frame_prefix": "/a", "base_frame_id": "chassis"}, ("a/odom", "chassis")),
+        ("/robot_1", "", ["chassis"], {"tf_frame_prefix": "/a/", "base_frame_id": "chassis"}, ("a/odom", "a/chassis")),
+        # the twin's own prefix, which keeps robots apart
+        ("/robot_1", "robot_1/", ["base_link"], {}, ("robot_1/odom", "robot_1/base_link")),
+        ("/robot_1", "robot_1/", ["base_link"], OFF, ("robot_1/odom", "robot_1/base_link")),
+        ("/robot_1", "r/", ["base_link"], {}, ("r/robot_1/odom", "r/robot_1/base_link")),
+        ("/robot_1", "", ["robot_1_base_link"], OFF, ("odom", "robot_1_base_link")),
     ],
 )
-def test_the_base_frame_is_the_one_that_the_link_has_on_tf(namespace, prefix, links, parameters, frames):
+def test_the_frames_of_the_odometry(namespace, prefix, links, parameters, frames):
     dut = drive(parameters, namespace=namespace, frame_prefix=prefix, links=links)
     dut.advance(0.005)
     odom = dut.message("odom")
@@ -341,3 +350,19 @@ def test_parameters_that_cannot_be_are_refused(parameters, text):
 def test_a_missing_geometry_is_refused():
     with pytest.raises(InputError, match="the parameter 'wheel_separation' is missing"):
         Driven(KIND, {"left_wheel_names": ["left"], "right_wheel_names": ["right"]})
+
+
+def test_deactivation_leaves_zero_velocities_and_nothing_on_another_controllers_references():
+    dut = drive()  # test_diff_drive_controller.cpp:826-843
+    dut.send(x=0.3)
+    dut.advance(0.005)
+    assert min(dut.commands) > 0.0
+    dut.controller.deactivate(dut.context)
+    assert dut.commands == [0.0, 0.0]
+
+    chained = drive({"left_wheel_names": ["pid/left"]})  # the PID goes back to its own topic
+    chained.send(x=0.3)
+    chained.advance(0.005)
+    chained.controller.deactivate(chained.context)
+    assert np.isnan(chained.commands[0])
+    assert chained.commands[1] == 0.0

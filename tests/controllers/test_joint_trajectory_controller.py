@@ -13,6 +13,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from scipy.interpolate import BPoly, CubicHermiteSpline
 
 from drake_twin import messages
+from drake_twin.control.tolerances import StateTolerance, Tolerances
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_trajectory_controller import ACTION, TOPIC, JointTrajectoryController
@@ -367,10 +368,37 @@ def test_goal_tolerances_sent_with_a_goal_hold_for_that_goal_only():
     assert rig.goal.status == "succeeded"
 
 
-def test_a_goal_with_meaningless_tolerances_is_refused():
-    rig = Rig()
-    with pytest.raises(CommandError, match="path_tolerance names an unknown joint 'c'"):
-        rig.send_goal(GOAL, path=[("c", 0.1)])
+def test_a_goal_with_invalid_tolerances_runs_with_the_default_ones_and_the_error_is_logged(caplog):
+    constraints = TrajectoryConstraints(joints={"b": JointConstraints(trajectory=0.1)})
+    given = {"path": [("b", 9.0), ("c", 0.1)]}  # test_tolerances.cpp:446: those of b are not used either
+    rig = started(topic=ACTION, constraints=constraints, tolerances=given)
+    assert "path_tolerance names an unknown joint 'c'" in caplog.text
+    assert "the default tolerances are used" in caplog.text
+    rig.advance(0.3)
+    assert "the position error of joint b" in rig.goal.error_string
+
+
+TRIPLE = ("position", "velocity", "acceleration")
+
+
+@pytest.mark.parametrize("joint", ["", "c"])
+@pytest.mark.parametrize("where", ["path", "goal"])
+@pytest.mark.parametrize("field", TRIPLE)
+def test_every_invalid_tolerance_means_the_default_ones(where, field, joint, caplog):
+    """test_tolerances.cpp:222-478; without a joint's name the tolerance of joint a is -123."""
+    rig = Rig(constraints=TrajectoryConstraints(goal_time=0.25))
+    goal = goal_message(GOAL, **{where: [("a", 0.0)]}, time=3.0)
+    (tolerance,) = goal.path_tolerance or goal.goal_tolerance
+    setattr(tolerance, "name" if joint else field, joint or -123.0)
+    command = rig.dut.read(ACTION, goal, rig.context)
+    defaults = Tolerances((StateTolerance(),) * 2, (StateTolerance(0.0, 0.01),) * 2, 0.25)
+    assert command.tolerances == defaults
+    assert "the default tolerances are used" in caplog.text
+
+
+def test_a_negative_goal_time_means_the_default_tolerances():
+    rig = Rig(constraints=TrajectoryConstraints(goal_time=0.25))  # test_tolerances.cpp:222
+    assert rig.dut.read(ACTION, goal_message(GOAL, time=-123.0), rig.context).tolerances.goal_time == 0.25
 
 
 def test_a_newer_goal_preempts():

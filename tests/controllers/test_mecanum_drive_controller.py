@@ -184,3 +184,18 @@ def test_a_mistake_in_husarions_names_is_told_in_those_names(parameters, message
         Driven(KIND, HUSARION | parameters)
     with pytest.raises(InputError, match="'wheel_separation_y' is missing"):
         Driven(KIND, {name: value for name, value in HUSARION.items() if name != "wheel_separation_y"})
+
+
+@pytest.mark.parametrize(
+    ("parameters", "frames"),
+    [  # test_mecanum_drive_controller.cpp:175-300
+        ({"tf_frame_prefix": "test_prefix"}, ("test_prefix/odom", "test_prefix/base_link")),
+        ({}, ("test_namespace/odom", "test_namespace/base_link")),
+        ({"tf_frame_prefix_enable": False, "tf_frame_prefix": "test_prefix"}, ("odom", "base_link")),
+    ],
+)
+def test_the_prefix_goes_before_both_frames(parameters, frames):
+    dut = drive({**parameters, "odom_frame_id": "odom", "base_frame_id": "base_link"}, namespace="/test_namespace")
+    dut.advance(0.015)
+    odometry = dut.message("odometry")
+    assert (odometry.header.frame_id, odometry.child_frame_id) == frames

@@ -92,3 +92,12 @@ def test_what_is_written_is_published_as_an_ackermann_command():
 def test_parameters_that_cannot_be_are_refused(parameters, text):
     with pytest.raises(InputError, match=text):
         drive(parameters)
+
+
+def test_deactivation_leaves_both_joints_commanded_to_zero():
+    dut = drive()  # test_tricycle_controller.cpp:366-370
+    dut.send(x=0.3, z=0.1)
+    dut.advance(0.015)
+    assert np.all(dut.commands)
+    dut.controller.deactivate(dut.context)
+    assert dut.commands == [0.0, 0.0]

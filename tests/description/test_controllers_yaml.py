@@ -109,7 +109,7 @@ def test_a_controller_without_an_entry_of_its_own_has_no_parameters(read):
 
 @pytest.mark.parametrize("text", ["", "# nothing\n", "controller_manager:\n  ros__parameters:\n", "/:\n  " + ARM])
 def test_a_file_without_controllers_gives_none_and_the_default_rate(read, text):
-    assert read(text) == ControllerManagerParameters(DEFAULT_UPDATE_RATE, True, ())
+    assert read(text) == ControllerManagerParameters(DEFAULT_UPDATE_RATE, False, ())
 
 
 @pytest.mark.parametrize("placeholder", ["$(var prefix)", "$(var  prefix )", "${prefix}"])
@@ -235,12 +235,62 @@ def test_parameters_of_one_controller_go_together_however_they_are_nested_and_in
 def test_what_the_controller_manager_does_not_read_is_said_with_its_line(read, tmp_path):
     text = (
         "controller_manager:\n  ros__parameters:\n    update_rate: 50\n    use_sim_tim: true\n"
-        "    hardware_components_initial_state: {inactive: [arm]}\n    lost: {typ: a/B}\n    thread_priority: 50\n"
+        "    hardware_components_initial_state.shutdown_on_initial_state_failure: true\n"
+        "    lost: {typ: a/B}\n    thread_priority: 50\n"
     )
+    on_failure = "hardware_components_initial_state.shutdown_on_initial_state_failure"
     said = {finding.lines[0]: finding.what for finding in read(text).findings}
     assert said == {
         4: "controller_manager: unknown parameter 'use_sim_tim': it is ignored",
-        5: "controller_manager: hardware_components_initial_state is ignored: all hardware is active",
+        5: f"controller_manager: {on_failure} is ignored: simulated hardware does not fail",
         6: "controller_manager: 'lost' has no type, so it is not a controller: it is ignored",
         7: "controller_manager: thread_priority is ignored: the twin has no process for it",
     }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        """
+    hardware_components_initial_state: {inactive: [arm, hand], unconfigured: [base, hand]}
+    defaults: {switch_controller: {strictness: strict}}
+""",
+        """
+    hardware_components_initial_state.inactive: [arm, hand]
+    hardware_components_initial_state.unconfigured: [base, hand]
+    defaults.switch_controller.strictness: strict
+""",
+    ],
+)
+def test_the_states_of_hardware_and_the_default_strictness(read, text):
+    manager = read(f"controller_manager:\n  ros__parameters:{text}")
+    states = {name: state for name, (state, _) in manager.hardware_states.items()}
+    assert states == {"base": "unconfigured", "hand": "inactive", "arm": "inactive"}
+    assert (manager.strictness, manager.uses_inactive_hardware, manager.findings) == (2, False, ())
+    assert manager.hardware_states["base"][1].line is not None
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("defaults: {switch_controller: {strictness: lax}}", "unknown strictness 'lax'"),
+        ("hardware_components_initial_state: {inactive: arm}", "'arm' is not a list of hardware components"),
+        ("defaults.allow_controller_activation_with_inactive_hardware: maybe", "'maybe' is neither true nor false"),
+    ],
+)
+def test_wrong_values_of_the_controller_managers_groups_are_refused_with_their_line(read, text, message):
+    with pytest.raises(InputError, match=message) as error:
+        read(f"controller_manager:\n  ros__parameters:\n    {text}\n")
+    assert error.value.line == 3
+
+
+def test_fallback_controllers_of_the_manager_and_of_the_controller(read):
+    text = (
+        "controller_manager:\n  ros__parameters:\n    a: {type: t/A, fallback_controllers: [b]}\n"
+        "    b: {type: t/B}\n    b.fallback_controllers: [c]\n    c: {type: t/C}\n"
+        "c:\n  ros__parameters: {fallback_controllers: [a, b]}\n"
+    )
+    manager = read(text)
+    fallbacks = {controller.name: controller.names("fallback_controllers") for controller in manager.controllers}
+    assert fallbacks == {"a": ("b",), "b": ("c",), "c": ("a", "b")}
+    assert manager.findings == ()

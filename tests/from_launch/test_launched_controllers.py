@@ -5,6 +5,7 @@ from hinge import RENAMED, command, create, launched, launched_hinge, node, publ
 from launch_files import not_started, write
 
 from drake_twin.scenario import Command
+from drake_twin.twin.controller_manager import ControllerManager
 
 
 def states(launch):
@@ -49,9 +50,7 @@ def test_every_way_to_activate_controllers(tmp_path, entities):
     ("entities", "expected"),
     [
         (spawner("states", "--inactive"), ((), ("states",))),
-        (spawner("states", "--load-only"), ((), ("states",))),
         (spawner("states", "--stopped"), ((), ("states",))),
-        (command("ros2", "control", "load_controller", "states"), ((), ("states",))),
         (command("ros2", "control", "load_controller", "states", "--set-state", "inactive"), ((), ("states",))),
         (
             spawner("states", "velocity") + command("ros2", "control", "set_controller_state", "velocity", "inactive"),
@@ -70,6 +69,91 @@ def test_every_way_to_leave_controllers_inactive_or_out(tmp_path, entities, expe
     launch = launched_hinge(tmp_path, entities)
     assert states(launch) == expected
     assert not_started(launch.scenario) == ()
+
+
+@pytest.mark.parametrize(
+    "entity", [spawner("states", "--load-only"), command("ros2", "control", "load_controller", "states")]
+)
+def test_a_controller_that_is_only_loaded_is_unconfigured(tmp_path, entity):
+    launch = launched_hinge(tmp_path, entity)  # test_spawner_unspawner.cpp: --load-only
+    assert (states(launch), launch.scenario.robots[0].unconfigured_controllers) == (((), ()), ("states",))
+    manager = ControllerManager(launch.plans[0], lambda *switch: None)
+    assert manager.states == {"states": "unconfigured"}
+    assert manager.configure_controller("states")
+    assert manager.switch_controller(["states"])
+
+
+def test_a_group_is_activated_as_a_whole_or_not(tmp_path):
+    alone = launched_hinge(tmp_path, spawner("states", "wings", "velocity"))
+    assert states(alone) == (("states", "velocity"), ())
+    launch = launched_hinge(tmp_path, spawner("states", "wings", "velocity", "--activate-as-group"))
+    assert states(launch) == ((), ("states", "velocity"))
+    assert ControllerManager(launch.plans[0], lambda *switch: None).states == {
+        "states": "inactive",
+        "velocity": "inactive",
+    }
+    assert "controller velocity of hinge: 'wings' of its --activate-as-group is not active" in not_started(
+        launch.scenario
+    )
+
+
+FORWARD = "forward_command_controller/ForwardCommandController"
+
+
+def parameters_of(launch, name):
+    (robot,) = launch.plans
+    (found,) = (item for item in robot.controllers if item.name == name)
+    return found.type, found.parameters
+
+
+def test_several_controllers_with_a_file_each(tmp_path):
+    """As spawner.py's --controller mode: options after a name are that controller's."""
+    one, two = (
+        write(tmp_path / f"{name}.yaml", f"{name}:\n  ros__parameters: {{type: {FORWARD}, joints: [hinge], {more}}}\n")
+        for name, more in (("one", "interface_name: velocity"), ("two", "interface_name: velocity"))
+    )
+    arguments = ("--controller", "one", "-p", one, "--controller", "two", "-p", two, "--inactive")
+    launch = launched_hinge(tmp_path, spawner("-c", "controller_manager", *arguments))
+    assert states(launch) == (("one",), ("two",))
+    assert (not_started(launch.scenario), launch.log) == ((), ())
+    assert launch.scenario.robots[0].controllers[-2:] == (str(one), str(two))
+
+
+@pytest.mark.parametrize("key", ["/**", "'/**'"])
+def test_a_parameters_file_for_any_node_is_the_controllers(tmp_path, key):
+    text = f"{key}:\n  ros__parameters:\n    type: {FORWARD}\n    joints: [hinge]\n    interface_name: velocity\n"
+    file = write(tmp_path / "any.yaml", text)
+    launch = launched_hinge(tmp_path, spawner("mine", "-p", file), spawner("states"))
+    assert states(launch) == (("mine", "states"), ())
+    kind, parameters = parameters_of(launch, "mine")
+    assert (kind, parameters.joints) == (FORWARD, ("hinge",))
+
+
+def test_parameters_and_a_type_on_the_command_line(tmp_path):
+    given = "--ros-args -p joints:=[hinge] -p interface_name:=velocity"
+    launch = launched_hinge(tmp_path, spawner("mine", "-t", FORWARD, "--controller-ros-args", given))
+    assert states(launch) == (("mine",), ())
+    kind, parameters = parameters_of(launch, "mine")
+    assert (kind, parameters.joints, parameters.interface_name) == (FORWARD, ("hinge",), "velocity")
+    more = ("--controller-ros-args", "-p command_timeout:=0.5", "--controller-ros-args", "-r ~/commands:=/go")
+    launch = launched_hinge(tmp_path, spawner("velocity", *more))
+    assert parameters_of(launch, "velocity")[1].command_timeout == 0.5
+    assert launch.scenario.robots[0].remapped("/velocity/commands") == "/go"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("velocity", "--activate-at-once"), "unknown option --activate-at-once. Valid: --load-only"),
+        (("--controller",), "--controller needs the name of a controller"),
+    ],
+)
+def test_a_command_line_that_the_spawner_refuses_is_a_finding_and_the_others_start(tmp_path, arguments, message):
+    launch = launched_hinge(tmp_path, spawner(*arguments), spawner("states"))
+    assert states(launch) == (("states",), ())
+    (reason,) = not_started(launch.scenario)
+    assert message in reason
+    assert "test.launch.py:" in reason
 
 
 def in_namespace(folder, *entities):

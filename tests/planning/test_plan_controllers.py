@@ -1,10 +1,14 @@
 """A robot with two joints, one of them with a slash in its name, and controllers that write to each other."""
 
 import json
+from math import isnan
 
 import pytest
 
+from drake_twin.controllers.registry import controller_class
+from drake_twin.description.controllers_yaml import ControllerParameters, read_controllers
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import InputError
 from drake_twin.planning.controller_plan import chained_to, is_chained
 from drake_twin.planning.plans import plan_robots
@@ -194,3 +198,29 @@ def test_a_robot_that_has_changed_is_planned_again(plan):
     assert same[0] is known
     (other,) = plan_robots(Scenario((Robot("r", known.robot.model, frame_prefix="x_"),)), PackageIndex(), [known])
     assert other.frame_prefix == "x_"
+
+
+BICYCLE = {
+    "traction_joints_names": ["wheel"],
+    "steering_joints_names": ["steer"],
+    "wheelbase": 1.0,
+    "traction_wheel_radius": 0.1,
+}
+
+
+def test_speed_limits_of_a_steering_controller_are_those_of_plugins_only(tmp_path):
+    file = tmp_path / "c.yaml"
+    entry = {**BICYCLE, "linear.x.max_velocity": 1.0, "angular": {"z": {"max_velocity": 2.0}}}
+    kind = "bicycle_steering_controller/BicycleSteeringController"
+    manager = {"controller_manager": {"ros__parameters": {"c": {"type": kind}}}, "c": {"ros__parameters": entry}}
+    file.write_text(json.dumps(manager, indent=1))
+    (from_file,) = read_controllers(file, "/", {}).controllers
+    from_plugin = ControllerParameters("c", kind, from_file.parameters)
+    parameters, findings = read_parameters(controller_class(kind).Parameters, from_file)
+    why = "is ignored: steering controllers of ros2_controllers have no speed limits"
+    lines = file.read_text().splitlines()
+    assert [finding.what for finding in findings] == [f"controller c: linear {why}", f"controller c: angular {why}"]
+    assert ["linear" in lines[findings[0].lines[0] - 1], findings[1].file] == [True, str(file)]
+    assert isnan(parameters.linear.x.max_velocity)
+    parameters, findings = read_parameters(controller_class(kind).Parameters, from_plugin)
+    assert (parameters.linear.x.max_velocity, parameters.angular.z.max_velocity, findings) == (1.0, 2.0, ())

@@ -1,5 +1,6 @@
 """Controllers that write to the references of other controllers, as ros2_control chains them."""
 
+from dataclasses import replace
 from math import exp
 
 import numpy as np
@@ -30,6 +31,13 @@ def test_a_failure_deactivates_the_whole_chain_above_and_no_one_else():
     assert chain.active == ("lower", "over_lower")
     (((), stopped),) = chain.switches
     assert set(stopped) == {"low", "middle", "high"}
+
+
+def test_a_failure_activates_the_fallbacks_of_the_controllers_above_as_well():
+    spare = controller("spare", "b/effort", state="inactive")
+    chain = Manager(LOW, replace(MIDDLE, fallbacks=("spare",)), spare)
+    assert set(chain.deactivate_failed("low")) == {"low", "middle"}
+    assert chain.active == ("spare",)
 
 
 def test_a_failure_leaves_what_it_writes_to_active():
@@ -65,11 +73,36 @@ def test_a_writer_is_not_activated_before_what_it_writes_to():
 
 
 def test_part_of_a_chain_is_started_as_far_as_it_is_whole():
+    chain = manager(controller("wide", "c/effort", "middle/a/velocity", problem="its joint is missing"))
+    chain.switch_controller(deactivate=["low", "middle", "high"], strictness=STRICT)
+    chain.load_controller("wide")
+    response = chain.switch_controller(["low", "middle", "wide"], strictness=BEST_EFFORT)
+    assert "controller 'wide' is unconfigured" in response.message
+    assert set(chain.active) == {"low", "middle"}
+
+
+def test_a_claim_that_is_held_stops_the_whole_switch():
     chain = manager(controller("rival", "b/effort", state="inactive"))
     chain.switch_controller(["rival"], ["low", "middle", "high"], STRICT)
-    response = chain.switch_controller(["low", "middle", "high"], strictness=BEST_EFFORT)
-    assert "b/effort is already claimed by 'rival'" in response.message
-    assert set(chain.active) == {"low", "middle", "rival"}
+    for strictness in (BEST_EFFORT, STRICT):  # controller_manager.cpp:4377
+        response = chain.switch_controller(["low", "middle", "high"], strictness=strictness)
+        assert not response
+        assert "b/effort is already claimed by 'rival'" in response.message
+        assert chain.active == ("rival",)
+
+
+def test_of_two_writers_of_one_reference_the_first_starts_and_nothing_above_the_other():
+    chain = Manager(
+        LOW,
+        controller("first", "low/a/position", state="inactive"),
+        controller("second", "low/a/position", references=("a/position",), state="inactive"),
+        controller("above", "second/a/position", state="inactive"),
+    )
+    response = chain.switch_controller(["first", "second", "above"], strictness=BEST_EFFORT)
+    assert not response
+    assert "low/a/position is already claimed by 'first'" in response.message
+    assert "controller 'above' writes to 'second', which is not active" in response.message
+    assert chain.active == ("low", "first")
 
 
 def test_the_lowest_is_restarted_below_the_others():

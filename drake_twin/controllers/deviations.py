@@ -1,0 +1,204 @@
+"""What controllers and their manager do otherwise than ROS 2 Jazzy on purpose; the rows of a table in the docs."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """One difference.
+
+    Attributes:
+        of: The controllers that it is about.
+        behavior: What differs.
+        upstream: What ros2_control and ros2_controllers do.
+        twin: What the twin does.
+        why: The reason.
+    """
+
+    of: str
+    behavior: str
+    upstream: str
+    twin: str
+    why: str
+
+
+_SAFER = "a joint must not move without a command of its user"
+_SAME_TIME = "simulated time is known exactly"
+
+DEVIATIONS = tuple(
+    Deviation(*row)
+    for row in (
+        (
+            "controller manager",
+            "`FORCE_AUTO`",
+            "`BEST_EFFORT`",
+            "also deactivates controllers with conflicting claims",
+            "it is what its name promises",
+        ),
+        (
+            "controller manager",
+            "`STRICT` with two controllers that exclude each other",
+            "what was to be deactivated stays deactivated",
+            "nothing is switched",
+            "all or nothing",
+        ),
+        (
+            "controller manager",
+            "a controller of a chain fails",
+            "the whole chain is deactivated",
+            "it and those that write to it; what it writes to stays active",
+            "the lower controllers hold the joints",
+        ),
+        (
+            "controller manager",
+            "fallback controllers that cannot be activated",
+            "the controllers in their way are deactivated all the same",
+            "those stay active",
+            _SAFER,
+        ),
+        ("controller manager", "a switch while paused", "times out on wall time", "acts at the next step", _SAME_TIME),
+        (
+            "controller manager",
+            "parameters of a running controller",
+            "can be changed",
+            "are read once",
+            "a run repeats",
+        ),
+        (
+            "controller manager",
+            "asynchronous controllers and hardware",
+            "threads of their own",
+            "all are updated in simulated time, in one thread",
+            "a run repeats",
+        ),
+        (
+            "controller manager",
+            "hardware plugins",
+            "are loaded",
+            'each `<ros2_control>` tag means "simulated here", with any plugin',
+            "the joints are Drake's",
+        ),
+        (
+            "controller manager",
+            "an unclaimed joint",
+            "`hold_joints`: a velocity of zero",
+            "holds its position",
+            "a velocity of zero creeps under a load",
+        ),
+        (
+            "forward controllers",
+            "activation after a deactivation in Gazebo",
+            "the old velocity resumes",
+            "no command until a new one comes",
+            _SAFER,
+        ),
+        ("forward controllers", "time-out", "none", "optional `command_timeout`; 0, the default, is for ever", _SAFER),
+        (
+            "forward controllers",
+            "a velocity command of zero",
+            "the joint creeps under its load",
+            "it brakes with its effort limit, then holds its position",
+            "a wheel stands on a slope",
+        ),
+        (
+            "position interfaces",
+            "servo of gz_ros2_control",
+            "velocity = 0.1 · error · update rate",
+            "an implicit PD from the joint's inertia and load; a given `position_proportional_gain` is honored",
+            "it neither lags nor overshoots",
+        ),
+        (
+            "joint_trajectory_controller",
+            "time of the written position",
+            "t + P, half an update period P early",
+            "t + (P + h)/2 with the physics step h, and the mean velocity of the period as feedforward",
+            "the joint is on its trajectory in the mean",
+        ),
+        (
+            "joint_trajectory_controller",
+            "report of a goal's end",
+            "up to a period of `action_monitor_rate` late; a hold begins an update later",
+            "at the update at which it is reached or lost",
+            _SAME_TIME,
+        ),
+        (
+            "joint_trajectory_controller",
+            "a trajectory on the topic during a goal, a goal that runs into `cmd_timeout`",
+            "the goal succeeds",
+            "it is aborted",
+            "its trajectory was not followed to the end",
+        ),
+        (
+            "joint_trajectory_controller",
+            "a command of a continuous joint",
+            "turns are left to the hardware",
+            "it goes the short way",
+            "simulated joints count their turns",
+        ),
+        (
+            "joint_trajectory_controller",
+            "numbers that are not finite, duplicate joints",
+            "are accepted",
+            "are refused",
+            "they would reach the joints",
+        ),
+        (
+            "drives",
+            "the first odometry",
+            "after a command or its time-out",
+            "from the first update on",
+            "a frame tree is whole from the start",
+        ),
+        (
+            "drives",
+            "a command stamped in the future",
+            "never times out",
+            "counts as stamped now",
+            "a program that stamps with wall time would never be braked",
+        ),
+        ("drives", "a command that is not finite", "prolongs the one before it in some drives", "is refused", _SAFER),
+        (
+            "tricycle_controller",
+            "a time-out of zero",
+            "every command has timed out",
+            "a command is valid for ever",
+            "as with the other drives",
+        ),
+        (
+            "drives",
+            "frames of several robots",
+            "share their names",
+            "get the robot's prefix where the file has none",
+            "robots are kept apart",
+        ),
+        (
+            "steering controllers",
+            "largest steering angle",
+            "no parameter",
+            "`largest_steering_angle`, `angular_is_steering_angle`",
+            "for robots that Gazebo's plugins drive",
+        ),
+        ("pid_controller", "elements of a message", "in their order", "by their names", "as its documentation says"),
+        (
+            "pid_controller",
+            "service `~/set_feedforward_control`",
+            "exists",
+            "use the parameter `enable_feedforward`",
+            "parameters are read once",
+        ),
+        (
+            "gripper controllers",
+            "feedback; a goal at a deactivation",
+            "none; it stays open",
+            "the present state; it is canceled",
+            "a client must not wait for ever",
+        ),
+        (
+            "joint_state_broadcaster",
+            "order of the joints",
+            "sorted by name",
+            "the order of `<ros2_control>`",
+            "consumers match by name",
+        ),
+    )
+)
