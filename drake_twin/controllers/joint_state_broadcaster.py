@@ -85,7 +85,9 @@ class JointStateBroadcaster(Controller):
     """Publish a robot's state as ``JointState`` and ``DynamicJointState`` messages stamped with simulation time.
 
     Behaves as ``joint_state_broadcaster/JointStateBroadcaster`` in ROS 2 Jazzy: NaN where a joint has no state
-    interface, 0 for extra joints. Joints are in the order of the parameter ``joints``, else of ``<ros2_control>``;
+    interface, 0 for extra joints. ``DynamicJointState`` lists the interfaces that a joint has; a joint of the parameter
+    ``joints`` that has none of ``interfaces`` stays in both messages with NaN, where upstream leaves it out or, without
+    any other, is not activated. Joints are in the order of the parameter ``joints``, else of ``<ros2_control>``;
     upstream sorts them by name. Without ``<ros2_control>`` all movable joints have all interfaces.
 
     .. pydrake_system::
@@ -127,8 +129,9 @@ class JointStateBroadcaster(Controller):
         places: dict[str, dict[str, int]] = {}
         for joint, names in parameters.select(interfaces).items():
             places[joint] = {}
-            for name in names:
-                place = _place(layout, joint, name) if name in interfaces.get(joint, ()) else missing
+            existing = interfaces.get(joint, ())
+            for name in [name for name in names if name in existing] or names:
+                place = _place(layout, joint, name) if name in existing else missing
                 if place != missing or parameters.field_of(name) not in places[joint]:
                     places[joint][parameters.field_of(name)] = place
         for joint in parameters.extra_joints:

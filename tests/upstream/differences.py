@@ -20,6 +20,10 @@ _ACKERMANN = "ackermann_steering_controller/test/test_ackermann_steering_control
 _BICYCLE = "bicycle_steering_controller/test/test_bicycle_steering_controller.cpp"
 _TRICYCLE = "tricycle_steering_controller/test/test_tricycle_steering_controller.cpp"
 _NO_COMMAND_YET = "upstream's test has put a command onto the interface before; here it has none, which is NaN"
+_JOINT_STATES = "joint_state_broadcaster/test/test_joint_state_broadcaster.cpp"
+_NO_SUCH_JOINT = "the simulation has no state of a joint that the robot's description lacks"
+_NO_VALUE = "the simulation has no value for a state interface of another name, which is NaN"
+_KEPT_AS_NAN = "joints that are asked for stay in the messages with NaN, so that readers see that they have no state"
 _IMMUTABLE_GAINS = "gains of a Pid are immutable: a new Pid is made, and bad limits raise, where upstream keeps the old"
 
 DELIBERATE: dict[tuple[str, int], Difference] = {
@@ -29,6 +33,10 @@ DELIBERATE: dict[tuple[str, int], Difference] = {
     (_ACKERMANN, 263): Difference(nan, _NO_COMMAND_YET),
     (_BICYCLE, 246): Difference(nan, _NO_COMMAND_YET),
     (_TRICYCLE, 246): Difference(nan, _NO_COMMAND_YET),
+    **{(_JOINT_STATES, line): Difference(2, _NO_SUCH_JOINT) for line in (519, 520, 572, 573)},
+    **{(_JOINT_STATES, line): Difference(["joint1", "joint2"], _NO_SUCH_JOINT) for line in (521, 574)},
+    (_JOINT_STATES, 817): Difference(True, _KEPT_AS_NAN),
+    (_JOINT_STATES, 1054): Difference([nan], _NO_VALUE),
     **{(_TRAJECTORY, line): Difference(True, _SAMPLE_BEFORE) for line in (133, 383, 566, 662, 840)},
     **{(_TRAJECTORY, line): Difference(1, _COMPLETE_SAMPLE) for line in (828, 830, 854, 856, 870, 872)},
 }
