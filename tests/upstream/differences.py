@@ -42,4 +42,14 @@ DELIBERATE: dict[tuple[str, int], Difference] = {
 }
 
 # (file, line) of assertions that hold when the named branch is merged; each is a strict xfail until then.
-WAITING: dict[tuple[str, int], str] = {}
+_DIFF_DRIVE = "diff_drive_controller/test/test_diff_drive_controller.cpp"
+WAITING: dict[tuple[str, int], str] = {
+    **{(_DIFF_DRIVE, line): "branch manager: both frames get the prefix" for line in (380, 454, 480)},
+    **{
+        (_DIFF_DRIVE, line): "branch manager: a deactivation writes zero"
+        for line in (
+            *(832, 834, 840, 841, 887, 889, 894, 895, 979, 981, 986, 988),
+            *(1055, 1057, 1062, 1064, 1157, 1159, 1174, 1176),
+        )
+    },
+}
