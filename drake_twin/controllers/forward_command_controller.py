@@ -36,7 +36,7 @@ class ForwardCommandParameters(CommandTimeoutParameters):
     """
 
     joints: tuple[str, ...]
-    interface_name: str
+    interface_name: str = field(metadata={"not_empty": True})
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,14 @@ DELIBERATE: dict[tuple[str, int], Difference] = {
 # (file, line) of assertions that hold when the named branch is merged; each is a strict xfail until then.
 _DIFF_DRIVE = "diff_drive_controller/test/test_diff_drive_controller.cpp"
 _MECANUM = "mecanum_drive_controller/test/test_mecanum_drive_controller.cpp"
+_TRICYCLE_DRIVE = "tricycle_controller/test/test_tricycle_controller.cpp"
+_SERVICES = "controller_manager/test/test_controller_manager_srvs.cpp"
 WAITING: dict[tuple[str, int], str] = {
+    **{(_SERVICES, line): "branch manager: BEST_EFFORT with nothing left" for line in (2214, 2217, 2266, 2275, 2276)},
+    **{
+        (_TRICYCLE_DRIVE, line): "branch manager: a deactivation writes zero"
+        for line in (310, 311, 317, 318, 366, 368, 374, 375)
+    },
     **{(_MECANUM, line): "branch manager: both frames get the prefix" for line in (192, 273, 301)},
     **{(_DIFF_DRIVE, line): "branch manager: both frames get the prefix" for line in (380, 454, 480)},
     **{
