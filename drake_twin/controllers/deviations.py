@@ -194,6 +194,20 @@ DEVIATIONS = tuple(
             "a client must not wait for ever",
         ),
         (
+            "velocity and effort group controllers",
+            "deactivation",
+            "write zero",
+            "write nothing: a joint that no controller claims holds its position",
+            "an arm must not fall when a controller ends",
+        ),
+        (
+            "joint_state_broadcaster",
+            "joints of its parameter that have no state interface",
+            "left out",
+            "in the messages, with NaN",
+            "readers see that they have no state",
+        ),
+        (
             "joint_state_broadcaster",
             "order of the joints",
             "sorted by name",

@@ -133,7 +133,7 @@ class ForceTorqueSensorBroadcasterParameters:
         sensor_filter_chain: The filters of ``~/wrench_filtered``.
     """
 
-    frame_id: str
+    frame_id: str = field(metadata={"not_empty": True})
     sensor_name: str = ""
     interface_names: WrenchInterfaceNames = WrenchInterfaceNames()
     offset: WrenchOffsets = WrenchOffsets()

@@ -36,7 +36,7 @@ class ForwardCommandParameters(CommandTimeoutParameters):
     """
 
     joints: tuple[str, ...]
-    interface_name: str
+    interface_name: str = field(metadata={"not_empty": True})
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class MultiInterfaceForwardCommandParameters(CommandTimeoutParameters):
         interface_names: Its command interfaces, in the order of a command's elements.
     """
 
-    joint: str
+    joint: str = field(metadata={"not_empty": True})
     interface_names: tuple[str, ...]
 
 

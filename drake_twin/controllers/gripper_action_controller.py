@@ -32,7 +32,7 @@ class GripperActionParameters:
         stall_timeout: The time at rest after which the gripper has stalled (s).
     """
 
-    joint: str
+    joint: str = field(metadata={"not_empty": True})
     action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     goal_tolerance: float = field(default=0.01, metadata={"lower": 0.0})
     max_effort: float = field(default=0.0, metadata={"lower": 0.0})

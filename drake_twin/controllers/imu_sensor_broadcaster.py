@@ -1,6 +1,6 @@
 """An IMU's values as messages, as ros2_controllers' imu_sensor_broadcaster publishes them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -33,8 +33,8 @@ class IMUSensorBroadcasterParameters:
         static_covariance_linear_acceleration: Nine numbers, row by row (m²/s⁴).
     """
 
-    sensor_name: str
-    frame_id: str
+    sensor_name: str = field(metadata={"not_empty": True})
+    frame_id: str = field(metadata={"not_empty": True})
     static_covariance_orientation: tuple[float, ...] = _UNKNOWN_SPREAD
     static_covariance_angular_velocity: tuple[float, ...] = _UNKNOWN_SPREAD
     static_covariance_linear_acceleration: tuple[float, ...] = _UNKNOWN_SPREAD

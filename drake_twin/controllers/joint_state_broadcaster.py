@@ -127,8 +127,9 @@ class JointStateBroadcaster(Controller):
         places: dict[str, dict[str, int]] = {}
         for joint, names in parameters.select(interfaces).items():
             places[joint] = {}
-            for name in names:
-                place = _place(layout, joint, name) if name in interfaces.get(joint, ()) else missing
+            existing = interfaces.get(joint, ())
+            for name in [name for name in names if name in existing] or names:
+                place = _place(layout, joint, name) if name in existing else missing
                 if place != missing or parameters.field_of(name) not in places[joint]:
                     places[joint][parameters.field_of(name)] = place
         for joint in parameters.extra_joints:

@@ -36,7 +36,7 @@ class ParallelGripperActionParameters:
         max_velocity: The largest velocity of a goal without one (rad/s or m/s).
     """
 
-    joint: str
+    joint: str = field(metadata={"not_empty": True})
     action_monitor_rate: float = field(default=20.0, metadata=ACTION_MONITOR_RATE)
     state_interfaces: tuple[str, ...] = field(
         default=("position", "velocity"), metadata={"unsupported": "position and velocity are always read"}

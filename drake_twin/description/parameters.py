@@ -4,10 +4,10 @@ A parameters class is a frozen dataclass whose fields are named like the paramet
 ``float``, ``str``, tuples of these, another parameters class for a nested one (``gains.p`` or a mapping), and
 ``Mapping[str, C]`` for one nested class per joint.
 
-A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive), ``above`` (exclusive), ``choices``, and
-``unsupported``: why a value other than the default has no effect in the twin. ``not_of_files``: why the parameter is
-ignored in a parameters file; it is for plugins and scenarios. ``of_joints`` marks a mapping whose keys
-are beside the class's other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
+A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive), ``above`` (exclusive), ``choices``, ``not_empty``,
+``unsupported``: why a value other than the default has no effect in the twin, and ``not_of_files``: why the parameter is
+ignored in a parameters file, as it is for plugins and scenarios. ``of_joints`` marks a mapping whose keys are beside the
+class's other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
 
 Values that depend on each other are checked in ``__post_init__``, which raises `ParameterError`.
 
@@ -189,6 +189,8 @@ def _read(annotation: Any, value: Any, controller: ControllerParameters, path: P
 def _check_bounds(item: "dataclasses.Field[Any]", value: Any, controller: ControllerParameters, path: Path) -> None:
     lower, upper, choices = (item.metadata.get(key) for key in ("lower", "upper", "choices"))
     above = item.metadata.get("above")
+    if item.metadata.get("not_empty") and not value:
+        raise controller.error(f"{path[-1]} is empty", *path)
     may_be_nan = isinstance(item.default, float) and isnan(item.default)
     for each in value if isinstance(value, tuple) else (value,):
         if isinstance(each, float) and isnan(each) and not may_be_nan:

@@ -38,8 +38,9 @@ class ControllerState:
         state: Unconfigured, inactive or active.
         type: The plugin's name.
         claimed_interfaces: The command interfaces that it has claimed.
-        required_command_interfaces: The command interfaces that it claims while active.
-        reference_interfaces: Its references, which other controllers may write.
+        required_command_interfaces: The command interfaces that it claims while active; none before it is configured.
+        reference_interfaces: Its references, which other controllers may write, without its name as prefix; none
+            before it is configured.
         is_chained: Whether an active controller writes its references.
         update_rate: The rate of its updates (Hz).
     """
@@ -311,14 +312,15 @@ class ControllerManager:
 
     def _controller_state(self, plan: ControllerPlan, state: str, claims: Mapping[Interface, str]) -> ControllerState:
         references = [Interface(f"{plan.name}/{item.joint}", item.name) for item in plan.references]
-        required = tuple(map(str, plan.claims))
+        is_configured = state in (INACTIVE, ACTIVE)
+        required = tuple(map(str, plan.claims)) if is_configured else ()
         return ControllerState(
             name=plan.name,
             state=state,
             type=plan.type,
             claimed_interfaces=required if state == ACTIVE else (),
             required_command_interfaces=required,
-            reference_interfaces=tuple(map(str, references)),
+            reference_interfaces=tuple(map(str, plan.references)) if is_configured else (),
             is_chained=any(reference in claims for reference in references),
             update_rate=plan.update_rate,
         )

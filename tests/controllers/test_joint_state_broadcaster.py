@@ -136,8 +136,10 @@ def test_conformance_broadcaster_missing_values_are_nan(state):
     dynamic = broadcast(
         state, interfaces, "dynamic_joint_states", joints=("a", "b", "c"), interfaces=("position", "velocity")
     )
+    names = [list(item.interface_names) for item in dynamic.interface_values]
+    assert names == [["position", "velocity"], ["velocity"], ["position", "velocity"]]
     np.testing.assert_array_equal(
-        [item.values for item in dynamic.interface_values], [[7, 15], [np.nan, 16], [np.nan] * 2]
+        np.concatenate([item.values for item in dynamic.interface_values]), [7, 15, 16, np.nan, np.nan]
     )
 
 

@@ -149,7 +149,7 @@ def test_references_are_there_once_a_controller_is_configured():
     chain.configure_controller("idle")
     assert listed() == before | {"idle/b/position": False}
     (item,) = (item for item in chain.list_controllers() if item.name == "idle")
-    assert item.reference_interfaces == ("idle/b/position",)
+    assert item.reference_interfaces == ("b/position",)
 
 
 def test_force_auto_deactivates_all_that_stand_in_the_way():
