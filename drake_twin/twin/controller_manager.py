@@ -312,7 +312,7 @@ class ControllerManager:
 
     def _controller_state(self, plan: ControllerPlan, state: str, claims: Mapping[Interface, str]) -> ControllerState:
         references = [Interface(f"{plan.name}/{item.joint}", item.name) for item in plan.references]
-        is_configured = state in (INACTIVE, ACTIVE)
+        is_configured = state != UNCONFIGURED
         required = tuple(map(str, plan.claims)) if is_configured else ()
         return ControllerState(
             name=plan.name,
