@@ -5,9 +5,9 @@ A parameters class is a frozen dataclass whose fields are named like the paramet
 ``Mapping[str, C]`` for one nested class per joint.
 
 A field's ``metadata`` may hold ``lower`` and ``upper`` (inclusive), ``above`` (exclusive), ``choices``, ``not_empty``,
-``unsupported``: why a value other than the default has no effect in the twin, and ``not_of_files``: why the parameter is
-ignored in a parameters file, as it is for plugins and scenarios. ``of_joints`` marks a mapping whose keys are beside the
-class's other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
+``unsupported``: why a value other than the default has no effect in the twin, and ``not_of_files``: why a parameters
+file cannot give it, as it is for plugins and scenarios. ``of_joints`` marks a mapping whose keys are beside the class's
+other parameters, as ``constraints.<joint>.goal`` beside ``constraints.goal_time``.
 
 Values that depend on each other are checked in ``__post_init__``, which raises `ParameterError`.
 
