@@ -32,6 +32,7 @@ DEFINITIONS = {
         "int32 GOAL_TOLERANCE_VIOLATED = -5\n"
         "string error_string\n"
     ),
+    "control_msgs/msg/BatteryStateArray": "sensor_msgs/BatteryState[] battery_states\n",
     "ackermann_msgs/msg/AckermannDrive": (
         "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\nfloat32 acceleration\nfloat32 jerk\n"
     ),
