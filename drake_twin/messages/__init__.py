@@ -47,6 +47,7 @@ _STORE_TYPES = {
         "sensor_msgs/msg/Range",
         "std_msgs/msg/Float64MultiArray",
         "std_msgs/msg/Header",
+        "std_msgs/msg/Int8MultiArray",
         "std_msgs/msg/MultiArrayDimension",
         "std_msgs/msg/MultiArrayLayout",
         "std_msgs/msg/String",
