@@ -17,6 +17,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import HardwareSensor, HardwareSystem, Joint, RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.systems.state_layout import StateLayout
+from drake_twin.twin.snapshot import Snapshot
 
 KIND = "admittance_controller/AdmittanceController"
 STATE = [1.1, 2.2, 3.3, 4.4, 5.5, 6.6]  # test_admittance_controller.hpp:391
@@ -451,3 +452,19 @@ def test_in_a_twin_another_controller_writes_its_references(tmp_path):
     twin.publish("/rail/admittance/wrench_reference", {"wrench": {"force": {"x": FORCE}}})
     twin.advance_to(6.0)
     assert twin.latest("/rail/joint_states").position[0] == pytest.approx(0.3 + FORCE / STIFFNESS, rel=0.01)
+
+
+def test_in_a_twin_a_saved_run_goes_on_as_it_did_the_first_time(tmp_path):
+    twin = rail(tmp_path, chained=True)
+    twin.publish("/rail/above/commands", [0.3])
+    twin.publish("/rail/admittance/wrench_reference", {"wrench": {"force": {"x": FORCE}}})
+    twin.publish("/rail/admittance/joint_references", {"positions": [0.1]})
+    twin.advance_to(0.2)
+    twin.snapshot().save(tmp_path / "state.json")
+    twin.advance_to(0.4)
+    first = twin.latest("/rail/joint_states").position[0]
+    assert first > 0.05
+    again = rail(tmp_path, chained=True)
+    again.restore(Snapshot.load(tmp_path / "state.json"))
+    again.advance_to(0.4)
+    assert again.latest("/rail/joint_states").position[0] == first

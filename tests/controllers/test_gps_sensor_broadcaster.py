@@ -82,6 +82,12 @@ def test_a_status_that_nobody_sets_is_unknown():
     assert messages.type_store().serialize_cdr(message, message.__msgtype__)
 
 
+def test_status_and_service_are_whole_numbers():
+    message = broadcaster([-1.0, 8.0, 0.0, 0.0, 0.0]).output("gps/fix")
+    assert (message.status.status, message.status.service) == (-1, 8)
+    assert isinstance(message.status.status, int)
+
+
 def test_a_covariance_has_nine_numbers():
     with pytest.raises(InputError, match="static_position_covariance has 3 numbers, where nine are needed"):
         broadcaster(static_position_covariance=[1.0, 2.0, 3.0])
