@@ -92,9 +92,12 @@ def joints_between(description: RobotDescription, base: str, link: str) -> froze
 
 def _add_joint(plant: MultibodyPlant, joint: Joint, parent: RigidBody, child: RigidBody) -> None:
     """Add a joint; one without exactly one position is a weld."""
-    before = plant.AddFrame(FixedOffsetFrame(f"{joint.name}_parent", parent.body_frame(), _transform(joint.origin)))
-    after = plant.AddFrame(
-        FixedOffsetFrame(f"{joint.name}_child", child.body_frame(), _transform(joint.child_origin).inverse())
+    before, after = (
+        plant.AddFrame(FixedOffsetFrame(f"{joint.name} in its {place}", body.body_frame(), pose))
+        for place, body, pose in (
+            ("parent", parent, _transform(joint.origin)),
+            ("child", child, _transform(joint.child_origin).inverse()),
+        )
     )
     if not joint.is_movable:
         plant.AddJoint(WeldJoint(joint.name, before, after, RigidTransform()))
