@@ -21,6 +21,11 @@ from drake_twin.systems.weak_callback import weakly
 _AXES = tuple((vector, axis) for vector in ("force", "torque") for axis in "xyz")
 
 
+def wrench_interfaces(sensor: str) -> tuple[str, ...]:
+    """Return the state interfaces of a force/torque sensor, forces first."""
+    return tuple(f"{sensor}/{vector}.{axis}" for vector, axis in _AXES)
+
+
 @dataclass(frozen=True)
 class AxisNames:
     """The full name of each axis's state interface, for example ``sensor/force.x``; empty for an axis without one.
@@ -144,7 +149,7 @@ class ForceTorqueSensorBroadcasterParameters:
     def interfaces(self) -> tuple[str, ...]:
         """The state interface of each axis, forces first; empty for an axis without one."""
         if self.sensor_name:
-            return tuple(f"{self.sensor_name}/{vector}.{axis}" for vector, axis in _AXES)
+            return wrench_interfaces(self.sensor_name)
         return tuple(_of_axes(self.interface_names))
 
 
@@ -187,8 +192,13 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         """Return the name of the sensor in ``<ros2_control>`` that the controller reads."""
         return next((name.rpartition("/")[0] for name in parameters.interfaces if name), "")
 
+    @classmethod
+    def state_interfaces(cls, parameters: ForceTorqueSensorBroadcasterParameters) -> tuple[str, ...]:
+        """Return the force's components, then the torque's."""
+        return wrench_interfaces(cls.sensor_name(parameters))
+
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "wrench", 6)
+        super().__init__(setup, "wrench")
         parameters: ForceTorqueSensorBroadcasterParameters = setup.parameters
         names = [name for name in _of_axes(parameters.interface_names) if name]
         if bool(parameters.sensor_name) == bool(names):

@@ -10,10 +10,14 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
-from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
-from drake_twin.errors import InputError
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster, check_covariances
 
 _UNKNOWN_SPREAD = (0.0,) * 9
+_INTERFACES = (
+    *(f"orientation.{axis}" for axis in "wxyz"),
+    *(f"angular_velocity.{axis}" for axis in "xyz"),
+    *(f"linear_acceleration.{axis}" for axis in "xyz"),
+)
 _COVARIANCES = (
     "static_covariance_orientation",
     "static_covariance_angular_velocity",
@@ -61,12 +65,14 @@ class IMUSensorBroadcaster(SensorBroadcaster):
     Parameters: ClassVar[type] = IMUSensorBroadcasterParameters
     kind = "imu"
 
+    @classmethod
+    def state_interfaces(cls, parameters: IMUSensorBroadcasterParameters) -> tuple[str, ...]:
+        """Return orientation, angular velocity and linear acceleration."""
+        return tuple(f"{parameters.sensor_name}/{name}" for name in _INTERFACES)
+
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "spatial", 10)
-        for name in _COVARIANCES:
-            count = len(getattr(setup.parameters, name))
-            if count != 9:
-                raise InputError(f"controller {setup.name!r}: {name} has {count} numbers, where nine are needed")
+        super().__init__(setup, "spatial")
+        check_covariances(setup, *_COVARIANCES)
         self.declare_topic_output("imu", "sensor_msgs/msg/Imu", self._calc_imu, self._present())
 
     def get_spatial_input_port(self) -> InputPort:

@@ -6,7 +6,7 @@ Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import copysign, inf
+from math import copysign, inf, nan
 from pathlib import Path
 
 from drake_twin.findings import Place
@@ -118,11 +118,19 @@ class ControlledJoint:
 
 @dataclass(frozen=True)
 class HardwareSensor:
-    """A ``<sensor>`` of a ``<ros2_control>`` tag, with the names of its state interfaces (``orientation.x``, …)."""
+    """A ``<sensor>`` of a ``<ros2_control>`` tag.
+
+    Attributes:
+        name: Its name.
+        state_interfaces: The names of its state interfaces (``orientation.x``, …).
+        parameters: Its ``<param>`` values.
+        initial_values: State interface → its ``initial_value``, where the file gives one.
+    """
 
     name: str
     state_interfaces: tuple[str, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)
+    initial_values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -279,6 +287,15 @@ class RobotDescription:
     def hardware_sensors(self) -> dict[str, HardwareSensor]:
         """Sensor name → its tag in ``<ros2_control>``."""
         return {sensor.name: sensor for system in self.systems for sensor in system.sensors}
+
+    @cached_property
+    def sensor_states(self) -> dict[str, float]:
+        """State interface of a sensor (``imu/orientation.x``) → its ``initial_value``; NaN where the file has none."""
+        return {
+            f"{sensor.name}/{interface}": sensor.initial_values.get(interface, nan)
+            for sensor in self.hardware_sensors.values()
+            for interface in sensor.state_interfaces
+        }
 
     def sensor(self, name: str, kind: str) -> Sensor | None:
         """Return the simulated sensor behind a sensor of ``<ros2_control>``; None if it has another name."""

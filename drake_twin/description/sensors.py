@@ -61,13 +61,28 @@ def sensor_text(name: str, kind: str, place: str, topic: str) -> str:
 
 
 def hardware_sensors(reader: XmlReader, system: etree._Element) -> Iterator[HardwareSensor]:
-    """Read the sensors of a ``<ros2_control>`` tag."""
+    """Read the sensors of a ``<ros2_control>`` tag.
+
+    Raises:
+        InputError: If an ``initial_value`` is neither a number nor, as of a ``bool``, true or false.
+    """
     for element in system.iterfind("sensor"):
         yield HardwareSensor(
             name=reader.text(element, "name"),
             state_interfaces=tuple(reader.text(item, "name") for item in element.iterfind("state_interface")),
             parameters={item.get("name", ""): (item.text or "").strip() for item in element.iterfind("param")},
+            initial_values={
+                reader.text(parent, "name"): _initial_value(reader, item)
+                for parent in element.iterfind("state_interface")
+                for item in parent.iterfind("param[@name='initial_value']")
+            },
         )
+
+
+def _initial_value(reader: XmlReader, element: etree._Element) -> float:
+    text = (element.text or "").strip()
+    truth = {"true": 1.0, "false": 0.0}.get(text.lower())
+    return reader.parse_number(element, text, "initial_value") if truth is None else truth
 
 
 def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:

@@ -66,7 +66,11 @@ URDF = _part(
             state_interface=_part("name", param=_part("name", "initial_value")),
             param=_part("name", "mimic multiplier offset"),
         ),
-        sensor=_part("name", state_interface=_part("name"), param=_part("name")),
+        sensor=_part(
+            "name",
+            state_interface=_part("name data_type", param=_part("name", "initial_value")),
+            param=_part("name"),
+        ),
     ),
     # The last two ask that fixed joints are not lumped together, which the twin never does.
     gazebo=_part(

@@ -15,7 +15,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
-from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.description.robot_description import Sensor
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.servo_assignment import assign
@@ -309,25 +309,17 @@ def _add_sensors(
     controllers: Mapping[str, Controller],
     inputs: _PlantInputs,
 ) -> None:
-    """Add the sensors of the robot's broadcasters."""
+    """Add the sensors that controllers read; one that nothing simulates has constant values."""
     for name, controller in controllers.items():
-        if not isinstance(controller, SensorBroadcaster):
+        if not isinstance(controller, SensorReader):
             continue
-        sensor_name = controller.sensor_name(controller.setup.parameters)
-        sensor = plan.description.sensor(sensor_name, controller.kind)
-        port = controller.get_sensor_input_port()
-        if sensor is None:  # hardware without a simulated sensor measures nothing
-            nothing = builder.AddNamedSystem(
-                _free_name(builder, f"{name}_sensor"), ConstantVectorSource(np.full(port.size(), np.nan))
-            )
-            builder.Connect(nothing.get_output_port(), port)
-            continue
-        system = builder.AddNamedSystem(
-            _free_name(builder, f"{name}_sensor"), sensor_class(sensor.kind).of(plant, instance, sensor)
-        )
-        builder.Connect(system.get_output_port(), port)
-        for output, own_port in system.inputs_from(plant):
-            inputs.connect(output, output.get_name(), own_port)
+        system = controller.simulated_sensor(plant, instance)
+        source = ConstantVectorSource(controller.initial_values()) if system is None else system
+        builder.AddNamedSystem(_free_name(builder, f"{name}_sensor"), source)
+        builder.Connect(source.get_output_port(), controller.get_sensor_input_port())
+        if system is not None:
+            for output, port in system.inputs_from(plant):
+                inputs.connect(output, output.get_name(), port)
 
 
 def _add_publishing_sensors(

@@ -32,6 +32,18 @@ DEFINITIONS = {
         "int32 GOAL_TOLERANCE_VIOLATED = -5\n"
         "string error_string\n"
     ),
+    "control_msgs/msg/AdmittanceControllerState": (
+        "std_msgs/Float64MultiArray mass\nstd_msgs/Float64MultiArray damping\nstd_msgs/Float64MultiArray stiffness\n"
+        "geometry_msgs/Quaternion rot_base_control\n"
+        "geometry_msgs/TransformStamped ref_trans_base_ft\n"
+        "std_msgs/Int8MultiArray selected_axes\nstd_msgs/String ft_sensor_frame\n"
+        "geometry_msgs/TransformStamped admittance_position\n"
+        "geometry_msgs/TwistStamped admittance_acceleration\n"
+        "geometry_msgs/TwistStamped admittance_velocity\n"
+        "geometry_msgs/WrenchStamped wrench_base\n"
+        "sensor_msgs/JointState joint_state\n"
+    ),
+    "control_msgs/msg/BatteryStateArray": "sensor_msgs/BatteryState[] battery_states\n",
     "ackermann_msgs/msg/AckermannDrive": (
         "float32 steering_angle\nfloat32 steering_angle_velocity\nfloat32 speed\nfloat32 acceleration\nfloat32 jerk\n"
     ),

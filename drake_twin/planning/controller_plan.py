@@ -6,7 +6,7 @@ from typing import Any
 
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_class
-from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.errors import InputError
 
 UNLOADED, UNCONFIGURED, INACTIVE, ACTIVE = "unloaded", "unconfigured", "inactive", "active"
@@ -64,9 +64,9 @@ class ControllerPlan:
 
     @property
     def sensor(self) -> str | None:
-        """The name of the sensor that it publishes; None if it is not loaded or publishes none."""
+        """The name of the sensor that it reads; None if it is not loaded or reads none."""
         kind = controller_class(self.type)
-        if self.parameters is None or self.state == UNLOADED or kind is None or not issubclass(kind, SensorBroadcaster):
+        if self.parameters is None or self.state == UNLOADED or kind is None or not issubclass(kind, SensorReader):
             return None
         return kind.sensor_name(self.parameters)
 

@@ -1,0 +1,50 @@
+"""The base of the broadcasters of sensors that the twin does not simulate."""
+
+from typing import Any
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.description.parameters import ParameterError
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.sensors.sensor_system import SensorSystem
+
+
+class HardwareSensorBroadcaster(SensorBroadcaster):
+    """Publish state interfaces that no simulated sensor sets.
+
+    Their values are what mock hardware has: the ``initial_value`` in ``<ros2_control>``, or NaN. As in ros2_control, a
+    broadcaster whose state interfaces do not exist cannot be activated.
+    """
+
+    kind = ""
+
+    @classmethod
+    def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
+        """Return which state interfaces ``<ros2_control>`` lacks; None if it has all."""
+        names = cls.state_interfaces(parameters)
+        missing = [name for name in names if name not in description.sensor_states]
+        if not missing:
+            return None
+        sensors = {name.rpartition("/")[0] for name in names}
+        known = [name for name in description.sensor_states if name.rpartition("/")[0] in sensors]
+        has = f"it has {', '.join(known)}" if known else f"its sensors are {', '.join(description.hardware_sensors)}"
+        if not description.hardware_sensors:
+            has = "it has no sensor"
+        return f"<ros2_control> has no state interface {', '.join(missing)} ({has})"
+
+    def simulated_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> SensorSystem | None:
+        """Return None: nothing measures the sensor's values."""
+        return None
+
+
+def check_given(parameters: Any, *names: str) -> None:
+    """Check parameters that must not be empty.
+
+    Raises:
+        ParameterError: If one is empty.
+    """
+    for name in names:
+        if not getattr(parameters, name):
+            raise ParameterError(f"{name} is empty", name)

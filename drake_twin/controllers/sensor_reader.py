@@ -1,0 +1,65 @@
+"""The base of controllers that read a sensor of ``<ros2_control>``."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import InputPort
+
+from drake_twin.controllers.base_controller import Controller
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.sensors.registry import sensor_class
+from drake_twin.sensors.sensor_system import SensorSystem
+
+
+class SensorReader(Controller):
+    """Read the state interfaces of a sensor on one vector input port.
+
+    A simulated sensor of the same name sets them, as in gz_ros2_control. Without one they keep their
+    ``initial_value`` in ``<ros2_control>``, or NaN, as those of mock hardware that nothing sets.
+
+    Attributes:
+        kind: The simulated sensor's kind, as in `drake_twin.description.robot_description.Sensor`.
+    """
+
+    kind: ClassVar[str]
+
+    @classmethod
+    def sensor_name(cls, parameters: Any) -> str:
+        """Return the name of the sensor in ``<ros2_control>`` that the controller reads."""
+        name: str = parameters.sensor_name
+        return name
+
+    @classmethod
+    def state_interfaces(cls, parameters: Any) -> tuple[str, ...]:
+        """Return the state interface (``sensor/interface``) of each element of the sensor's port."""
+        raise NotImplementedError
+
+    @classmethod
+    def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
+        """Return why the robot's sensor cannot be read; None if it can."""
+        name = cls.sensor_name(parameters)
+        if description.sensor(name, cls.kind) is not None or name in description.hardware_sensors:
+            return None
+        known = ", ".join(sensor.name for sensor in description.sensors if sensor.kind == cls.kind) or "none"
+        return f"the robot has no {cls.kind} sensor {name!r} for Gazebo (it has {known})"
+
+    def declare_sensor_input(self, name: str) -> InputPort:
+        """Declare the vector input port of the sensor's values."""
+        self._sensor: InputPort = self.DeclareVectorInputPort(name, len(self.state_interfaces(self.setup.parameters)))
+        return self._sensor
+
+    def get_sensor_input_port(self) -> InputPort:
+        """Return the port of the sensor's values."""
+        return self._sensor
+
+    def simulated_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> SensorSystem | None:
+        """Return a new system that measures the sensor's values in a finalized plant; None if nothing does."""
+        sensor = self.setup.description.sensor(self.sensor_name(self.setup.parameters), self.kind)
+        return None if sensor is None else sensor_class(sensor.kind).of(plant, instance, sensor)
+
+    def initial_values(self) -> np.ndarray:
+        """Return the value of each state interface that nothing sets: its ``initial_value``, or NaN."""
+        states = self.setup.description.sensor_states
+        return np.array([states.get(name, np.nan) for name in self.state_interfaces(self.setup.parameters)])
