@@ -91,7 +91,7 @@ class Controller(WitnesslessSystem):
         published: Output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
         vector_inputs: Name below the controller's name → vector input port for a user's own systems.
-        robot_inputs: Input of the robot's sub-diagram (``state``, ``net_actuation``) → the port that takes it.
+        robot_inputs: Signal of the robot (``state``, ``net_actuation``, ``gpio_states``) → the port that takes it.
         odometry_frames: Parent and child frame of the port ``tf_odometry``; None without that port.
         warnings: Parameters without effect, as sentences.
     """
@@ -221,7 +221,10 @@ class Controller(WitnesslessSystem):
         return port
 
     def declare_robot_input(self, name: str, size: int) -> InputPort:
-        """Declare a vector input port that takes ``state`` or ``net_actuation`` of the robot's sub-diagram."""
+        """Declare a vector input port that takes ``state``, ``net_actuation`` or ``gpio_states`` of the robot.
+
+        The last has each state interface of `RobotDescription.gpios`, in that order.
+        """
         port: InputPort = self.DeclareVectorInputPort(name, size)
         self.robot_inputs[name] = port
         return port

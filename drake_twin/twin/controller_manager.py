@@ -159,6 +159,8 @@ class ControllerManager:
             for joint in self._plan.description.controlled_joints.values()
             for item in joint.state_interfaces
         ]
+        gpios = self._plan.description.gpios.values()
+        states += [HardwareInterface(f"{gpio.name}/{name}") for gpio in gpios for name in gpio.states]
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
@@ -169,8 +171,14 @@ class ControllerManager:
                 type=system.type,
                 plugin=system.plugin,
                 state=ACTIVE,
-                command_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
-                state_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+                command_interfaces=(
+                    *(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
+                    *(f"{gpio.name}/{name}" for gpio in system.gpios for name in gpio.commands),
+                ),
+                state_interfaces=(
+                    *(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
+                    *(f"{gpio.name}/{name}" for gpio in system.gpios for name in gpio.states),
+                ),
             )
             for system in self._plan.description.systems
         )
@@ -354,10 +362,14 @@ class ControllerManager:
         )
 
     def _hardware_commands(self) -> list[Interface]:
+        description = self._plan.description
         return [
-            Interface(joint.name, item.name)
-            for joint in self._plan.description.controlled_joints.values()
-            for item in joint.command_interfaces
+            *(
+                Interface(j.name, item.name)
+                for j in description.controlled_joints.values()
+                for item in j.command_interfaces
+            ),
+            *(Interface(gpio.name, name) for gpio in description.gpios.values() for name in gpio.commands),
         ]
 
     def _references(self) -> list[Interface]:
