@@ -91,6 +91,7 @@ class Controller(WitnesslessSystem):
         published: Output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
         vector_inputs: Name below the controller's name → vector input port for a user's own systems.
+        vector_outputs: Name below the controller's name → vector output port for a user's own systems.
         robot_inputs: Signal of the robot (``state``, ``net_actuation``, ``gpio_states``) → the port that takes it.
         odometry_frames: Parent and child frame of the port ``tf_odometry``; None without that port.
         warnings: Parameters without effect, as sentences.
@@ -107,6 +108,11 @@ class Controller(WitnesslessSystem):
     @classmethod
     def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
         """Return the references that other controllers may claim, without this controller's name as prefix."""
+        return ()
+
+    @classmethod
+    def exported_interfaces(cls, parameters: Any) -> tuple[str, ...]:
+        """Return the names of the state interfaces that the controller exports, without its own as prefix."""
         return ()
 
     @classmethod
@@ -134,6 +140,7 @@ class Controller(WitnesslessSystem):
         self.published: dict[str, str] = {}
         self.actions: dict[str, str] = {}
         self.vector_inputs: dict[str, InputPort] = {}
+        self.vector_outputs: dict[str, OutputPort] = {}
         self.robot_inputs: dict[str, InputPort] = {}
         self.odometry_frames: tuple[str, str] | None = None
         self.warnings: tuple[str, ...] = ()

@@ -287,7 +287,7 @@ def _wire_controller(
 ) -> None:
     for topic in (*controller.subscribed, *controller.actions, *controller.vector_inputs):
         builder.ExportInput(controller.GetInputPort(topic), f"{name}/{topic}")
-    for topic in controller.published:
+    for topic in (*controller.published, *controller.vector_outputs):
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:

@@ -42,6 +42,7 @@ class ControllerPlan:
             read.
         claims: The command interfaces that it writes while active, in order.
         references: The references that other controllers may write, without its name as prefix.
+        exported: The names of the state interfaces that it exports, without its own as prefix.
         state: Its state at the start: unloaded, inactive or active.
         update_rate: The rate of its updates (Hz).
         problem: Why it cannot be configured or activated; None if it can.
@@ -54,6 +55,7 @@ class ControllerPlan:
     parameters: Any = None
     claims: tuple[Interface, ...] = ()
     references: tuple[Interface, ...] = ()
+    exported: tuple[str, ...] = ()
     state: str = UNLOADED
     update_rate: float = 100.0
     problem: str | None = None

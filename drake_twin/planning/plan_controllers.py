@@ -195,7 +195,9 @@ def _plan(
     problem = next(filter(None, problems), None)
     problem = problem or kind.problem(parameters, description)
     references = kind.reference_interfaces(parameters, description)
-    return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
+    exported = kind.exported_interfaces(parameters)
+    plan = replace(plan, parameters=parameters, claims=claims, references=references, exported=exported)
+    return replace(plan, problem=problem), ignored
 
 
 def _with_prefix(value: Any, prefix: str, joints: Container[str]) -> Any:

@@ -161,6 +161,8 @@ class ControllerManager:
         ]
         gpios = self._plan.description.gpios.values()
         states += [HardwareInterface(f"{gpio.name}/{name}") for gpio in gpios for name in gpio.states]
+        configured = [plan for plan in self._plans.values() if self._states.get(plan.name) in (INACTIVE, ACTIVE)]
+        states += [HardwareInterface(f"{plan.name}/{name}") for plan in configured for name in plan.exported]
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:

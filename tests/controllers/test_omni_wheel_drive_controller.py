@@ -31,7 +31,7 @@ def test_parameters_without_a_default_are_required(missing):
 
 @pytest.mark.parametrize("parameter", ["robot_radius", "wheel_radius"])
 def test_a_radius_must_be_positive(parameter):
-    with pytest.raises(InputError, match="0.0 is not above 0"):  # gt<> of the parameters' YAML
+    with pytest.raises(InputError, match=r"0.0 is not above 0"):  # gt<> of the parameters' YAML
         drive({parameter: 0.0})
 
 
