@@ -259,7 +259,7 @@ class ChainedFilter(PeriodicController):
                 continue
             if owner not in description.controlled_joints:
                 known = ", ".join((*description.controlled_joints, *description.gpios)) or "none"
-                return f"{owner!r} is no joint or gpio of <ros2_control> whose state can be filtered (it has {known})"
+                return f"the state of {owner!r} cannot be filtered, only those of <ros2_control>'s joints and gpios: {known}"
             has = [item.name for item in description.controlled_joints[owner].state_interfaces]
             if interface not in has or interface not in ("position", "velocity", "effort"):
                 return f"joint {owner} has no state interface {interface!r} (it has {', '.join(has) or 'none'})"

@@ -226,7 +226,10 @@ def test_what_has_no_effect_is_said():
             "joint wheel_left has no state interface 'acceleration' (it has position, velocity",
         ),
         ("wheel_right/velocity", "joint wheel_right has no state interface 'velocity' (it has position)"),
-        ("imu/orientation", "'imu' is no joint or gpio of <ros2_control> whose state can be filtered (it has wheel_l"),
+        (
+            "imu/orientation",
+            "the state of 'imu' cannot be filtered, only those of <ros2_control>'s joints and gpios: wheel_l",
+        ),
         ("tank/flow", "gpio tank has no flow state interface in <ros2_control> (it has level)"),
     ],
 )
