@@ -259,7 +259,7 @@ class ChainedFilter(PeriodicController):
                 continue
             if owner not in description.controlled_joints:
                 known = ", ".join((*description.controlled_joints, *description.gpios)) or "none"
-                return f"the state of {owner!r} cannot be filtered, only those of <ros2_control>'s joints and gpios: {known}"
+                return f"the state of {owner!r} cannot be filtered, only a joint's or gpio's of <ros2_control>: {known}"
             has = [item.name for item in description.controlled_joints[owner].state_interfaces]
             if interface not in has or interface not in ("position", "velocity", "effort"):
                 return f"joint {owner} has no state interface {interface!r} (it has {', '.join(has) or 'none'})"

@@ -41,6 +41,7 @@ def test_a_low_pass_filter_passes_its_first_value_and_follows_its_difference_equ
     a = exp(-1.0 / 1000.0 * (2.0 * pi * 20.5) / 10.0 ** (1.25 / -10.0))
     assert low_pass(1.0) == 1.0  # test_low_pass_filter.cpp:173
     before = low_pass(2.0)
+    assert before == pytest.approx(1.0)  # the equation takes the input before
     assert low_pass(2.0) == pytest.approx((1.0 - a) * 2.0 + a * before)  # test_low_pass_filter.cpp:186
 
 

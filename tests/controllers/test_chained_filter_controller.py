@@ -71,15 +71,15 @@ class Harness:
             4,
             {"wheel_left": 0, "wheel_right": 1},
             {"wheel_left": 2, "wheel_right": 3},
-            {"wheel_left": 0},
-            num_actuators=1,
+            {"wheel_left": 1},
+            num_actuators=2,
         )
         assert ChainedFilter.problem(parameters, DESCRIPTION) is None
         self.dut = ChainedFilter(ControllerSetup("dut", parameters, (), DESCRIPTION, layout, PERIOD))
         self.simulator = Simulator(self.dut)
         self.context = self.simulator.get_mutable_context()
         self.set(left, right)
-        for name, values in (("net_actuation", [7.0]), ("gpio_states", [4.0])):
+        for name, values in (("net_actuation", [9.0, 7.0]), ("gpio_states", [4.0])):
             if name in self.dut.robot_inputs:
                 self.dut.robot_inputs[name].FixValue(self.context, values)
         self.dut.activate(self.context)
@@ -146,6 +146,15 @@ def test_a_chain_filters_one_after_the_other_and_without_filters_passes_the_valu
     assert harness.update() == pytest.approx([0.5 * 1.6 + 0.5 * 1.1])
     plain = Harness({name: ONE[name] for name in ("input_interfaces", "output_interfaces")})
     assert plain.update() == [1.1]
+
+
+def test_a_single_interface_has_the_common_chain_only():
+    own = {name: ONE[name] for name in ("input_interfaces", "output_interfaces")}
+    harness = Harness(own | {"wheel_left/position": {"filter_chain": mean("a", 2)}})
+    assert harness.dut.warnings == ("wheel_left/position.filter_chain is ignored: a single interface has filter_chain",)
+    harness.update()
+    harness.set(2.0)
+    assert harness.update() == [2.0]
 
 
 def test_velocities_efforts_and_gpios_are_filtered():
@@ -228,7 +237,7 @@ def test_what_has_no_effect_is_said():
         ("wheel_right/velocity", "joint wheel_right has no state interface 'velocity' (it has position)"),
         (
             "imu/orientation",
-            "the state of 'imu' cannot be filtered, only those of <ros2_control>'s joints and gpios: wheel_l",
+            "the state of 'imu' cannot be filtered, only a joint's or gpio's of <ros2_control>: wheel_l",
         ),
         ("tank/flow", "gpio tank has no flow state interface in <ros2_control> (it has level)"),
     ],
