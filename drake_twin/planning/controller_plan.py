@@ -42,12 +42,12 @@ class ControllerPlan:
             read.
         claims: The command interfaces that it writes while active, in order.
         references: The references that other controllers may write, without its name as prefix.
-        exported: The names of the state interfaces that it exports, without its own as prefix.
         state: Its state at the start: unloaded, inactive or active.
         update_rate: The rate of its updates (Hz).
         problem: Why it cannot be configured or activated; None if it can.
         error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.
         wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
+        exported: The names of the state interfaces that it exports, without its own as prefix.
     """
 
     name: str
@@ -55,12 +55,12 @@ class ControllerPlan:
     parameters: Any = None
     claims: tuple[Interface, ...] = ()
     references: tuple[Interface, ...] = ()
-    exported: tuple[str, ...] = ()
     state: str = UNLOADED
     update_rate: float = 100.0
     problem: str | None = None
     error: InputError | None = None
     wiring: Wiring | None = None
+    exported: tuple[str, ...] = ()
 
     @property
     def sensor(self) -> str | None:
