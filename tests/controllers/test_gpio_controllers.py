@@ -9,8 +9,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin import TwinBuilder, messages
+from drake_twin.check import check
+from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.gpio_controllers import GpioCommandController, GpioCommandParameters
+from drake_twin.controllers.interface import Interface
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.urdf import describe_urdf
@@ -290,6 +293,19 @@ def test_a_twin_has_the_gpios_of_its_robots(twin):
     (component,) = twin.controller_manager("r").list_hardware_components()
     assert component.command_interfaces == ("vacuum/valve", "lamp/on")
     assert component.state_interfaces == ("vacuum/valve", "vacuum/pressure", "lamp/on")
+
+
+def test_a_gpio_has_no_limits_and_no_slider(twin):
+    assert twin.command_limits("/r/lamps/commands") == {Interface("lamp", "on"): (-np.inf, np.inf)}
+    assert JointCommands(twin).groups == {}
+
+
+def test_the_report_on_a_file_lists_its_gpios(tmp_path):
+    (tmp_path / "r.urdf").write_text(ROBOT)
+    report = check(str(tmp_path / "r.urdf"), {})
+    assert report.robot["command_interfaces"] == {"vacuum": ["valve"], "lamp": ["on"]}
+    assert report.robot["state_interfaces"] == {"vacuum": ["valve", "pressure"], "lamp": ["on"]}
+    assert not report.findings
 
 
 def test_a_twins_gpios_follow_commands_which_hold_and_are_saved(twin):
