@@ -110,12 +110,14 @@ def _describe(twin: "Twin") -> dict[str, Any]:
             name: [item.name for item in joint.command_interfaces]
             for name, joint in description.controlled_joints.items()
             if joint.command_interfaces
-        },
+        }
+        | {name: [*gpio.commands] for name, gpio in description.gpios.items() if gpio.commands},
         "state_interfaces": {
             name: [item.name for item in joint.state_interfaces]
             for name, joint in description.controlled_joints.items()
             if joint.state_interfaces
-        },
+        }
+        | {name: [*gpio.states] for name, gpio in description.gpios.items() if gpio.states},
         "controllers": [controller.name for controller in plan.controllers],
         "meshes": {str(mesh): mesh.stat().st_size for mesh in plan.model.meshes},
         "contact": [

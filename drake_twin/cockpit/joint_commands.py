@@ -77,6 +77,7 @@ def slider_groups(twin: Twin) -> tuple[SliderGroup, ...]:
             sliders = [
                 _slider(plan, interface.joint, interface.name, *bounds)
                 for interface, bounds in twin.command_limits(topic).items()
+                if interface.joint not in plan.description.gpios
             ]
         elif item.type == _TRAJECTORY:
             claims = next(each.claims for each in plan.controllers if each.name == item.controller)

@@ -69,6 +69,43 @@ class MecanumDrive:
 
 
 @dataclass(frozen=True)
+class OmniWheelDrive:
+    """Three or more omnidirectional wheels at equal angles on a circle, counted counterclockwise.
+
+    Attributes:
+        wheel_radius: Radius of the wheels (m).
+        robot_radius: Radius of the circle (m).
+        count: The number of wheels.
+        offset: The angle of the first wheel from the base's x axis (rad).
+    """
+
+    wheel_radius: float
+    robot_radius: float
+    count: int
+    offset: float = 0.0
+
+    def wheel_velocities(self, linear_x: float, linear_y: float, angular: float) -> tuple[float, ...]:
+        """Return the velocities of the wheels (rad/s) for a velocity of the base (m/s, m/s, rad/s)."""
+        turn = self.robot_radius * angular
+        return tuple(
+            (sin(angle) * linear_x - cos(angle) * linear_y - turn) / self.wheel_radius for angle in self._angles()
+        )
+
+    def base_velocity(self, *wheels: float) -> Twist:
+        """Return the base's velocity (m/s, m/s, rad/s) that fits those of the wheels (rad/s) best.
+
+        For wheels at equal angles the least squares solution is a mean over each wheel's share.
+        """
+        rims = [self.wheel_radius * wheel / self.count for wheel in wheels]
+        x = 2.0 * sum(rim * sin(angle) for rim, angle in zip(rims, self._angles(), strict=True))
+        y = -2.0 * sum(rim * cos(angle) for rim, angle in zip(rims, self._angles(), strict=True))
+        return x, y, -sum(rims) / self.robot_radius
+
+    def _angles(self) -> list[float]:
+        return [self.offset + 2.0 * pi * index / self.count for index in range(self.count)]
+
+
+@dataclass(frozen=True)
 class SteeringDrive:
     """One or two driven wheels on one axle and one or two steered ones on the other; right comes before left.
 

@@ -71,22 +71,44 @@ class WheelOdometry:
         y = self.y + (linear_x * sin(heading) + linear_y * cos(heading)) * step
         return WheelOdometry(x, y, heading, linear_x, linear_y, angular, time)
 
+    def moved_on_an_arc(self, linear_x: float, linear_y: float, angular: float, time: float) -> "WheelOdometry":
+        """Return the odometry after a step at a constant velocity in any direction, on an arc, not averaged."""
+        if not self.is_due(time):
+            return self
+        step = time - self.time
+        motion = (linear_x * step, angular * step, linear_y * step)
+        x, y, heading = integrate_exactly(self.x, self.y, self.heading, *motion)
+        return WheelOdometry(x, y, heading, linear_x, linear_y, angular, time)
+
     def reset(self) -> "WheelOdometry":
         """Return the same velocities and time at the origin."""
         return replace(self, x=0.0, y=0.0, heading=0.0)
 
 
-def integrate_exactly(x: float, y: float, heading: float, distance: float, turn: float) -> tuple[float, float, float]:
-    """Move a pose along an arc; along a straight line (`integrate_by_midpoint`) where the turn is below 1e-6 rad."""
+def integrate_exactly(
+    x: float, y: float, heading: float, distance: float, turn: float, sideways: float = 0.0
+) -> tuple[float, float, float]:
+    """Move a pose along an arc; along a straight line (`integrate_by_midpoint`) where the turn is below 1e-6 rad.
+
+    Args:
+        x: Position (m).
+        y: Position (m).
+        heading: Angle about z (rad).
+        distance: The motion forwards (m).
+        turn: The turn about z (rad).
+        sideways: The motion to the left (m).
+    """
     if abs(turn) < 1e-6:
-        return integrate_by_midpoint(x, y, heading, distance, turn)
-    radius, after = distance / turn, heading + turn
-    return x + radius * (sin(after) - sin(heading)), y - radius * (cos(after) - cos(heading)), after
+        return integrate_by_midpoint(x, y, heading, distance, turn, sideways)
+    after = heading + turn
+    along, across = (sin(after) - sin(heading)) / turn, (cos(after) - cos(heading)) / turn
+    return x + distance * along + sideways * across, y - distance * across + sideways * along, after
 
 
 def integrate_by_midpoint(
-    x: float, y: float, heading: float, distance: float, turn: float
+    x: float, y: float, heading: float, distance: float, turn: float, sideways: float = 0.0
 ) -> tuple[float, float, float]:
-    """Move a pose by one Runge-Kutta step of second order (distance in m, turn in rad)."""
+    """Move a pose by one Runge-Kutta step of second order (distance and motion to the left in m, turn in rad)."""
     between = heading + 0.5 * turn
-    return x + distance * cos(between), y + distance * sin(between), heading + turn
+    along, across = cos(between), sin(between)
+    return x + distance * along - sideways * across, y + distance * across + sideways * along, heading + turn

@@ -91,7 +91,8 @@ class Controller(WitnesslessSystem):
         published: Output topic below the controller's name → ROS message type; each is an abstract output port.
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
         vector_inputs: Name below the controller's name → vector input port for a user's own systems.
-        robot_inputs: Input of the robot's sub-diagram (``state``, ``net_actuation``) → the port that takes it.
+        vector_outputs: Name below the controller's name → vector output port for a user's own systems.
+        robot_inputs: Signal of the robot (``state``, ``net_actuation``, ``gpio_states``) → the port that takes it.
         odometry_frames: Parent and child frame of the port ``tf_odometry``; None without that port.
         warnings: Parameters without effect, as sentences.
     """
@@ -107,6 +108,11 @@ class Controller(WitnesslessSystem):
     @classmethod
     def reference_interfaces(cls, parameters: Any, description: RobotDescription) -> tuple[Interface, ...]:
         """Return the references that other controllers may claim, without this controller's name as prefix."""
+        return ()
+
+    @classmethod
+    def exported_interfaces(cls, parameters: Any) -> tuple[str, ...]:
+        """Return the names of the state interfaces that the controller exports, without its own as prefix."""
         return ()
 
     @classmethod
@@ -134,6 +140,7 @@ class Controller(WitnesslessSystem):
         self.published: dict[str, str] = {}
         self.actions: dict[str, str] = {}
         self.vector_inputs: dict[str, InputPort] = {}
+        self.vector_outputs: dict[str, OutputPort] = {}
         self.robot_inputs: dict[str, InputPort] = {}
         self.odometry_frames: tuple[str, str] | None = None
         self.warnings: tuple[str, ...] = ()
@@ -221,7 +228,10 @@ class Controller(WitnesslessSystem):
         return port
 
     def declare_robot_input(self, name: str, size: int) -> InputPort:
-        """Declare a vector input port that takes ``state`` or ``net_actuation`` of the robot's sub-diagram."""
+        """Declare a vector input port that takes ``state``, ``net_actuation`` or ``gpio_states`` of the robot.
+
+        The last has each state interface of `RobotDescription.gpios`, in that order.
+        """
         port: InputPort = self.DeclareVectorInputPort(name, size)
         self.robot_inputs[name] = port
         return port

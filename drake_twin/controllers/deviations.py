@@ -243,6 +243,27 @@ DEVIATIONS = tuple(
             "a twin that is wrong is worse than none",
         ),
         (
+            "gpio_controllers",
+            "a command with an unknown name, or an infinite value",
+            "written in part; the mock hardware fails",
+            "refused as a whole",
+            "half a command is none",
+        ),
+        (
+            "chained_filter_controller",
+            "who reads the state interfaces that it exports",
+            "any controller",
+            "they are listed and on a vector port; filters are of joints' and GPIOs' states",
+            "no controller of ros2_controllers reads another one's states",
+        ),
+        (
+            "omni_wheel_drive_controller",
+            "`cmd_vel_timeout` of 0",
+            "every command is too old",
+            "for ever",
+            "as in diff_drive_controller",
+        ),
+        (
             "joint_state_broadcaster",
             "joints of its parameter that have no state interface",
             "left out",

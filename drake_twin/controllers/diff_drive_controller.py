@@ -1,7 +1,6 @@
 """Differential drive: a base with driven wheels on its left and right side."""
 
 from dataclasses import dataclass, field, replace
-from math import isfinite
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -192,16 +191,6 @@ class DiffDriveController(DriveController):
         left, right = self._drive.wheel_velocities(*limited)
         per_side = len(parameters.left_wheel_names)
         return Update(memory, (left,) * per_side + (right,) * per_side)
-
-    def _wanted(self, context: Context, time: float, memory: DriveMemory) -> tuple[float, ...] | None:
-        """Return the velocity to follow; None to keep what was written last."""
-        chained = self.references(context)
-        if chained is not None:
-            return tuple(map(float, chained)) if all(map(isfinite, chained)) else None
-        command = self.received(self.get_command_input_port(), context)
-        if self._is_expired(time, memory.start if command is None else command.time):
-            return 0.0, 0.0
-        return None if command is None else (command.linear_x, command.angular_z)
 
     def _base_velocity(self, wheels: tuple[float, ...]) -> tuple[float, float]:
         per_side = len(wheels) // 2

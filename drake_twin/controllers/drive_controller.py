@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
-from math import atan2, cos, isinf, isnan, nan, sin
+from math import atan2, cos, isfinite, isinf, isnan, nan, sin
 from typing import Any
 
 import numpy as np
@@ -224,6 +224,19 @@ class DriveController(PeriodicController):
             return (nan,) * len(self._components), memory
         return tuple(getattr(command, name) for name in self._components), memory
 
+    def _wanted(self, context: Context, time: float, memory: DriveMemory) -> tuple[float, ...] | None:
+        """Return the velocity to follow; None to keep what was written last.
+
+        Before the first command, the time-out counts from the activation.
+        """
+        chained = self.references(context)
+        if chained is not None:
+            return tuple(map(float, chained)) if all(map(isfinite, chained)) else None
+        command = self.received(self.get_command_input_port(), context)
+        if self._is_expired(time, memory.start if command is None else command.time):
+            return (0.0,) * len(self._components)
+        return None if command is None else tuple(getattr(command, name) for name in self._components)
+
     def _with_odometry(
         self,
         context: Context,
@@ -332,13 +345,13 @@ def state_joint(wheel: str, joints: Container[str]) -> str:
     return wheel if wheel in joints else wheel.partition("/")[2]
 
 
-def check_covariances(parameters: Any) -> None:
-    """Check that covariance diagonals have six elements.
+def check_covariances(parameters: Any, *names: str) -> None:
+    """Check that covariance diagonals have six elements, by default those of pose and twist.
 
     Raises:
         ParameterError: If one has more or fewer.
     """
-    for name in ("pose_covariance_diagonal", "twist_covariance_diagonal"):
+    for name in names or ("pose_covariance_diagonal", "twist_covariance_diagonal"):
         if len(getattr(parameters, name)) != 6:
             raise ParameterError(f"{name} has {len(getattr(parameters, name))} elements; it needs six", name)
 

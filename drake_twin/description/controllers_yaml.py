@@ -248,9 +248,14 @@ def _unread(name: str, value: Any) -> str | None:
 
 
 def nested(parameters: Mapping[Any, Any]) -> dict[str, Any]:
-    """Convert ``linear.x.max_velocity: 1`` to ``linear: {x: {max_velocity: 1}}``: for ROS the two are one."""
+    """Convert ``linear.x.max_velocity: 1`` to ``linear: {x: {max_velocity: 1}}``: for ROS the two are one.
+
+    A list of mappings is one mapping, as for rcl: ROS's own examples have ``gpio: [{interfaces: […]}]``.
+    """
     found: dict[str, Any] = {}
     for key, value in parameters.items():
+        if isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            value = {name: below for item in value for name, below in item.items()}
         value = nested(value) if isinstance(value, Mapping) else value
         for part in reversed(str(key).split(".", _DEEPEST_NAME)):
             value = {part: value}

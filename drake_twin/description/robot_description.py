@@ -134,8 +134,33 @@ class HardwareSensor:
 
 
 @dataclass(frozen=True)
+class Gpio:
+    """A ``<gpio>`` of a ``<ros2_control>`` tag: inputs and outputs that are no joint's.
+
+    Attributes:
+        name: Its name.
+        commands: Command interface → its value at the start; NaN without one.
+        states: State interface → its value at the start; NaN without one.
+    """
+
+    name: str
+    commands: Mapping[str, float] = field(default_factory=dict)
+    states: Mapping[str, float] = field(default_factory=dict)
+
+    def problem(self, kind: str, interface: str) -> str | None:
+        """Return why a ``command`` or ``state`` interface cannot be claimed; None if it can."""
+        has = self.commands if kind == "command" else self.states
+        known = f"it has {', '.join(has)}" if has else f"it has no {kind} interface"
+        return (
+            None
+            if interface in has
+            else f"gpio {self.name} has no {interface} {kind} interface in <ros2_control> ({known})"
+        )
+
+
+@dataclass(frozen=True)
 class HardwareSystem:
-    """A ``<ros2_control>`` tag: one hardware component, its joints, sensors and ``<hardware><param>`` values."""
+    """A ``<ros2_control>`` tag: one hardware component, its joints, sensors, GPIOs and ``<hardware><param>`` values."""
 
     name: str
     type: str
@@ -143,6 +168,7 @@ class HardwareSystem:
     joints: tuple[ControlledJoint, ...] = ()
     sensors: tuple[HardwareSensor, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)
+    gpios: tuple[Gpio, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -297,6 +323,15 @@ class RobotDescription:
             for interface in sensor.state_interfaces
         }
 
+    @cached_property
+    def gpios(self) -> dict[str, Gpio]:
+        """GPIO name → its tags in ``<ros2_control>``, merged, in file order."""
+        found: dict[str, Gpio] = {}
+        for gpio in (gpio for system in self.systems for gpio in system.gpios):
+            known = found.get(gpio.name, Gpio(gpio.name))
+            found[gpio.name] = Gpio(gpio.name, {**known.commands, **gpio.commands}, {**known.states, **gpio.states})
+        return found
+
     def sensor(self, name: str, kind: str) -> Sensor | None:
         """Return the simulated sensor behind a sensor of ``<ros2_control>``; None if it has another name."""
         own = name.strip("/")
@@ -329,9 +364,11 @@ class RobotDescription:
         """Return the tightest bounds on a command: those of the URDF joint and of its ``<ros2_control>`` interface.
 
         Args:
-            joint: The joint's name.
+            joint: The joint's name, or that of a GPIO, whose commands have no bounds.
             interface: ``position`` (rad or m), ``velocity`` (rad/s or m/s) or ``effort`` (N·m or N).
         """
+        if joint in self.gpios:
+            return -inf, inf
         limits = self.joints_by_name[joint].limits
         lower, upper = {
             "position": (limits.lower, limits.upper),

@@ -8,6 +8,7 @@ from math import hypot, inf
 from lxml import etree
 
 from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.gpios import hardware_gpios
 from drake_twin.description.robot_description import (
     CommandInterface,
     ControlledJoint,
@@ -152,13 +153,16 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
                 parameters=parameters,
             )
         )
+    hardware = element.find("hardware")
+    parameters = {} if hardware is None else _parameters(hardware)
     return HardwareSystem(
         name=element.get("name", ""),
         type=element.get("type", "system"),
         plugin=(element.findtext("hardware/plugin") or "").strip(),
         joints=tuple(joints),
-        parameters=_parameters(hardware) if (hardware := element.find("hardware")) is not None else {},
+        parameters=parameters,
         sensors=tuple(hardware_sensors(reader, element)),
+        gpios=tuple(hardware_gpios(reader, element, parameters)),
     )
 
 

@@ -37,6 +37,7 @@ _GEOMETRY = _part(
     ellipsoid=_part("a b c"),
     mesh=_part("filename scale"),
 )
+_GPIO_INTERFACE = _part("name data_type", param=_part("name", "initial_value"))
 _MATERIAL = _part("name", color=_part("rgba"))
 URDF = _part(
     "name version",
@@ -59,7 +60,7 @@ URDF = _part(
     ),
     ros2_control=_part(
         "name type",
-        hardware=_part(plugin=_TEXT, param=_part("name", "hold_joints position_proportional_gain")),
+        hardware=_part(plugin=_TEXT, param=_part("name", "hold_joints position_proportional_gain mock_gpio_commands")),
         joint=_part(
             "name mimic",
             command_interface=_part("name", param=_part("name", "min max")),
@@ -71,6 +72,7 @@ URDF = _part(
             state_interface=_part("name data_type", param=_part("name", "initial_value")),
             param=_part("name"),
         ),
+        gpio=_part("name", command_interface=_GPIO_INTERFACE, state_interface=_GPIO_INTERFACE),
     ),
     # The last two ask that fixed joints are not lumped together, which the twin never does.
     gazebo=_part(
@@ -179,9 +181,10 @@ SEVERAL = {
     *(("robot", tag) for tag in ("link", "joint", "material", "gazebo", "ros2_control")),
     *(("model", tag) for tag in ("link", "joint", "frame")),
     *(("link", tag) for tag in ("visual", "collision")),
-    *(("ros2_control", tag) for tag in ("joint", "sensor")),
+    *(("ros2_control", tag) for tag in ("joint", "sensor", "gpio")),
     *(("joint", tag) for tag in ("command_interface", "state_interface", "param")),
     *(("sensor", tag) for tag in ("state_interface", "param")),
+    *(("gpio", tag) for tag in ("command_interface", "state_interface")),
     *((tag, "param") for tag in ("hardware", "command_interface", "state_interface")),
     ("plugin", "parameters"),
 }

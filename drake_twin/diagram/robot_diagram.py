@@ -17,6 +17,7 @@ from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.description.robot_description import Sensor
+from drake_twin.diagram.gpios import add_gpios
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
@@ -25,6 +26,7 @@ from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.sensors.registry import sensor_class
+from drake_twin.systems.gpio_hardware import GpioHardware
 from drake_twin.systems.joint_servo import COMMANDS, JointServo
 from drake_twin.systems.state_layout import StateLayout
 
@@ -37,6 +39,7 @@ class RobotDiagram:
         diagram: The sub-diagram.
         controllers: Controller name → its system, in the order in which they are activated.
         servo: The system that combines the controllers' commands; None for a robot without actuators.
+        gpios: The hardware of its GPIOs; None if no controller uses one.
         joints: The joint of each actuator; None for one that models friction.
         plant_inputs: Input port → the plant's output port to connect; only ports that a system needs.
         always_published: Output port → message type of the topics that no controller publishes.
@@ -47,6 +50,7 @@ class RobotDiagram:
     diagram: Diagram
     controllers: dict[str, Controller]
     servo: JointServo | None
+    gpios: GpioHardware | None
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
     always_published: dict[str, str] = field(default_factory=dict)
@@ -94,15 +98,17 @@ def build_robot_diagram(
         for topic in always_published:
             builder.ExportOutput(broadcaster.GetOutputPort(topic), topic)
     builder.ExportOutput(broadcaster.get_state_estimated_output_port(), "state_estimated")
+    gpios = add_gpios(builder, plan, controllers, time_step)
     for name, controller in controllers.items():
         for source, port in controller.robot_inputs.items():
-            inputs.connect(from_plant[source], source, port)
+            if source in from_plant:
+                inputs.connect(from_plant[source], source, port)
         _wire_controller(builder, name, controller, controllers)
     _add_sensors(builder, plan, plant, instance, controllers, inputs)
     sensors = _add_publishing_sensors(builder, plan, plant, instance, inputs)
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, joints, inputs.needed, always_published, sensors, warnings)
+    return RobotDiagram(diagram, controllers, servo, gpios, joints, inputs.needed, always_published, sensors, warnings)
 
 
 class _PlantInputs:
@@ -292,7 +298,7 @@ def _wire_controller(
 ) -> None:
     for topic in (*controller.subscribed, *controller.actions, *controller.vector_inputs):
         builder.ExportInput(controller.GetInputPort(topic), f"{name}/{topic}")
-    for topic in controller.published:
+    for topic in (*controller.published, *controller.vector_outputs):
         builder.ExportOutput(controller.GetOutputPort(topic), f"{name}/{topic}")
     if isinstance(controller, PeriodicController):
         for other in controller.setup.upstream:

@@ -277,6 +277,8 @@ def _export_vectors(
                 port = robot.diagram.GetInputPort(f"{controller}/{own}")
                 if not builder.IsConnectedOrExported(port):
                     builder.ExportInput(port, f"{name}/{controller}/{own}")
+            for own in system.vector_outputs:
+                builder.ExportOutput(robot.diagram.GetOutputPort(f"{controller}/{own}"), f"{name}/{controller}/{own}")
 
 
 def _add_visualizer(

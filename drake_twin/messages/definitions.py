@@ -51,6 +51,9 @@ DEFINITIONS = {
     "control_msgs/msg/DynamicJointState": (
         "std_msgs/Header header\nstring[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n"
     ),
+    "control_msgs/msg/DynamicInterfaceGroupValues": (
+        "std_msgs/Header header\nstring[] interface_groups\ncontrol_msgs/InterfaceValue[] interface_values\n"
+    ),
     "control_msgs/msg/JointComponentTolerance": (
         "uint16 X_AXIS=1\nuint16 Y_AXIS=2\nuint16 Z_AXIS=3\nuint16 TRANSLATION=4\nuint16 ROTATION=5\n"
         "string joint_name\nuint16 component\nfloat64 position\nfloat64 velocity\nfloat64 acceleration\n"

@@ -48,6 +48,7 @@ class ControllerPlan:
         error: The same as an error with file and line, if the controller should be loaded and is missing or wrong.
         wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
         fallbacks: The controllers that replace it when it fails.
+        exported: The names of the state interfaces that it exports, without its own as prefix.
     """
 
     name: str
@@ -61,6 +62,7 @@ class ControllerPlan:
     error: InputError | None = None
     wiring: Wiring | None = None
     fallbacks: tuple[str, ...] = ()
+    exported: tuple[str, ...] = ()
 
     @property
     def sensor(self) -> str | None:

@@ -6,15 +6,19 @@ from drake_twin.description.robot_description import RobotDescription
 
 
 def joints_in_state(description: RobotDescription, states: Mapping[str, str], state: str) -> dict[str, str]:
-    """Return joint → its ``<ros2_control>`` tag, of the tags that are in a state.
+    """Return joint or GPIO → its ``<ros2_control>`` tag, of the tags that are in a state.
 
     Args:
         description: The robot.
         states: Tag → ``inactive`` or ``unconfigured``; others are active.
         state: The state.
     """
-    systems = (system for system in description.systems if states.get(system.name) == state)
-    return {joint.name: system.name for system in systems for joint in system.joints}
+    found: dict[str, str] = {}
+    for system in description.systems:
+        if states.get(system.name) == state:
+            found |= {joint.name: system.name for joint in system.joints}
+            found |= {gpio.name: system.name for gpio in system.gpios}
+    return found
 
 
 def idle_joints(description: RobotDescription, states: Mapping[str, str], *, uses_inactive: bool) -> dict[str, str]:

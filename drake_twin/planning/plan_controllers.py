@@ -229,7 +229,7 @@ def _plan(
         hint = f"did you mean {close[0]!r}?" if close else "a module that has it is named by --plugin"
         return replace(plan, problem=f"type {controller.type} is not supported; {hint}"), ()
     if prefix:
-        joints = description.joints_by_name
+        joints = {*description.joints_by_name, *description.gpios}
         own = replace(controller, parameters=_with_prefix(controller.parameters, prefix, joints))
     else:
         own = controller
@@ -244,11 +244,13 @@ def _plan(
     problem = next(filter(None, problems), None)
     problem = problem or kind.problem(parameters, description)
     references = kind.reference_interfaces(parameters, description)
-    return replace(plan, parameters=parameters, claims=claims, references=references, problem=problem), ignored
+    exported = kind.exported_interfaces(parameters)
+    plan = replace(plan, parameters=parameters, claims=claims, references=references, exported=exported)
+    return replace(plan, problem=problem), ignored
 
 
-def _with_prefix(value: Any, prefix: str, joints: Mapping[str, Any]) -> Any:
-    """Return a parameter with the prefix added to the names of joints, at any depth."""
+def _with_prefix(value: Any, prefix: str, joints: Container[str]) -> Any:
+    """Return a parameter with the prefix added to the names of joints and GPIOs, at any depth."""
     if isinstance(value, str):
         return prefix + value if value not in joints and prefix + value in joints else value
     if isinstance(value, Mapping):
@@ -262,9 +264,10 @@ def _check_joints(
     controller: ControllerParameters, claims: Sequence[Interface], description: RobotDescription, known: Container[str]
 ) -> None:
     seen = set()
+    names = {*description.joints_by_name, *description.gpios}
     for claim in claims:
         owner, separator, _ = claim.joint.partition("/")
-        if claim.joint not in description.joints_by_name and not (separator and owner in known):
+        if claim.joint not in names and not (separator and owner in known):
             place = next(_places(controller.parameters, claim.joint), ())
             valid = [joint.name for joint in description.movable_joints]
             raise controller.error(f"the robot has no joint {claim.joint!r}", *place, value=claim.joint, valid=valid)
@@ -286,6 +289,9 @@ def _places(value: Any, name: str, path: tuple[str | int, ...] = ()) -> Iterator
 
 def _unusable(claim: Interface, description: RobotDescription, needs_interface: bool) -> str | None:
     """Return why a command interface cannot be claimed; None when it can."""
+    gpio = description.gpios.get(claim.joint)
+    if gpio is not None:
+        return gpio.problem("command", claim.name)
     joint = description.joints_by_name[claim.joint]
     if not joint.is_movable:
         return f"joint {joint.name} is {joint.type} and cannot be commanded"

@@ -64,7 +64,7 @@ class RobotPlan:
 
     @property
     def unconfigured_joints(self) -> frozenset[str]:
-        """The joints whose interfaces are not available."""
+        """The joints and GPIOs whose interfaces are not available."""
         return frozenset(joints_in_state(self.description, self.hardware_states, "unconfigured"))
 
     @property

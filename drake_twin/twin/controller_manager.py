@@ -156,8 +156,9 @@ class ControllerManager:
             )
             for interface in (*self._hardware_commands(), *self._references())
         ]
+        hidden = self._plan.unconfigured_joints
         states = [
-            HardwareInterface(f"{joint.name}/{item.name}", joint.name not in self._plan.unconfigured_joints)
+            HardwareInterface(f"{joint.name}/{item.name}", joint.name not in hidden)
             for joint in self._plan.description.controlled_joints.values()
             for item in joint.state_interfaces
         ]
@@ -168,6 +169,12 @@ class ControllerManager:
             for sensor in system.sensors
             for name in sensor.state_interfaces
         ]
+        gpios = self._plan.description.gpios.values()
+        states += [
+            HardwareInterface(f"{gpio.name}/{name}", gpio.name not in hidden) for gpio in gpios for name in gpio.states
+        ]
+        configured = [plan for plan in self._plans.values() if self._states.get(plan.name) in (INACTIVE, ACTIVE)]
+        states += [HardwareInterface(f"{plan.name}/{name}") for plan in configured for name in plan.exported]
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
@@ -178,10 +185,14 @@ class ControllerManager:
                 type=system.type,
                 plugin=system.plugin,
                 state=self._plan.hardware_states.get(system.name, ACTIVE),
-                command_interfaces=tuple(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
+                command_interfaces=(
+                    *(f"{j.name}/{i.name}" for j in system.joints for i in j.command_interfaces),
+                    *(f"{gpio.name}/{name}" for gpio in system.gpios for name in gpio.commands),
+                ),
                 state_interfaces=(
                     *(f"{j.name}/{i.name}" for j in system.joints for i in j.state_interfaces),
                     *(f"{sensor.name}/{name}" for sensor in system.sensors for name in sensor.state_interfaces),
+                    *(f"{gpio.name}/{name}" for gpio in system.gpios for name in gpio.states),
                 ),
             )
             for system in self._plan.description.systems
@@ -326,10 +337,14 @@ class ControllerManager:
         )
 
     def _hardware_commands(self) -> list[Interface]:
+        description = self._plan.description
         return [
-            Interface(joint.name, item.name)
-            for joint in self._plan.description.controlled_joints.values()
-            for item in joint.command_interfaces
+            *(
+                Interface(j.name, item.name)
+                for j in description.controlled_joints.values()
+                for item in j.command_interfaces
+            ),
+            *(Interface(gpio.name, name) for gpio in description.gpios.values() for name in gpio.commands),
         ]
 
     def _references(self) -> list[Interface]:

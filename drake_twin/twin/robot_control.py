@@ -56,6 +56,7 @@ class RobotControl:
     _plant: MultibodyPlant
     _plant_context: Context
     _servo_context: Context
+    _gpio_context: Context
     _parts: RobotDiagram
     _in_plant: RobotInPlant
 
@@ -84,6 +85,8 @@ class RobotControl:
         }
         if self._parts.servo is not None:
             self._servo_context = self._parts.servo.GetMyMutableContextFromRoot(physics.context)
+        if self._parts.gpios is not None:
+            self._gpio_context = self._parts.gpios.GetMyMutableContextFromRoot(physics.context)
         self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
         layout = self._in_plant.layout
         names = [
@@ -213,7 +216,7 @@ class RobotControl:
 
     def state(self) -> dict[str, Any]:
         """Return the entries of a snapshot that this part keeps: controllers, their memory, the servo's assignment."""
-        servo = self._parts.servo
+        servo, gpios = self._parts.servo, self._parts.gpios
         return {
             "robots": {
                 self._plan.name: {
@@ -223,6 +226,7 @@ class RobotControl:
                     },
                     "servo": None if servo is None else to_plain(servo.assignment(self._servo_context)),
                     "stopped": self.stopped,
+                    **({} if gpios is None else {"gpios": to_plain(gpios.values(self._gpio_context).tolist())}),
                 }
             }
         }
@@ -247,6 +251,8 @@ class RobotControl:
             assignment = _like(servo.assignment(self._servo_context), from_plain(saved["servo"]))
             servo.check(assignment)
             servo.assign(self._servo_context, assignment)
+        if self._parts.gpios is not None and "gpios" in saved:
+            self._parts.gpios.set_values(self._gpio_context, from_plain(saved["gpios"]))
         self._apply_gains()
 
     def _stateful(self) -> Iterator[tuple[str, StatefulController, Context]]:

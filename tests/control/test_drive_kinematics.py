@@ -3,7 +3,13 @@ from math import atan, cos, hypot, pi, sin, tan
 import numpy as np
 import pytest
 
-from drake_twin.control.drive_kinematics import DifferentialDrive, MecanumDrive, SteeredDrivenWheel, SteeringDrive
+from drake_twin.control.drive_kinematics import (
+    DifferentialDrive,
+    MecanumDrive,
+    OmniWheelDrive,
+    SteeredDrivenWheel,
+    SteeringDrive,
+)
 
 # Rigid-body kinematics: the velocity of a point (x, y) of a base with the velocity (vx, vy, w).
 
@@ -106,3 +112,24 @@ def test_a_steered_driven_wheel_turns_the_base_on_the_spot():
     drive = SteeredDrivenWheel(wheelbase=1.7, wheel_radius=0.3)
     assert drive.wheel_command(0.0, -0.6) == pytest.approx((0.6 * 1.7 / 0.3, -pi / 2))
     assert drive.base_velocity(*drive.wheel_command(0.0, -0.6)) == pytest.approx((0.0, -0.6))
+
+
+@pytest.mark.parametrize(("count", "offset"), [(3, 0.0), (3, 1.0), (4, 0.7), (7, -2.0)])
+def test_omni_wheels_roll_along_their_driven_direction(count, offset):
+    radius, distance = 0.05, 0.3
+    drive = OmniWheelDrive(radius, distance, count, offset)
+    velocity = (0.4, -0.7, 0.9)
+    for index, speed in enumerate(drive.wheel_velocities(*velocity)):
+        angle = offset + 2 * pi * index / count
+        rolls = np.array([sin(angle), -cos(angle)])  # clockwise about the base for a positive velocity
+        at_wheel = point_velocity(*velocity, distance * cos(angle), distance * sin(angle))
+        assert speed * radius == pytest.approx(at_wheel @ rolls)
+    assert drive.base_velocity(*drive.wheel_velocities(*velocity)) == pytest.approx(velocity)
+
+
+def test_omni_wheels_that_slip_give_the_least_squares_solution():
+    """As odometry.cpp:98 of omni_wheel_drive_controller, which solves it by a singular value decomposition."""
+    drive, wheels = OmniWheelDrive(0.05, 0.3, 5, 0.2), np.array([1.0, -2.0, 0.5, 3.0, 4.0])
+    angles = 0.2 + 2 * pi * np.arange(5) / 5
+    matrix = np.column_stack([np.sin(angles), -np.cos(angles), np.full(5, -0.3)])
+    assert drive.base_velocity(*wheels) == pytest.approx(np.linalg.lstsq(matrix, 0.05 * wheels, rcond=None)[0])

@@ -54,7 +54,8 @@ DROPS = {
     "element of nobody": "<mine/>",
     "sensor of ROS 1": '<sensor name="s"/>',
     "gripper": '<gripper name="g"/>',
-    "gpio": '<ros2_control name="g" type="system"><gpio name="io"/></ros2_control>',
+    "bound of a gpio": '<ros2_control name="g" type="system"><gpio name="io"><command_interface name="a">'
+    '<param name="max">1</param></command_interface></gpio></ros2_control>',
     "hardware parameter": '<ros2_control name="h" type="system"><hardware><param name="port">1</param></hardware>'
     "</ros2_control>",
     "rate of the hardware": '<ros2_control name="h" type="system" rw_rate="5"/>',
