@@ -113,13 +113,18 @@ def leave(code: int) -> NoReturn:
 
 @contextlib.contextmanager
 def collecting_later() -> Iterator[None]:
-    """Suspend garbage collection while many lasting objects are imported and created."""
+    """Suspend garbage collection while many lasting objects are imported and created.
+
+    The objects are moved to the oldest generation: the next collection would visit each of them, 60 ms for ten robots.
+    """
     collects = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if collects:
+            gc.freeze()
+            gc.unfreeze()
             gc.enable()
 
 

@@ -6,6 +6,7 @@ topic's name with ``@ROBOT/CONTROLLER`` after it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain, count
 
 from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
 
@@ -145,7 +146,8 @@ def _ports(diagram: Diagram, known: Mapping[str, tuple[str, str, tuple[str, str,
 
 def _port_name(topic: str, known: Mapping[str, object], robot: str, controller: str) -> str:
     """Return a port's name that is free: the topic's, or for a further port one with its owner."""
-    names = (topic, f"{topic}@{robot}/{controller}", *(f"{topic}@{robot}/{controller}/{n}" for n in range(2, 1000)))
+    owned = f"{topic}@{robot}/{controller}"
+    names = chain((topic, owned), (f"{owned}/{number}" for number in count(2)))
     return next(name for name in names if name not in known)
 
 

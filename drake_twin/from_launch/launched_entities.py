@@ -10,6 +10,7 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
@@ -265,6 +266,12 @@ class _Sorter:
             topic = launched.publisher.resolve("robot_description")
             if topic != f"{own}/robot_description":
                 found[f"{own}/robot_description"] = topic
+        return found | self._bridged
+
+    @cached_property
+    def _bridged(self) -> dict[str, str]:
+        """Gazebo topic → ROS topic of all bridges that rename it."""
+        found = {}
         for process in self._processes:
             if (process.package, process.executable) in _BUILT_IN and process.executable == "parameter_bridge":
                 found |= bridged_topics(process)

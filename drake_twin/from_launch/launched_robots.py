@@ -3,6 +3,7 @@
 import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -197,7 +198,8 @@ class LaunchedRobots:
         namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
         taken = {robot.name for robot in self.robots}
-        name = next(each for each in (name, *(f"{name}_{number}" for number in range(1, 10_000))) if each not in taken)
+        names = chain((name,), (f"{name}_{number}" for number in count(1)))
+        name = next(each for each in names if each not in taken)
         if control or source.has_hardware:
             names = [_element(plugin, "controller_manager_name", "controller_manager_node_name") for plugin in control]
             manager = absolute_name(next(filter(None, names), "controller_manager"), namespace)
