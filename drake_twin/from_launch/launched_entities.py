@@ -271,7 +271,7 @@ class _Sorter:
     @cached_property
     def _bridged(self) -> dict[str, str]:
         """Gazebo topic → ROS topic of all bridges that rename it."""
-        found = {}
+        found: dict[str, str] = {}
         for process in self._processes:
             if (process.package, process.executable) in _BUILT_IN and process.executable == "parameter_bridge":
                 found |= bridged_topics(process)
