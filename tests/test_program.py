@@ -1,12 +1,14 @@
+import gc
 import os
 import signal
 import subprocess
 import sys
+import weakref
 
 import pytest
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.program import ArgumentParser, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, collecting_later, run_program, say, stop_signals
 
 
 def failing(error):
@@ -79,3 +81,23 @@ def test_a_warning_while_running_is_shown_once(tmp_path):
     command = [sys.executable, "-c", program, "--headless", "--duration", "0.01"]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
     assert result.stderr == "warning: careful\nwarning: mind\n"
+
+
+def test_collecting_later_leaves_nothing_to_visit_at_once_and_everything_to_be_collected():
+    class Ring:
+        pass
+
+    gc.collect()
+    with collecting_later():
+        rings = [Ring() for _ in range(5000)]
+        for ring in rings:
+            ring.itself = ring
+        watched = weakref.ref(rings[0])
+        assert not gc.isenabled()
+        assert gc.get_count()[0] >= 5000
+    assert gc.isenabled()
+    assert gc.get_count()[0] < 1000  # the young ones, which the next collection visits
+    assert gc.get_freeze_count() == 0
+    del rings, ring
+    gc.collect()
+    assert watched() is None

@@ -60,9 +60,9 @@ class XacroSurroundings:
         included = len(xacro.all_includes)
 
         def noted(evaluate: Callable[..., str]) -> Callable[..., str]:
-            def evaluated(name: str, *default: str) -> str:
+            def evaluated(name: str, **more: str) -> str:
                 self.ask("environment", name)
-                return evaluate(name, *default)
+                return evaluate(name, **more)
 
             return evaluated
 

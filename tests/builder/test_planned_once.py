@@ -20,7 +20,11 @@ CART = """<robot name="cart" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
 <collision><geometry><box size="1 1 1"/></geometry></collision></link></robot>"""
 
-BRIDGE = '<node pkg="ros_gz_bridge" exec="parameter_bridge" name="bridge_{0}" args="/gz_{0}@x"/>'
+CART_NODES = """
+<node pkg="robot_state_publisher" exec="robot_state_publisher" namespace="cart_{0}">
+  <param name="robot_description" value="{text}" type="str"/></node>
+<node pkg="ros_gz_sim" exec="create" namespace="cart_{0}" args="-name cart_{0} -topic robot_description -y {y}"/>
+<node pkg="ros_gz_bridge" exec="parameter_bridge" name="bridge_{0}" args="/gz_{0}@x"/>"""
 
 
 @pytest.fixture
@@ -51,18 +55,12 @@ def twin_of(file):
 
 
 def fleet(folder, masses):
-    """A launch file with a cart of each mass, each with the same words, and a bridge beside each."""
+    """A launch file with a cart of each mass, and a bridge beside each."""
     (folder / "cart.xacro").write_text(CART)
     nodes = []
     for number, mass in enumerate(masses):
         text = f"$(command 'xacro {folder}/cart.xacro mass:={mass}')"
-        nodes += [
-            f'<node pkg="robot_state_publisher" exec="robot_state_publisher" namespace="cart_{number}">'
-            f'<param name="robot_description" value="{text}" type="str"/></node>',
-            f'<node pkg="ros_gz_sim" exec="create" namespace="cart_{number}"'
-            f' args="-name cart_{number} -topic robot_description -y {2 * number}"/>',
-            BRIDGE.format(number),
-        ]
+        nodes.append(CART_NODES.format(number, text=text, y=2 * number))
     file = folder / "fleet.launch.xml"
     file.write_text(f"<launch>{''.join(nodes)}</launch>")
     return file

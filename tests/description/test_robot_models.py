@@ -12,8 +12,8 @@ URDF = """<robot name="own" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:a
 </inertial><collision name="a &lt; b"><geometry><box size="1 1 1"/></geometry></collision></link></robot>"""
 SDF = """<sdf version="1.9"><!-- <model name="no"> --><model name="own"><link name="base"><collision name="c"><geometry>
 <box><size>1 1 1</size></box></geometry></collision></link></model></sdf>"""
-MJCF = """<mujoco model="own"><worldbody><body name="base"><freejoint/><geom type="box" size="1 1 1"/></body></worldbody>
-</mujoco>"""
+MJCF = """<mujoco model="own"><worldbody><body name="base"><freejoint/><geom type="box" size="1 1 1"/>
+</body></worldbody></mujoco>"""
 
 
 @pytest.fixture
