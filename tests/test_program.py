@@ -83,21 +83,24 @@ def test_a_warning_while_running_is_shown_once(tmp_path):
     assert result.stderr == "warning: careful\nwarning: mind\n"
 
 
-def test_collecting_later_leaves_nothing_to_visit_at_once_and_everything_to_be_collected():
+def test_what_is_made_while_collecting_later_is_visited_later_and_still_collected():
     class Ring:
-        pass
+        def __init__(self):
+            self.itself = self
 
+    collections = []
     gc.collect()
-    with collecting_later():
-        rings = [Ring() for _ in range(5000)]
-        for ring in rings:
-            ring.itself = ring
-        watched = weakref.ref(rings[0])
-        assert not gc.isenabled()
-        assert gc.get_count()[0] >= 5000
-    assert gc.isenabled()
-    assert gc.get_count()[0] < 1000  # the young ones, which the next collection visits
+    gc.callbacks.append(lambda phase, info: collections.append(info["generation"]))
+    try:
+        with collecting_later():
+            assert not gc.isenabled()
+            watched = [weakref.ref(ring) for ring in [Ring() for _ in range(5000)]]
+        assert gc.isenabled()
+        further = [Ring() for _ in range(10)]
+        assert collections == []
+        assert len(further) == 10
+    finally:
+        gc.callbacks.pop()
     assert gc.get_freeze_count() == 0
-    del rings, ring
     gc.collect()
-    assert watched() is None
+    assert {ring() for ring in watched} == {None}
