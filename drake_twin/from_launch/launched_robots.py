@@ -1,6 +1,5 @@
 """The robots that a launch file starts: their descriptions, poses and controller managers."""
 
-import contextlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, count
@@ -19,8 +18,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.command_line import CommandLine, command_line
 from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
-from drake_twin.ros2.packages import lasting_folder
-from drake_twin.whole_file import write_whole
+from drake_twin.ros2.packages import lasting_file
 
 _SPAWNERS = {
     ("ros_gz_sim", "create"),
@@ -129,8 +127,7 @@ class LaunchedRobots:
             self.robots.clear()
         for model in world.robots:
             assert model.robot is not None
-            path = lasting_folder(model.robot.text) / model.robot.file
-            _keep(path, model.robot.text)
+            path = lasting_file(model.robot.file, model.robot.text)
             source = _read(str(path), model.robot.text, path)
             publisher = self._publishers[0] if len(self._publishers) == 1 else None
             self._add(model.name, source, world.process, model.pose, publisher, "")
@@ -309,17 +306,8 @@ class LaunchedRobots:
     def _text_source(self, text: str, what: str) -> _Source:
         """Return a description's text as a file of the cache, at the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
-        path = lasting_folder(text) / f"robot.{suffix}"
-        _keep(path, text)
+        path = lasting_file(f"robot.{suffix}", text)
         return _read(str(path), text, path)
-
-
-def _keep(path: Path, text: str) -> None:
-    """Write a file of the cache, unless it exists with the same text."""
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        if path.read_text(encoding="utf-8") == text:
-            return
-    write_whole(path, text)
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:
@@ -334,9 +322,7 @@ def parameters(process: LaunchedProcess) -> dict[str, Any]:
 def parameter_file(item: Path | ParameterText) -> str:
     """Return a parameters file's path; a rewritten file is put into the cache."""
     if isinstance(item, ParameterText):
-        path = lasting_folder(item.text) / item.file.name
-        _keep(path, item.text)
-        return str(path)
+        return str(lasting_file(item.file.name, item.text))
     return str(item)
 
 

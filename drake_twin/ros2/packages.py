@@ -13,6 +13,7 @@ from pathlib import Path
 from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.description.package_index import PackageIndex, containing_package
 from drake_twin.errors import InputError
+from drake_twin.whole_file import write_whole
 
 # The folders of packages that only ROS has: a path below them can be passed on, and reading from it names the package.
 ABSENT = "/package-not-found"
@@ -151,6 +152,16 @@ def lasting_folder(content: str) -> Path:
     folder = cache_folder("launch") / hashlib.sha256(content.encode()).hexdigest()[:16]
     folder.mkdir(exist_ok=True)
     return folder
+
+
+def lasting_file(name: str, text: str) -> Path:
+    """Return a file in the user's cache with a text; it is written unless it is there already."""
+    path = lasting_folder(text) / name
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        if path.read_text(encoding="utf-8") == text:
+            return path
+    write_whole(path, text)
+    return path
 
 
 @functools.lru_cache(maxsize=1)

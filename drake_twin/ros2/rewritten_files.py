@@ -1,6 +1,5 @@
 """Files that are rewritten during the evaluation: ``$(var …)`` filled in, keys and texts replaced."""
 
-import os
 from abc import ABC, abstractmethod
 from pathlib import Path
 
@@ -9,7 +8,7 @@ from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
 from drake_twin.ros2.launched import ParameterText
-from drake_twin.ros2.packages import AbsentError, absent_package_in, lasting_folder
+from drake_twin.ros2.packages import AbsentError, absent_package_in, lasting_file
 
 
 class RewrittenFile(Substitution, ABC):
@@ -63,9 +62,6 @@ def read_parameter_file(path: Path) -> str:
 
 def write_rewritten(context: LaunchContext, content: ParameterText) -> Path:
     """Write a rewritten file, and note its content in the context."""
-    path = lasting_folder(content.text) / content.file.name
-    part = path.with_name(f"{path.name}.{os.getpid()}")
-    part.write_text(content.text, encoding="utf-8")
-    part.replace(path)  # whole or not at all, for other processes
+    path = lasting_file(content.file.name, content.text)
     context.rewritten[str(path)] = content
     return path
