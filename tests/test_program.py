@@ -104,3 +104,12 @@ def test_what_is_made_while_collecting_later_is_visited_later_and_still_collecte
     assert gc.get_freeze_count() == 0
     gc.collect()
     assert {ring() for ring in watched} == {None}
+
+
+def test_a_program_says_how_numpys_threads_wait_before_it_imports_numpy(monkeypatch):
+    code = "import sys, drake_twin.run, drake_twin.check; print('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"
+    monkeypatch.delenv("OPENBLAS_THREAD_TIMEOUT", raising=False)
+    assert run_program(lambda arguments: int(os.environ["OPENBLAS_THREAD_TIMEOUT"]), []) == 4
+    monkeypatch.setenv("OPENBLAS_THREAD_TIMEOUT", "20")  # the user's
+    assert run_program(lambda arguments: int(os.environ["OPENBLAS_THREAD_TIMEOUT"]), []) == 20
