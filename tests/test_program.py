@@ -1,12 +1,14 @@
+import gc
 import os
 import signal
 import subprocess
 import sys
+import weakref
 
 import pytest
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.program import ArgumentParser, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, collecting_later, run_program, say, stop_signals
 
 
 def failing(error):
@@ -79,3 +81,35 @@ def test_a_warning_while_running_is_shown_once(tmp_path):
     command = [sys.executable, "-c", program, "--headless", "--duration", "0.01"]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
     assert result.stderr == "warning: careful\nwarning: mind\n"
+
+
+def test_what_is_made_while_collecting_later_is_visited_later_and_still_collected():
+    class Ring:
+        def __init__(self):
+            self.itself = self
+
+    collections = []
+    gc.collect()
+    gc.callbacks.append(lambda phase, info: collections.append(info["generation"]))
+    try:
+        with collecting_later():
+            assert not gc.isenabled()
+            watched = [weakref.ref(ring) for ring in [Ring() for _ in range(5000)]]
+        assert gc.isenabled()
+        further = [Ring() for _ in range(10)]
+        assert collections == []
+        assert len(further) == 10
+    finally:
+        gc.callbacks.pop()
+    assert gc.get_freeze_count() == 0
+    gc.collect()
+    assert {ring() for ring in watched} == {None}
+
+
+def test_a_program_says_how_numpys_threads_wait_before_it_imports_numpy(monkeypatch):
+    code = "import sys, drake_twin.run, drake_twin.check; print('numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"
+    monkeypatch.delenv("OPENBLAS_THREAD_TIMEOUT", raising=False)
+    assert run_program(lambda arguments: int(os.environ["OPENBLAS_THREAD_TIMEOUT"]), []) == 4
+    monkeypatch.setenv("OPENBLAS_THREAD_TIMEOUT", "20")  # the user's
+    assert run_program(lambda arguments: int(os.environ["OPENBLAS_THREAD_TIMEOUT"]), []) == 20

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from drake_twin.builder.robot_file import PlannedScenario, height_on_ground
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_models import RobotModels
 from drake_twin.findings import Finding, Kind, merged
 from drake_twin.from_launch.launched_entities import LaunchedEntities, LaunchedFrame, RobotHint, launched_entities
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED
@@ -81,8 +82,9 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
     findings = list(launched.findings)
     plans: list[RobotPlan] = []
     taken: set[str] = set()
+    models = RobotModels(launched.packages)
     for hint in launched.robots:
-        plan = _planned(hint, launched, taken, findings)
+        plan = _planned(hint, launched, taken, findings, models)
         taken |= topics_with_one_owner(plan)
         plans.append(plan)
     step = time_step or launched.time_step or 0.001
@@ -104,10 +106,12 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
     )
 
 
-def _planned(hint: RobotHint, launched: LaunchedEntities, taken: set[str], findings: list[Finding]) -> RobotPlan:
+def _planned(
+    hint: RobotHint, launched: LaunchedEntities, taken: set[str], findings: list[Finding], models: RobotModels
+) -> RobotPlan:
     """Plan a robot, without remappings to topics that other robots have."""
     remappings = {own: topic for own, topic in hint.robot.remappings.items() if topic not in taken}
-    plan = plan_robot(replace(hint.robot, remappings=remappings), launched.packages)
+    plan = plan_robot(replace(hint.robot, remappings=remappings), launched.packages, models=models)
     plan = _without_missing_controllers(plan, hint, findings)
     if lone := _left_alone(plan, hint, findings):
         active = tuple(name for name in plan.robot.active_controllers or () if name not in lone)

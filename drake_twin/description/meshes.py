@@ -7,6 +7,7 @@ import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +129,12 @@ def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
     Raises:
         InputError: As `collision_mesh`.
     """
-    lines = collision_mesh(file).read_text().splitlines()
+    return _primitive_of_hull(collision_mesh(file), scale)
+
+
+@lru_cache(maxsize=1024)
+def _primitive_of_hull(hull: Path, scale: Vector3) -> Primitive | None:
+    lines = hull.read_text().splitlines()  # it is named after its content
     corners = [[float(number) for number in line.split()[1:]] for line in lines if line.startswith("v ")]
     points = np.array(corners) * np.array(scale)
     lower, upper = points.min(axis=0), points.max(axis=0)

@@ -5,19 +5,21 @@ import hashlib
 import importlib.machinery
 import importlib.util
 import io
+import os
 import re
 import sys
 import sysconfig
 import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 from xml.parsers.expat import ExpatError
 
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.xacro_expressions import bounded_expressions, quick_yaml
+from drake_twin.description.xacro_surroundings import Answers, XacroSurroundings
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 
@@ -27,8 +29,11 @@ _XACRO_NAMESPACES = ("http://www.ros.org/wiki/xacro", "http://ros.org/wiki/xacro
 _XACRO_LOCK = threading.Lock()
 
 
-_MOST_KNOWN = 256  # texts whose places are remembered
+_MOST_KNOWN = 256  # expansions, and texts whose places are remembered
 _known_places: dict[bytes, tuple[Place, ...]] = {}
+
+_Key = TypeVar("_Key")
+_Value = TypeVar("_Value")
 
 
 class Expanded(NamedTuple):
@@ -45,8 +50,15 @@ class Expanded(NamedTuple):
     warnings: tuple[str, ...]
 
 
+# The folder in which a file with arguments was expanded → what that asked of its surroundings, and its result.
+_known_expansions: dict[tuple[str, str, str], tuple[Answers, Expanded]] = {}
+
+
 def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageIndex) -> Expanded:
     """Expand a xacro file to URDF text, as the ``xacro`` command does.
+
+    The same command is expanded once in a process, unless a file, a package or an environment variable that it read has
+    changed.
 
     Args:
         file: The xacro file.
@@ -56,10 +68,28 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     Raises:
         InputError: If xacro refuses the file; the text holds xacro's reason and its chain of files.
     """
+    key = (os.getcwd(), str(file), repr(sorted(arguments.items())))
+    with _XACRO_LOCK:
+        surroundings = XacroSurroundings(packages, file)
+        answers, expanded = _known_expansions.get(key, ({}, None))
+        if expanded is None or not surroundings.confirm(answers):
+            surroundings = XacroSurroundings(packages, file)
+            expanded = _expand(file, arguments, surroundings)
+        _remember(_known_expansions, key, (surroundings.answers, expanded))
+    _remember(_known_places, _digest(expanded.text), expanded.places)
+    return expanded
+
+
+def _expand(file: Path, arguments: Mapping[str, str], surroundings: XacroSurroundings) -> Expanded:
     xacro = installed_xacro()
-    with _XACRO_LOCK, _packages_for_xacro(packages, file), contextlib.redirect_stderr(io.StringIO()) as printed:
+    with contextlib.redirect_stderr(io.StringIO()) as printed:
         try:
-            with bounded_expressions(xacro), quick_yaml(), _tags_with_places(xacro):
+            with (
+                bounded_expressions(xacro),
+                quick_yaml(),
+                _tags_with_places(xacro),
+                surroundings.answering(xacro),
+            ):
                 document = xacro.process_file(str(file), mappings=dict(arguments))
         except (ExpatError, etree.XMLSyntaxError) as error:
             raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
@@ -73,11 +103,15 @@ def expand_xacro(file: Path, arguments: Mapping[str, str], packages: PackageInde
     text = document.toxml()
     places = tuple(_place(element, file) for element in document.getElementsByTagName("*"))
     document.unlink()  # its nodes refer to each other: without this they stay until a full garbage collection
-    _known_places[_digest(text)] = places
-    while len(_known_places) > _MOST_KNOWN:
-        _known_places.pop(next(iter(_known_places)))
     warnings = [", ".join(warning.split("\n")).strip(", ") for warning in warnings if warning.strip()]
     return Expanded(text, places, tuple(warnings))
+
+
+def _remember(known: dict[_Key, _Value], key: _Key, value: _Value) -> None:
+    known.pop(key, None)  # the latest ones are kept
+    known[key] = value
+    while len(known) > _MOST_KNOWN:
+        known.pop(next(iter(known)))
 
 
 def places_of_expanded(text: str) -> tuple[Place, ...] | None:
@@ -179,19 +213,6 @@ def _tags_with_places(xacro: Any) -> Iterator[None]:
         yield
     finally:
         xacro.parse = original
-
-
-@contextlib.contextmanager
-def _packages_for_xacro(packages: PackageIndex, file: Path) -> Iterator[None]:
-    installed_xacro()
-    from xacro import substitution_args
-
-    original = substitution_args._eval_find
-    substitution_args._eval_find = lambda package: str(packages.find(package, file))
-    try:
-        yield
-    finally:
-        substitution_args._eval_find = original
 
 
 def _reason(error: Exception) -> str:

@@ -12,6 +12,7 @@ from pydrake.geometry import (
     Cylinder,
     HalfSpace,
     ProximityProperties,
+    SceneGraphConfig,
     Shape,
 )
 from pydrake.multibody.plant import CoulombFriction
@@ -41,6 +42,9 @@ _MARGIN_OF_THIN = 0.05  # relative to the smallest side
 
 _THINNEST = 1e-6  # m
 
+# Drake adds to a shape what it lacks of these when a context is created, and then makes its faces once more.
+_DEFAULTS = SceneGraphConfig().default_proximity_properties
+
 
 def candidates(
     shape: ContactShape, friction: float, *, is_soft: bool, is_rigid: bool
@@ -67,6 +71,7 @@ def candidates(
     elif is_rigid:
         properties = _material(shape, friction)
         AddRigidHydroelasticProperties(resolution_hint=_resolution(shape.shape), properties=properties)
+        properties.AddProperty("hydroelastic", "hydroelastic_modulus", _DEFAULTS.hydroelastic_modulus)
         yield True, properties
     yield False, _material(shape, friction)
 
@@ -79,6 +84,7 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
         friction=CoulombFriction(friction, friction),
         properties=properties,
     )
+    properties.AddProperty("material", "relaxation_time", _DEFAULTS.relaxation_time)
     return properties
 
 

@@ -146,10 +146,9 @@ def _ports(diagram: Diagram, known: Mapping[str, tuple[str, str, tuple[str, str,
 
 def _port_name(topic: str, known: Mapping[str, object], robot: str, controller: str) -> str:
     """Return a port's name that is free: the topic's, or for a further port one with its owner."""
-    if topic not in known:
-        return topic
-    own = f"{topic}@{robot}/{controller}"
-    return next(name for name in chain((own,), (f"{own}/{number}" for number in count(2))) if name not in known)
+    owned = f"{topic}@{robot}/{controller}"
+    names = chain((topic, owned), (f"{owned}/{number}" for number in count(2)))
+    return next(name for name in names if name not in known)
 
 
 def _refuse_other_type(topic: str, known: str, kind: str, owner: str, robot: str) -> None:

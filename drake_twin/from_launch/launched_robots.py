@@ -195,8 +195,8 @@ class LaunchedRobots:
         namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
         taken = {robot.name for robot in self.robots}
-        numbered = (f"{name}_{number}" for number in count(1))
-        name = next(each for each in chain((name,), numbered) if each not in taken)
+        numbered = chain((name,), (f"{name}_{number}" for number in count(1)))
+        name = next(each for each in numbered if each not in taken)
         if control or source.has_hardware:
             names = [_element(plugin, "controller_manager_name", "controller_manager_node_name") for plugin in control]
             manager = absolute_name(next(filter(None, names), "controller_manager"), namespace)

@@ -3,6 +3,7 @@
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import lru_cache
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
@@ -225,8 +226,7 @@ def _plan(
     )
     kind = controller_class(controller.type)
     if kind is None:
-        close = get_close_matches(controller.type, controller_types(), n=1, cutoff=0.85)
-        hint = f"did you mean {close[0]!r}?" if close else "a module that has it is named by --plugin"
+        hint = _hint(controller.type, controller_types())
         return replace(plan, problem=f"type {controller.type} is not supported; {hint}"), ()
     if prefix:
         joints = {*description.joints_by_name, *description.gpios}
@@ -247,6 +247,12 @@ def _plan(
     exported = kind.exported_interfaces(parameters)
     plan = replace(plan, parameters=parameters, claims=claims, references=references, exported=exported)
     return replace(plan, problem=problem), ignored
+
+
+@lru_cache(maxsize=256)
+def _hint(unknown: str, types: tuple[str, ...]) -> str:
+    close = get_close_matches(unknown, types, n=1, cutoff=0.85)
+    return f"did you mean {close[0]!r}?" if close else "a module that has it is named by --plugin"
 
 
 def _with_prefix(value: Any, prefix: str, joints: Container[str]) -> Any:

@@ -9,7 +9,8 @@ from drake_twin.description.controllers_yaml import ControllerManagerParameters,
 from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
-from drake_twin.description.robot_model import RobotModel, load_robot_model
+from drake_twin.description.robot_model import RobotModel
+from drake_twin.description.robot_models import RobotModels
 from drake_twin.description.sensors import sensor_text
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
@@ -111,13 +112,16 @@ class RobotPlan:
         return self.frame_prefix + self.description.root_link
 
 
-def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> RobotPlan:
+def plan_robot(
+    robot: Robot, packages: PackageIndex, path: ValuePath = (), models: RobotModels | None = None
+) -> RobotPlan:
     """Read a robot's files and plan what the twin starts of them.
 
     Args:
         robot: The scenario's entry.
         packages: Resolves the addresses of files.
         path: The path of the entry in the scenario, for error messages.
+        models: The models of the robots that are planned with it.
 
     Raises:
         InputError: If a file or a joint is missing or wrong.
@@ -135,9 +139,8 @@ def plan_robot(robot: Robot, packages: PackageIndex, path: ValuePath = ()) -> Ro
         for name in xacro_args
         if name not in declared
     ]
-    model = load_robot_model(
+    model = (models or RobotModels(packages)).load(
         robot.model,
-        packages,
         name=robot.name,
         xacro_args=xacro_args,
         without_repairs=robot.without_repairs,

@@ -3,6 +3,7 @@
 import builtins
 import sys
 import types
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -57,10 +58,16 @@ def load_python_module(path: str, context: LaunchContext) -> types.ModuleType:
     sys.modules[_MODULE_NAME] = module  # where dataclasses and pickle look for it
     try:
         with context.loading(path):
-            exec(compile(source, path, "exec", dont_inherit=True), module.__dict__)
+            exec(_compiled(source, path), module.__dict__)
     except (Exception, SystemExit) as error:
         raise launch_error(error, context, path) from None
     return module
+
+
+@lru_cache(maxsize=256)
+def _compiled(source: bytes, path: str) -> types.CodeType:
+    """Compile a file, which a launch file may include once a robot."""
+    return compile(source, path, "exec", dont_inherit=True)
 
 
 def _locating_open(context: LaunchContext) -> Any:

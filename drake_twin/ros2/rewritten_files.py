@@ -1,10 +1,9 @@
 """Files that are rewritten during the evaluation: ``$(var …)`` filled in, keys and texts replaced."""
 
-import os
 from abc import ABC, abstractmethod
 from pathlib import Path
 
-from drake_twin.description.lasting_files import lasting_folder
+from drake_twin.description.lasting_files import lasting_file
 from drake_twin.errors import InputError
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
@@ -64,9 +63,6 @@ def read_parameter_file(path: Path) -> str:
 
 def write_rewritten(context: LaunchContext, content: ParameterText) -> Path:
     """Write a rewritten file, and note its content in the context."""
-    path = lasting_folder(content.text) / content.file.name
-    part = path.with_name(f"{path.name}.{os.getpid()}")
-    part.write_text(content.text, encoding="utf-8")
-    part.replace(path)  # whole or not at all, for other processes
+    path = lasting_file(content.file.name, content.text)
     context.rewritten[str(path)] = content
     return path

@@ -6,7 +6,7 @@ from lxml import etree
 from xacro import substitution_args
 
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.xacro_file import expand_xacro, xacro_arguments
+from drake_twin.description.xacro_file import expand_xacro, installed_xacro, xacro_arguments
 from drake_twin.errors import InputError
 
 BOMB = (
@@ -145,3 +145,86 @@ def test_includes_that_cannot_be_followed_do_not_hide_the_other_arguments(tmp_pa
     )
     file = write_xacro(tmp_path / "r.xacro", f'{includes}<xacro:arg name="prefix"/>')
     assert xacro_arguments(file, PackageIndex((), {})) == {"prefix"}
+
+
+@pytest.fixture
+def expansions(monkeypatch):
+    """The files that xacro itself is asked to expand."""
+    xacro = installed_xacro()
+    files = []
+    original = xacro.process_file
+    monkeypatch.setattr(xacro, "process_file", lambda name, **more: files.append(name) or original(name, **more))
+    return files
+
+
+def test_the_same_command_is_expanded_once(tmp_path, expansions):
+    body = '<xacro:arg name="of" default="left"/><link name="$(arg of)"/>'
+    file = write_xacro(tmp_path / "r.xacro", body)
+    once, again = (expand_xacro(file, {"of": "right"}, PackageIndex((), {})) for _ in range(2))
+    assert once == again
+    assert len(expansions) == 1
+    assert link_of(file) == "left"
+    assert len(expansions) == 2
+
+
+def test_warnings_of_an_expansion_that_is_known_are_the_same(tmp_path, expansions):
+    file = write_xacro(tmp_path / "r.xacro", '<xacro:property name="r" value="1" unit="m"/><link name="a"/>')
+    once, again = (expand_xacro(file, {}, PackageIndex((), {})).warnings for _ in range(2))
+    assert once == again != ()
+    assert len(expansions) == 1
+
+
+def changed_file(folder, _):
+    write_xacro(folder / "r.xacro", '<link name="after"/>')
+
+
+def changed_include(folder, _):
+    write_xacro(folder / "part.xacro", '<link name="after"/>')
+
+
+def changed_yaml(folder, _):
+    (folder / "names.yaml").write_text("link: after")
+
+
+def changed_variable(_, monkeypatch):
+    monkeypatch.setenv("LINK", "after")
+
+
+def further_file(folder, _):
+    write_xacro(folder / "parts" / "a.xacro", '<link name="after"/>')
+
+
+def deleted_package(folder, _):
+    (folder / "first" / "after").rmdir()
+    (folder / "second" / "after").mkdir()
+
+
+@pytest.mark.parametrize(
+    ("body", "change"),
+    [
+        ('<link name="before"/>', changed_file),
+        ('<xacro:include filename="part.xacro"/>', changed_include),
+        ("<link name=\"${xacro.load_yaml('names.yaml')['link']}\"/>", changed_yaml),
+        ('<link name="$(optenv LINK before)"/>', changed_variable),
+        ('<link name="$(env LINK)"/>', changed_variable),
+        ('<xacro:include filename="parts/*.xacro"/>', further_file),
+        ('<link name="$(find after)"/>', deleted_package),
+    ],
+)
+def test_what_has_changed_is_expanded_again(tmp_path, monkeypatch, body, change):
+    monkeypatch.setenv("LINK", "before")
+    if "optenv" in body:
+        monkeypatch.delenv("LINK")
+    write_xacro(tmp_path / "part.xacro", '<link name="before"/>')
+    write_xacro(tmp_path / "parts" / "b.xacro", '<link name="before"/>')
+    (tmp_path / "names.yaml").write_text("link: before")
+    (tmp_path / "first" / "after").mkdir(parents=True)
+    (tmp_path / "second").mkdir()
+    file = write_xacro(tmp_path / "r.xacro", body)
+    folders = (tmp_path / "first", tmp_path / "second")
+    before = link_of(file, *folders)
+    assert link_of(file, *folders) == before
+    change(tmp_path, monkeypatch)
+    after = link_of(file, *folders)
+    assert after != before
+    assert after.endswith("after")

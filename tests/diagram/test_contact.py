@@ -1,7 +1,7 @@
 """How shapes are chosen to touch, and what is said where they cannot."""
 
 import pytest
-from pydrake.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
+from pydrake.geometry import Box, Convex, Cylinder, Ellipsoid, Role, Sphere
 
 from drake_twin import TwinBuilder
 from drake_twin.scenario import World
@@ -94,3 +94,20 @@ def test_a_mesh_that_cannot_yield_touches_in_a_point_and_says_so(tmp_path, size,
     assert touching(twin, "part") == (Convex, touches)
     said = "cart: a collision shape of part touches in a point: Drake cannot compute its pressure"
     assert (said in twin.warnings) == (touches == "point")
+
+
+@pytest.mark.parametrize("contact", ["hydroelastic", "point"])
+def test_drake_adds_nothing_to_a_face_when_a_context_is_created(tmp_path, contact):
+    """What it adds makes it compute the faces of the shape again."""
+    twin = twin_of(tmp_path, cart(), World(contact=contact))
+    graph = twin.plant.GetMyContextFromRoot(twin.context)
+    of_context = twin.plant.get_geometry_query_input_port().Eval(graph).inspector()
+    of_model = next(item for item in twin.diagram.GetSystems() if item.get_name() == "scene_graph").model_inspector()
+    faces = 0
+    for geometry in of_model.GetAllGeometryIds(Role.kProximity):
+        own, used = (inspector.GetProximityProperties(geometry) for inspector in (of_model, of_context))
+        if own.HasProperty("hydroelastic", "compliance_type"):
+            faces += 1
+            for group in used.GetGroupNames():
+                assert set(used.GetPropertiesInGroup(group)) == set(own.GetPropertiesInGroup(group))
+    assert faces >= 1
