@@ -115,8 +115,8 @@ def test_other_peoples_rover_drives_by_its_own_parameters_file(tmp_path, corpus)
     topic = "/bumperbot/bumperbot_controller/cmd_vel"
     result = summary_of(tmp_path, file, "--pub", topic, "{twist: {linear: {x: 0.1}}}", "--duration", 1)
     robot = result["robots"]["bumperbot"]
-    # Wheels of 33 mm that its <ros2_control> limits to 1 rad/s, for the half second that a command holds.
-    assert robot["base_pose"][0] == pytest.approx(0.033 * 1.0 * 0.5, rel=0.25)
+    # For the half second that a command holds; the file's limits of ±1 rad/s are not in force without a parameter.
+    assert robot["base_pose"][0] == pytest.approx(0.1 * 0.5, rel=0.1)
     (conflict,) = result["not_started"]
     assert "simple_velocity_controller: resource conflict" in conflict
 

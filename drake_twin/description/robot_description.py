@@ -6,7 +6,7 @@ Units are SI: m, rad, s, kg, N, N·m. Rotations are roll, pitch, yaw about fixed
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import copysign, inf, nan
+from math import inf, nan
 from pathlib import Path
 
 from drake_twin.findings import Place
@@ -49,10 +49,11 @@ class JointLimits:
     effort: float = inf
 
     def __post_init__(self) -> None:
-        for name in ("lower", "upper", "velocity", "effort"):
-            value = getattr(self, name)
-            if abs(value) >= NO_LIMIT:
-                object.__setattr__(self, name, copysign(inf, value))
+        if self.lower <= -NO_LIMIT:
+            object.__setattr__(self, "lower", -inf)
+        for name in ("upper", "velocity", "effort"):
+            if getattr(self, name) >= NO_LIMIT:
+                object.__setattr__(self, name, inf)
 
 
 @dataclass(frozen=True)
