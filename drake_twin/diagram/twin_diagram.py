@@ -27,16 +27,16 @@ from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transfo
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
+from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.plans import plan_robots
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic, sensor_topic
+from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
-from drake_twin.sensors.registry import sensor_class
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
@@ -208,8 +208,11 @@ def _build(
 ) -> TwinDiagram:
     """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
+    surroundings = SensorSurroundings(
+        parts.plant, parts.scene_graph, scenario.time_step, scenario.seed, scenario.sensor_noise
+    )
     robots = {
-        plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step)
+        plan.name: _add_robot(builder, parts, plan, topics, surroundings)
         for plan in told("connecting", plans, lambda plan: plan.name)
     }
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
@@ -308,11 +311,11 @@ def _add_robot(
     parts: PlantOfTwin,
     plan: RobotPlan,
     topics: Topics,
-    time_step: float,
+    surroundings: SensorSurroundings,
 ) -> RobotDiagram:
     plant, in_plant = parts.plant, parts.robots[plan.name]
     instance, layout = in_plant.instance, in_plant.layout
-    robot = build_robot_diagram(plan, plant, in_plant, time_step)
+    robot = build_robot_diagram(plan, surroundings, in_plant)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     if layout.num_actuators:
         builder.Connect(system.GetOutputPort("desired_state"), plant.get_desired_state_input_port(instance))
@@ -323,10 +326,11 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
         topics.publish(robot_topic(plan, name), system.GetOutputPort(name), kind, plan.update_rate, plan.name)
-    for name, sensor in robot.sensors.items():
-        message_type = sensor_class(sensor.kind).message_type or ""
-        rate = sensor.update_rate or 1.0 / time_step
-        topics.publish(sensor_topic(plan, sensor), system.GetOutputPort(name), message_type, rate, plan.name)
+    for name, (item, own) in robot.sensors.items():
+        topic = next(topic for topic in item.topics if topic.own == own)
+        assert topic.topic is not None, "a topic without a port"
+        rate = item.sensor.update_rate or 1.0 / surroundings.time_step
+        topics.publish(topic.topic, system.GetOutputPort(name), topic.type, rate, plan.name, sensor=item.place)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
             if (listened := controller_topic(plan, plans[name], own)) is not None:
