@@ -96,7 +96,7 @@ class SensorElement:
         return is_true(text)
 
     def choice(self, path: str, choices: tuple[str, ...]) -> str:
-        """Read a text that is one of a few; the first where there is none.
+        """Read a text that is one of a few; the first by default.
 
         Raises:
             InputError: If it is another one.

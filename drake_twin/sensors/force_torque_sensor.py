@@ -92,7 +92,7 @@ class ForceTorqueSensor(SensorSystem):
 
     @classmethod
     def problem(cls, settings: ForceTorqueSettings) -> str | None:
-        """Return that the force on a link, which is no joint's, is not simulated."""
+        """Return that the force on a whole link is not simulated."""
         if settings.link:
             return f"the sum of all forces on the link {settings.link!r} is not simulated: name a <joint_name>"
         return None

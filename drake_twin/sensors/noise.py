@@ -58,7 +58,7 @@ _FIELDS = tuple(vars(SILENT))
 
 
 def read_noise(element: SensorElement | None, path: str = "noise") -> Noise:
-    """Read a ``<noise>`` element; no noise where there is none.
+    """Read a ``<noise>`` element; no noise by default.
 
     Raises:
         InputError: If a value is not a finite number, a standard deviation is negative, or the type is unknown.

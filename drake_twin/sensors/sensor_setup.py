@@ -62,8 +62,8 @@ class SensorSetup:
         if not sensor.pose_frame or sensor.pose_frame in (sensor.link, sensor.joint):
             return own
         if not self.plant.HasFrameNamed(sensor.pose_frame, self.instance):
-            what = f"sensor {sensor.name!r}: its pose is relative to {sensor.pose_frame!r}, which is no frame"
-            raise InputError(f"{what} of the model", file=sensor.place.file or None, line=sensor.place.line)
+            what = f"sensor {sensor.name!r}: its pose is relative to the unknown frame {sensor.pose_frame!r}"
+            raise InputError(what, file=sensor.place.file or None, line=sensor.place.line)
         frame = self.plant.GetFrameByName(sensor.pose_frame, self.instance)
         start = self.plant.CreateDefaultContext()
         base = self.body.body_frame() if sensor.link else self.joint.frame_on_child()

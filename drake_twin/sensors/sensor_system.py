@@ -132,7 +132,7 @@ class SensorSystem(PlantReader):
         """Declare the output port of a topic, set by ``calc(context, output)``.
 
         Args:
-            calc: Sets a message, or None where there is none.
+            calc: Sets a message, or None while it has none.
             prerequisites: What it depends on; by default the plant's ports declared so far, and time.
             own: The topic's `SensorTopic.own`.
         """
