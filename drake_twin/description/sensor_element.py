@@ -37,6 +37,9 @@ class SensorElement:
             element = reader, reader.root, set()
         self._reader, self._element, self._taken = element
         if self._element is self._reader.root:
+            for plugin in self._element.findall("plugin"):
+                if plugin_kind(read_plugin(self._reader, plugin)).startswith("gazebo_ros_"):
+                    self._taken.add(plugin)
             for path in _OF_ALL_SENSORS:
                 for found in self._element.findall(path):
                     self._take(found)

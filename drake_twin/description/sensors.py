@@ -36,7 +36,7 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
     """
     root = reader.root
     links, joints = ({item.get("name", "").strip() for item in root.iterfind(tag)} for tag in ("link", "joint"))
-    lumped = _lumped_links(root)
+    lumped = lumped_links(root)
     for place in root.iterfind("gazebo"):
         reference = (place.get("reference") or "").strip()
         if reference and reference not in links | joints:
@@ -69,7 +69,7 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
         yield from _of_plugin(reader, element, {})
 
 
-def _lumped_links(root: etree._Element) -> dict[str, str]:
+def lumped_links(root: etree._Element) -> dict[str, str]:
     """Return link → the link into which Gazebo folds it, for the links on fixed joints.
 
     libsdformat's ``FixedJointShouldBeReduced`` (src/parser_urdf.cc): every fixed joint that is not marked by

@@ -99,7 +99,8 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
             if source in from_plant:
                 inputs.connect(from_plant[source], source, port)
         _wire_controller(builder, name, controller, controllers)
-    sensors = add_sensors(builder, plan, instance, surroundings, controllers, inputs)
+    sensors, about_sensors = add_sensors(builder, plan, instance, surroundings, controllers, inputs)
+    warnings += about_sensors
     diagram = builder.Build()
     diagram.set_name(plan.name)
     return RobotDiagram(diagram, controllers, servo, gpios, joints, inputs.needed, always_published, sensors, warnings)

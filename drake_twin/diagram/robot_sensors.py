@@ -1,7 +1,7 @@
 """The sensors of a robot's sub-diagram, and the broadcasters that read them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
@@ -11,6 +11,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.description.surroundings import Surroundings
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import SensorPlan
@@ -29,6 +30,7 @@ class SensorSurroundings:
         time_step: The physics step (s).
         seed: What noise is drawn from.
         noise: Whether there is noise.
+        world: Where on Earth the world is, and its magnetic field.
     """
 
     plant: MultibodyPlant
@@ -36,6 +38,7 @@ class SensorSurroundings:
     time_step: float = 1e-3
     seed: int = 0
     noise: bool = True
+    world: Surroundings = field(default_factory=Surroundings)
 
 
 def add_sensors(
@@ -45,19 +48,23 @@ def add_sensors(
     surroundings: SensorSurroundings,
     controllers: Mapping[str, Controller],
     inputs: PlantInputs,
-) -> dict[str, tuple[SensorPlan, str]]:
+) -> tuple[dict[str, tuple[SensorPlan, str]], tuple[str, ...]]:
     """Add a robot's sensors, and connect the controllers that read them.
 
     Returns:
-        Name of the sub-diagram's output port → the sensor that publishes there, and its topic's own name.
+        Name of the sub-diagram's output port → the sensor that publishes there, and its topic's own name; and the
+        sensors' warnings.
     """
-    systems, ports = {}, {}
+    systems: dict[tuple[str, str], SensorSystem] = {}
+    ports: dict[str, tuple[SensorPlan, str]] = {}
+    warnings: list[tuple[str, str]] = []
     for item in plan.sensors:
         system = item.kind(_setup(plan, item, instance, surroundings))
         builder.AddNamedSystem(free_name(builder, f"sensor {item.place}"), system)
         for output, port in system.inputs_from(surroundings.plant, surroundings.scene_graph):
             inputs.connect(output, output.get_name(), port)
         systems[item.sensor.name.strip("/"), item.sensor.kind] = system
+        warnings += [(item.place, text) for text in system.warnings]
         for topic in item.topics:
             if topic.topic is not None:
                 name = f"sensor {item.place}/{topic.own}"
@@ -66,7 +73,7 @@ def add_sensors(
     for name, controller in controllers.items():
         if isinstance(controller, SensorReader):
             _connect(builder, name, controller, instance, surroundings, systems, inputs)
-    return ports
+    return ports, tuple(f"sensor {place}: {text}" for place, text in warnings)
 
 
 def _setup(
@@ -83,12 +90,13 @@ def _setup(
             surroundings.seed,
             plan.name,
             item.place,
-            item.sensor.update_rate,
+            item.rate,
             surroundings.time_step,
             is_on=surroundings.noise,
         ),
         description=plan.description,
         frame_prefix=plan.frame_prefix,
+        surroundings=surroundings.world,
     )
 
 

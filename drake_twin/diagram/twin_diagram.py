@@ -21,6 +21,7 @@ from pydrake.systems.framework import (
 
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.surroundings import Surroundings
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
@@ -209,7 +210,12 @@ def _build(
     """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
     surroundings = SensorSurroundings(
-        parts.plant, parts.scene_graph, scenario.time_step, scenario.seed, scenario.sensor_noise
+        plant=parts.plant,
+        scene_graph=parts.scene_graph,
+        time_step=scenario.time_step,
+        seed=scenario.seed,
+        noise=scenario.sensor_noise,
+        world=Surroundings() if world_file is None else world_file.surroundings,
     )
     robots = {
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)
@@ -329,7 +335,7 @@ def _add_robot(
     for name, (item, own) in robot.sensors.items():
         topic = next(topic for topic in item.topics if topic.own == own)
         assert topic.topic is not None, "a topic without a port"
-        rate = item.sensor.update_rate or 1.0 / surroundings.time_step
+        rate = item.rate or 1.0 / surroundings.time_step
         topics.publish(topic.topic, system.GetOutputPort(name), topic.type, rate, plan.name, sensor=item.place)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():

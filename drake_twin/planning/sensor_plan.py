@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.robot_description import RobotDescription, Sensor
@@ -45,6 +45,7 @@ class SensorPlan:
         kind: Its class.
         settings: What its kind has read of its element.
         frame: The ``frame_id`` of its messages.
+        rate: The rate of its measurements (Hz); 0 for at every step.
         topics: Its topics.
         noises: Channel → its noise, where it has some.
     """
@@ -53,6 +54,7 @@ class SensorPlan:
     kind: "type[SensorSystem]"
     settings: Any
     frame: str
+    rate: float
     topics: tuple[PlannedTopic, ...]
     noises: Mapping[str, Noise] = field(default_factory=dict)
 
@@ -105,7 +107,7 @@ def plan_sensors(
         if robot.bridged is not None and kept and all(topic.topic is None for topic in kept):
             names = ", ".join(topic.in_gazebo for topic in kept)
             findings.append(Finding.at(Kind.WARNING, f"{what}: no bridge carries {names} to ROS", sensor.place))
-        plans.append(SensorPlan(sensor, kind, settings, plan.frame, tuple(kept), plan.noises))
+        plans.append(replace(plan, topics=tuple(kept)))
     return tuple(plans), tuple(findings)
 
 
@@ -137,7 +139,7 @@ def _plan(
     default = gazebo_default(robot.name, sensor, kind.gz_topic or sensor.kind)
     base = default if sensor.topic in ("", "__default_topic__") else f"/{valid_topic(sensor.topic)}"
     topics = tuple(_topic(robot, sensor, item) for item in kind.topics(sensor, settings, base))
-    return SensorPlan(sensor, kind, settings, frame, topics, noises)
+    return SensorPlan(sensor, kind, settings, frame, kind.rate(sensor, settings), topics, noises)
 
 
 def gazebo_default(robot: str, sensor: Sensor, last: str) -> str:

@@ -10,6 +10,7 @@ from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
 
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Pose, RobotDescription, Sensor
+from drake_twin.description.surroundings import Surroundings
 from drake_twin.errors import InputError
 from drake_twin.sensors.noise import NoiseSource
 
@@ -27,6 +28,7 @@ class SensorSetup:
         frame: The ``frame_id`` of its messages.
         noise: What its noise is drawn from.
         description: The robot.
+        surroundings: Where on Earth the world is, and its magnetic field.
         frame_prefix: The prefix of its link names in tf messages.
     """
 
@@ -39,6 +41,7 @@ class SensorSetup:
     noise: NoiseSource = field(default_factory=NoiseSource)
     description: RobotDescription | None = None
     frame_prefix: str = ""
+    surroundings: Surroundings = field(default_factory=Surroundings)
 
     @property
     def body(self) -> RigidBody:

@@ -47,6 +47,7 @@ class SensorSystem(PlantReader):
         values_port: The vector port that a broadcaster of ros2_control reads; empty without one.
         on: The element that such a sensor is on: ``link`` or ``joint``; set by the registry.
         setup: What it was built from.
+        warnings: Why it does not measure all that its file asks for, as sentences.
     """
 
     message_type: ClassVar[str] = ""
@@ -92,6 +93,11 @@ class SensorSystem(PlantReader):
         return scoped
 
     @classmethod
+    def rate(cls, sensor: Sensor, settings: Any) -> float:
+        """Return the rate of its measurements (Hz); 0 for at every step."""
+        return sensor.update_rate
+
+    @classmethod
     def noises(cls, settings: Any) -> dict[str, Noise]:
         """Return the noise of each channel."""
         return {}
@@ -99,6 +105,7 @@ class SensorSystem(PlantReader):
     def __init__(self, setup: SensorSetup):
         super().__init__()
         self.setup = setup
+        self.warnings: tuple[str, ...] = ()
         self._channels = {
             name: setup.noise.channel(name, noise)
             for name, noise in self.noises(setup.settings).items()
