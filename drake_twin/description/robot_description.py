@@ -181,7 +181,8 @@ class Sensor:
         kind: Its type as written, such as ``imu`` or ``gpu_ray``; of a plugin its kind, such as ``gazebo_ros_p3d``.
         link: The link that it is attached to; empty for one on a joint.
         joint: The joint that it is on; empty for one on a link.
-        gazebo_link: The link that Gazebo attaches it to: the parent of the link's fixed joints, which Gazebo folds.
+        gazebo_link: The link that Gazebo attaches it to, which is the parent of the link's fixed joints, as Gazebo
+            folds these; of a joint its child.
         pose: The sensor in the link's frame, or in the joint's frame.
         pose_frame: The frame that the pose is relative to; empty for the link or joint.
         frame: The frame that the file gives its values; empty where it gives none.
@@ -204,7 +205,7 @@ class Sensor:
     update_rate: float = 0.0
     place: Place = field(default=Place(""), compare=False)
     text: str = field(default="<sensor/>", compare=False)
-    places: tuple[Place, ...] = field(default=(Place(""),), compare=False)
+    places: tuple[Place, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ class SensorElement:
     def __init__(self, sensor: Sensor, element: "tuple[XmlReader, etree._Element, set[etree._Element]] | None" = None):
         self.sensor = sensor
         if element is None:
-            reader = XmlReader(sensor.text, places=sensor.places)
+            reader = XmlReader(sensor.text, places=sensor.places or None)
             element = reader, reader.root, set()
         self._reader, self._element, self._taken = element
         if self._element is self._reader.root:

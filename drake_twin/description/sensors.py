@@ -36,7 +36,7 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
     """
     root = reader.root
     links, joints = ({item.get("name", "").strip() for item in root.iterfind(tag)} for tag in ("link", "joint"))
-    lumped = lumped_links(root)
+    lumped, children = lumped_links(root), _children(root)
     for place in root.iterfind("gazebo"):
         reference = (place.get("reference") or "").strip()
         if reference and reference not in links | joints:
@@ -47,9 +47,9 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
             if on_link:
                 yield replace(sensor, link=reference, gazebo_link=lumped.get(reference, reference))
             else:
-                yield replace(sensor, joint=reference)
+                yield replace(sensor, joint=reference, gazebo_link=children.get(reference, ""))
         for element in place.iterfind("plugin"):
-            yield from _of_plugin(reader, element, lumped)
+            yield from _of_plugin(reader, element, lumped, children)
 
 
 def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
@@ -64,9 +64,23 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
             place = element.getparent()
             assert place is not None
             sensor, name = _sensor(reader, element), reader.text(place, "name")
-            yield replace(sensor, link=name, gazebo_link=name) if tag == "link" else replace(sensor, joint=name)
+            if tag == "link":
+                yield replace(sensor, link=name, gazebo_link=name)
+            else:
+                yield replace(sensor, joint=name, gazebo_link=_text(place, "child"))
+    model = reader.root.find("model")
     for element in reader.root.iterfind("model/plugin"):
-        yield from _of_plugin(reader, element, {})
+        yield from _of_plugin(reader, element, {}, {} if model is None else _children(model))
+
+
+def _children(root: etree._Element) -> dict[str, str]:
+    """Return joint → child link."""
+    found = {}
+    for joint in root.iterfind("joint"):
+        child = joint.find("child")
+        if child is not None:
+            found[(joint.get("name") or "").strip()] = (child.get("link") or child.text or "").strip()
+    return found
 
 
 def lumped_links(root: etree._Element) -> dict[str, str]:
@@ -148,7 +162,9 @@ def _sensor(reader: XmlReader, element: etree._Element) -> Sensor:
     return sensor
 
 
-def _of_plugin(reader: XmlReader, element: etree._Element, lumped: Mapping[str, str]) -> Iterator[Sensor]:
+def _of_plugin(
+    reader: XmlReader, element: etree._Element, lumped: Mapping[str, str], children: Mapping[str, str]
+) -> Iterator[Sensor]:
     """Yield the sensor that a plugin outside of a ``<sensor>`` is, if it is one."""
     kind = plugin_kind(read_plugin(reader, element))
     if kind not in SENSOR_PLUGINS:
@@ -166,11 +182,10 @@ def _of_plugin(reader: XmlReader, element: etree._Element, lumped: Mapping[str, 
     )
     if sensor.update_rate < 0.0:
         raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
-    yield (
-        replace(sensor, joint=where)
-        if on == "joint"
-        else replace(sensor, link=where, gazebo_link=lumped.get(where, where))
-    )
+    if on == "joint":
+        yield replace(sensor, joint=where, gazebo_link=children.get(where, ""))
+    else:
+        yield replace(sensor, link=where, gazebo_link=lumped.get(where, where))
 
 
 def _text(element: etree._Element, path: str) -> str:

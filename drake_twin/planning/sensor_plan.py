@@ -131,7 +131,7 @@ def _plan(
     description: RobotDescription,
     frame_prefix: str,
 ) -> SensorPlan:
-    scope = (robot.name, sensor.gazebo_link or sensor.joint, sensor.name)
+    scope = (robot.name, sensor.joint or sensor.gazebo_link, sensor.name)
     frame = sensor.frame or kind.default_frame(sensor, settings, "/".join(scope))
     if frame in description.links:
         frame = frame_prefix + frame

@@ -252,6 +252,8 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     for name, valid in (("engine", ENGINES), ("contact_approximation", CONTACT_APPROXIMATIONS)):
         if getattr(scenario, name) not in valid:
             yield (name,), _unknown(getattr(scenario, name), valid)
+    if scenario.seed < 0:
+        yield ("seed",), f"{scenario.seed} is below zero"
     if not 1e-9 <= scenario.accuracy <= 1.0:
         yield ("accuracy",), f"{scenario.accuracy:g} is out of bounds: valid are 1e-9 to 1"
     if scenario.world.ground_friction is not None and not scenario.world.ground_friction >= 0:

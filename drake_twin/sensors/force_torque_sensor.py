@@ -10,7 +10,7 @@ from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPor
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.sensors.classic import classic_plugin, classic_topic
+from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
 from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
@@ -103,6 +103,11 @@ class ForceTorqueSensor(SensorSystem):
         plugin = classic_plugin(sensor, "gazebo_ros_ft_sensor")
         name = base if plugin is None else classic_topic(plugin, "wrench")
         return (SensorTopic("message", cls.message_type, name, is_ros=plugin is not None),)
+
+    @classmethod
+    def default_frame(cls, sensor: Sensor, settings: ForceTorqueSettings, scoped: str) -> str:
+        """Return the child link for Gazebo classic's plugin, else the scoped name."""
+        return classic_frame(sensor, scoped)
 
     @classmethod
     def noises(cls, settings: ForceTorqueSettings) -> dict[str, Noise]:
