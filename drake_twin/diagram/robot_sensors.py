@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
@@ -31,6 +32,7 @@ class SensorSurroundings:
         seed: What noise is drawn from.
         noise: Whether there is noise.
         world: Where on Earth the world is, and its magnetic field.
+        shared: What sensors share, by what it is.
     """
 
     plant: MultibodyPlant
@@ -39,6 +41,7 @@ class SensorSurroundings:
     seed: int = 0
     noise: bool = True
     world: Surroundings = field(default_factory=Surroundings)
+    shared: dict[str, Any] = field(default_factory=dict)
 
 
 def add_sensors(
@@ -97,6 +100,7 @@ def _setup(
         description=plan.description,
         frame_prefix=plan.frame_prefix,
         surroundings=surroundings.world,
+        shared=surroundings.shared,
     )
 
 

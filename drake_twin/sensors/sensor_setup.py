@@ -28,6 +28,7 @@ class SensorSetup:
         frame: The ``frame_id`` of its messages.
         noise: What its noise is drawn from.
         description: The robot.
+        shared: What sensors of one diagram share, by what it is.
         surroundings: Where on Earth the world is, and its magnetic field.
         frame_prefix: The prefix of its link names in tf messages.
     """
@@ -42,6 +43,7 @@ class SensorSetup:
     description: RobotDescription | None = None
     frame_prefix: str = ""
     surroundings: Surroundings = field(default_factory=Surroundings)
+    shared: dict[str, Any] = field(default_factory=dict)
 
     @property
     def body(self) -> RigidBody:
