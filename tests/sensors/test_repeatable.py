@@ -157,15 +157,14 @@ def test_the_seed_is_part_of_the_scenario(tmp_path):
         replace(scenario, seed=-1)
 
 
-BROADCASTER = """<ros2_control name="s" type="sensor">
-<hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware><sensor name="i">{}</sensor></ros2_control>""".format(
-    "".join(
-        f'<state_interface name="{name}"/>'
-        for name in (
-            *(f"orientation.{axis}" for axis in "xyzw"),
-            *(f"{kind}.{axis}" for kind in ("angular_velocity", "linear_acceleration") for axis in "xyz"),
-        )
-    )
+_INTERFACES = (
+    *(f"orientation.{axis}" for axis in "xyzw"),
+    *(f"{kind}.{axis}" for kind in ("angular_velocity", "linear_acceleration") for axis in "xyz"),
+)
+_STATES = "".join(f'<state_interface name="{name}"/>' for name in _INTERFACES)
+BROADCASTER = (
+    '<ros2_control name="s" type="sensor"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>'
+    f'<sensor name="i">{_STATES}</sensor></ros2_control>'
 )
 
 
