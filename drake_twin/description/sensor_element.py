@@ -38,7 +38,8 @@ class SensorElement:
         self._reader, self._element, self._taken = element
         if self._element is self._reader.root:
             for plugin in self._element.findall("plugin"):
-                if plugin_kind(read_plugin(self._reader, plugin)).startswith("gazebo_ros_"):
+                kind = plugin_kind(read_plugin(self._reader, plugin))
+                if kind.startswith("gazebo_ros_") or kind.endswith("-system"):  # the latter is the simulation of a kind
                     self._taken.add(plugin)
             for path in _OF_ALL_SENSORS:
                 for found in self._element.findall(path):

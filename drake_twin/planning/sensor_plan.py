@@ -1,7 +1,7 @@
 """The plan of a robot's sensors: what each one measures, and its topics, frame and rate in ROS."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +62,18 @@ class SensorPlan:
     def place(self) -> str:
         """The sensor's name below the robot, which no other has."""
         return f"{self.sensor.link or self.sensor.joint}/{self.sensor.name}"
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the sensor as plain data, for JSON."""
+        return {
+            "name": self.sensor.name,
+            "kind": self.sensor.kind,
+            "on": self.sensor.link or self.sensor.joint,
+            "topics": {topic.topic: topic.type for topic in self.topics if topic.topic is not None},
+            "frame": self.frame,
+            "rate": self.rate,
+            "noise": {name: noise.text for name, noise in self.noises.items()},
+        }
 
 
 def plan_sensors(
@@ -175,11 +187,3 @@ def is_same_topic(in_gazebo: str, name: str) -> bool:
         head, _, rest = name.removeprefix("/world/").partition("/")
         return name.startswith("/world/") and bool(head) and rest == in_gazebo.removeprefix(_ANY_WORLD)
     return in_gazebo == name
-
-
-def sensor_topics(plans: tuple[SensorPlan, ...]) -> Iterator[tuple[SensorPlan, PlannedTopic]]:
-    """Yield the topics that are published in ROS."""
-    for plan in plans:
-        for topic in plan.topics:
-            if topic.topic is not None:
-                yield plan, topic
