@@ -118,6 +118,10 @@ class RayCaster:
                 self._moving.append(group)
             for geometry in geometries:
                 _add(group, inspector, geometry, pose)
+        if role is not Role.kProximity:  # the ground is seen, whether or not it is drawn
+            for geometry in inspector.GetGeometries(inspector.world_frame_id(), Role.kProximity):
+                if isinstance(inspector.GetShape(geometry), HalfSpace):
+                    _add(self._static, inspector, geometry, RigidTransform())
 
     def cast(
         self,

@@ -116,4 +116,5 @@ def nearest_range(header: Any, grid: ScanGrid, ranges: np.ndarray, radiation: in
         min_range=grid.range_min,
         max_range=grid.range_max,
         range=float(ranges.min()),
+        variance=0.0,
     )

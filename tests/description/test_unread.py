@@ -17,8 +17,8 @@ from drake_twin.findings import Kind
 PACKAGES = PackageIndex((), {})
 
 DROPS = {
-    "lidar": '<gazebo reference="base"><sensor name="lds" type="gpu_lidar"><topic>scan</topic></sensor></gazebo>',
-    "classic ray": '<gazebo reference="base"><sensor name="lds" type="ray"><visualize/></sensor></gazebo>',
+    "logical camera": '<gazebo reference="base"><sensor name="l" type="logical_camera"/></gazebo>',
+    "lidar's mask": '<gazebo reference="base"><sensor name="l" type="ray"><ray><mask/></ray></sensor></gazebo>',
     "camera": '<gazebo reference="base"><sensor name="cam" type="camera"/></gazebo>',
     "depth camera": '<gazebo reference="base"><sensor name="cam" type="rgbd_camera"/></gazebo>',
     "contact sensor": '<gazebo reference="base"><sensor name="bump" type="contact"/></gazebo>',
@@ -115,8 +115,8 @@ def test_what_is_dropped_is_a_finding_with_its_line(tmp_path, drop):
 
 
 def test_a_finding_says_what_it_is_and_what_to_do(tmp_path):
-    (lidar,) = lost(tmp_path, DROPS["lidar"])
-    assert lidar.what == "sensor 'lds' of type gpu_lidar on 'base', topic scan: the twin has no such sensor"
+    (camera,) = lost(tmp_path, DROPS["logical camera"])
+    assert camera.what == "sensor 'l' of type logical_camera on 'base': the twin has no such sensor"
 
 
 def test_noise_that_no_channel_has_is_a_finding(tmp_path):

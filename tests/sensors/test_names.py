@@ -188,7 +188,7 @@ def spawned(tmp_path, text, name, *more):
     return launched(tmp_path, create("-file", file, "-name", name, "-z", 0.1), *more).scenario
 
 
-def test_turtlebot3s_bridge_carries_its_imu(tmp_path):
+def test_turtlebot3s_bridge_carries_its_imu_and_its_scan(tmp_path):
     file = write(tmp_path / "bridge.yaml", TURTLEBOT3_BRIDGE)
     scenario = spawned(
         tmp_path,
@@ -197,13 +197,16 @@ def test_turtlebot3s_bridge_carries_its_imu(tmp_path):
         node("ros_gz_bridge", "parameter_bridge", parameters=[{"config_file": str(file)}]),
         node("ros_gz_image", "image_bridge", "/camera/image_raw"),
     )
-    assert table(Twin(scenario)) == {"/imu": (IMU, "waffle/imu_link/tb3_imu", 200.0)}
+    assert table(Twin(scenario)) == {
+        "/imu": (IMU, "waffle/imu_link/tb3_imu", 200.0),
+        "/scan": ("sensor_msgs/msg/LaserScan", "base_scan", 5.0),
+    }
     found = texts(scenario.findings, Kind.WARNING)
     assert [text.split(",")[0] for text in found if "the bridge carries" in text] == [
         "the bridge carries /camera/camera_info to /camera_info",
         "the bridge carries /camera/image_raw to /camera/image_raw",
     ]
-    assert "/scan" not in " ".join(found)  # a lidar that is not simulated has that topic in Gazebo
+    assert "/scan to" not in " ".join(found)
     again = ScenarioFile(scenario_to_yaml(scenario), "saved").scenario
     assert table(Twin(again)) == table(Twin(scenario))
 
@@ -252,13 +255,16 @@ def test_husarions_bridge_names_a_topic_once(tmp_path):
     assert any("'gps'" in text and "no bridge carries /gps/fix to ROS" in text for text in twin.warnings)
 
 
-def test_linorobot2s_imu_of_gazebo_classic(corpus):
+def test_linorobot2s_imu_and_scan_of_gazebo_classic(corpus):
     folder = corpus / "linorobot2"
     file = folder / "linorobot2_description" / "urdf" / "robots" / "2wd.urdf.xacro"
     twin = Twin(robot_file_scenario(file, package_paths=(str(folder),), xacro_args={}))
-    assert table(twin) == {"/linorobot2_2wd/imu/data": (IMU, "linorobot2_2wd/base_footprint", 20.0)}
+    assert table(twin) == {
+        "/linorobot2_2wd/imu/data": (IMU, "linorobot2_2wd/base_footprint", 20.0),
+        "/linorobot2_2wd/scan": ("sensor_msgs/msg/LaserScan", "linorobot2_2wd/laser", 10.0),
+    }
     kinds = [item.what.split(" type ")[1].split(" ")[0] for item in twin.findings if item.kind is Kind.NOT_STARTED]
-    assert set(kinds) >= {"gpu_ray", "depth"}
+    assert set(kinds) == {"depth"}
 
 
 def test_gz_topic_names_are_expanded_where_the_bridge_is_told_so(tmp_path):
@@ -275,7 +281,7 @@ def test_a_bridge_without_sensors_leaves_them_in_gazebo(tmp_path):
     twin = Twin(spawned(tmp_path, TURTLEBOT3, "burger", bridge))
     assert table(twin) == {}
     assert any("no bridge carries /imu to ROS" in text for text in twin.warnings)
-    assert set(table(Twin(spawned(tmp_path, TURTLEBOT3, "burger")))) == {"/imu"}
+    assert set(table(Twin(spawned(tmp_path, TURTLEBOT3, "burger")))) == {"/imu", "/scan", "/scan/points"}
 
 
 def test_a_line_towards_gazebo_carries_no_sensor(tmp_path):
