@@ -13,6 +13,7 @@ from drake_twin.description.robot_description import Pose, RobotDescription, Sen
 from drake_twin.description.surroundings import Surroundings
 from drake_twin.errors import InputError
 from drake_twin.sensors.noise import NoiseSource
+from drake_twin.sensors.sensor_host import SensorHost
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class SensorSetup:
         frame: The ``frame_id`` of its messages.
         noise: What its noise is drawn from.
         description: The robot.
+        host: The system that has its ports; a new one by default.
+        prefix: The beginning of its ports' names there.
         surroundings: Where on Earth the world is, and its magnetic field.
         frame_prefix: The prefix of its link names in tf messages.
     """
@@ -41,6 +44,8 @@ class SensorSetup:
     noise: NoiseSource = field(default_factory=NoiseSource)
     description: RobotDescription | None = None
     frame_prefix: str = ""
+    host: SensorHost | None = None
+    prefix: str = ""
     surroundings: Surroundings = field(default_factory=Surroundings)
 
     @property
