@@ -15,14 +15,13 @@ from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
-from drake_twin.diagram.robot_sensors import SensorSurroundings, add_sensors
+from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_read_sensors
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
 from drake_twin.diagram.servo_modes import velocity_limits
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.systems.gpio_hardware import GpioHardware
 from drake_twin.systems.joint_servo import COMMANDS, JointServo
 from drake_twin.systems.state_layout import StateLayout
@@ -40,7 +39,7 @@ class RobotDiagram:
         joints: The joint of each actuator; None for one that models friction.
         plant_inputs: Input port → the plant's output port to connect; only ports that a system needs.
         always_published: Output port → message type of the topics that no controller publishes.
-        sensors: Output port → the sensor that publishes there, and its topic's own name.
+        sensors: The output ports of the topics of sensors that controllers read.
         warnings: Update rates that cannot be met, parameters without effect.
     """
 
@@ -51,7 +50,7 @@ class RobotDiagram:
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
     always_published: dict[str, str] = field(default_factory=dict)
-    sensors: dict[str, tuple[SensorPlan, str]] = field(default_factory=dict)
+    sensors: tuple[SensorPort, ...] = ()
     warnings: tuple[str, ...] = ()
 
 
@@ -99,7 +98,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
             if source in from_plant:
                 inputs.connect(from_plant[source], source, port)
         _wire_controller(builder, name, controller, controllers)
-    sensors, about_sensors = add_sensors(builder, plan, instance, surroundings, controllers, inputs)
+    sensors, about_sensors = add_read_sensors(builder, plan, instance, surroundings, controllers, inputs)
     warnings += about_sensors
     diagram = builder.Build()
     diagram.set_name(plan.name)

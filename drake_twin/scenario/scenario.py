@@ -36,6 +36,7 @@ RESERVED_NAMES = frozenset(
         "tf",
         "ground_truth",
         "entity_states",
+        "sensors",
         "meshcat_visualizer",
         "WorldModelInstance",
         "DefaultModelInstance",

@@ -15,7 +15,6 @@ from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
-from drake_twin.systems.weak_callback import weakly
 
 _CHANNELS = tuple(f"{part}.{axis}" for part in ("force", "torque") for axis in "xyz")
 
@@ -129,9 +128,7 @@ class ForceTorqueSensor(SensorSystem):
         self._poses: InputPort | None = None
         if settings.axes == "parent":
             self._poses = self.declare_plant_input("body_poses")
-        self._wrench = self.DeclareVectorOutputPort(
-            "wrench", len(_CHANNELS), weakly(self._calc_wrench), self.measurement_tickets()
-        )
+        self._wrench = self.declare_values_output(len(_CHANNELS), self._calc_wrench)
         self.declare_message_output(self._calc_message)
 
     def get_wrench_output_port(self) -> OutputPort:

@@ -17,7 +17,6 @@ from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
-from drake_twin.systems.weak_callback import weakly
 
 # The frames that an IMU's orientation can be relative to, in a world whose x, y and z are east, north and up.
 _LOCALIZATIONS: dict[str, Vector3] = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, pi / 2), "NED": (pi, 0.0, pi / 2)}
@@ -133,9 +132,7 @@ class ImuSensor(SensorSystem):
         self._poses = self.declare_plant_input("body_poses")
         self._velocities = self.declare_plant_input("body_spatial_velocities")
         self._accelerations = self.declare_plant_input("body_spatial_accelerations")
-        self._spatial = self.DeclareVectorOutputPort(
-            "spatial", len(_CHANNELS), weakly(self._calc_spatial), self.measurement_tickets()
-        )
+        self._spatial = self.declare_values_output(len(_CHANNELS), self._calc_spatial)
         self._covariances = [_covariance(settings.noises, part, axes) for part, axes in _PARTS.items()]
         if not settings.has_orientation:
             self._covariances[0][0] = _NOT_PUBLISHED

@@ -41,15 +41,15 @@ class PlantReader(WitnesslessSystem):
         self.plant_inputs: dict[str, InputPort] = {}
 
     def declare_plant_input(self, name: str) -> InputPort:
-        """Declare an input port for a port of the plant, or for ``query`` of the scene graph.
+        """Declare an input port for a port of the plant, or for ``query`` of the scene graph, or return it.
 
         Args:
             name: ``body_poses``, ``body_spatial_velocities``, ``body_spatial_accelerations``, ``reaction_forces``,
                 ``contact_results`` or ``query``.
         """
-        port: InputPort = self.DeclareAbstractInputPort(name, _PORTS[name][0]())
-        self.plant_inputs[name] = port
-        return port
+        if name not in self.plant_inputs:
+            self.plant_inputs[name] = self.DeclareAbstractInputPort(name, _PORTS[name][0]())
+        return self.plant_inputs[name]
 
     def plant_tickets(self) -> set[Any]:
         """Return the dependency tickets of all ports of the plant that were declared so far."""

@@ -3,22 +3,22 @@
 import numpy as np
 from pydrake.systems.framework import Context
 
-from drake_twin.sensors.plant_reader import PlantReader
+from drake_twin.sensors.sensor_system import SensorSystem
 
 
 class PointMotion:
     """Position and velocity of a point of a link, from the plant's poses and velocities.
 
     Args:
-        system: The system whose input ports carry them; they are declared here.
+        sensor: The sensor whose input ports carry them; they are declared here.
         body: The index of the link's body.
         point: The point P in the body's frame B (m).
     """
 
-    def __init__(self, system: PlantReader, body: int, point: np.ndarray):
+    def __init__(self, sensor: SensorSystem, body: int, point: np.ndarray):
         self._body, self._p_BP_B = body, np.array(point)
-        self._poses = system.declare_plant_input("body_poses")
-        self._velocities = system.declare_plant_input("body_spatial_velocities")
+        self._poses = sensor.declare_plant_input("body_poses")
+        self._velocities = sensor.declare_plant_input("body_spatial_velocities")
 
     def position(self, context: Context) -> np.ndarray:
         """Return the position in the world (m)."""

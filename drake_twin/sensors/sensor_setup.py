@@ -13,6 +13,7 @@ from drake_twin.description.robot_description import Pose, RobotDescription, Sen
 from drake_twin.description.surroundings import Surroundings
 from drake_twin.errors import InputError
 from drake_twin.sensors.noise import NoiseSource
+from drake_twin.sensors.sensor_host import SensorHost
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,8 @@ class SensorSetup:
         frame: The ``frame_id`` of its messages.
         noise: What its noise is drawn from.
         description: The robot.
-        shared: What sensors of one diagram share, by what it is.
+        host: The system that has its ports; a new one by default.
+        prefix: The beginning of its ports' names there.
         surroundings: Where on Earth the world is, and its magnetic field.
         frame_prefix: The prefix of its link names in tf messages.
     """
@@ -42,8 +44,9 @@ class SensorSetup:
     noise: NoiseSource = field(default_factory=NoiseSource)
     description: RobotDescription | None = None
     frame_prefix: str = ""
+    host: SensorHost | None = None
+    prefix: str = ""
     surroundings: Surroundings = field(default_factory=Surroundings)
-    shared: dict[str, Any] = field(default_factory=dict)
 
     @property
     def body(self) -> RigidBody:

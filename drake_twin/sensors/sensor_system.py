@@ -1,17 +1,17 @@
 """The base of all sensors of a robot."""
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, OutputPort
+from pydrake.systems.framework import BasicVector, CacheEntry, Context, InputPort, OutputPort, ValueProducer
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.noise import SILENT, Noise
-from drake_twin.sensors.plant_reader import PlantReader
+from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.systems.weak_callback import weakly
 
@@ -34,8 +34,8 @@ class SensorTopic:
     is_ros: bool = False
 
 
-class SensorSystem(PlantReader):
-    """A sensor: a LeafSystem that measures what the plant's and the scene graph's ports carry.
+class SensorSystem:
+    """A sensor: it measures what the plant's and the scene graph's ports carry, on ports of a `SensorHost`.
 
     A message is computed when someone asks for it, at t = k / rate, and is stamped with that time. There are no events:
     a sensor without listeners costs nothing. A broadcaster of ros2_control reads the vector port of a sensor that
@@ -47,6 +47,7 @@ class SensorSystem(PlantReader):
         values_port: The vector port that a broadcaster of ros2_control reads; empty without one.
         on: The element that such a sensor is on: ``link`` or ``joint``; set by the registry.
         setup: What it was built from.
+        host: The system that has its ports.
         warnings: Why it does not measure all that its file asks for, as sentences.
     """
 
@@ -103,9 +104,11 @@ class SensorSystem(PlantReader):
         return {}
 
     def __init__(self, setup: SensorSetup):
-        super().__init__()
         self.setup = setup
+        self.host = SensorHost() if setup.host is None else setup.host
+        self.host.sensors.append(self)
         self.warnings: tuple[str, ...] = ()
+        self._inputs: list[InputPort] = []
         self._channels = {
             name: setup.noise.channel(name, noise)
             for name, noise in self.noises(setup.settings).items()
@@ -128,21 +131,52 @@ class SensorSystem(PlantReader):
 
     def measurement_tickets(self) -> set[Any]:
         """Return what a measurement depends on: the plant's ports declared so far, and time if it has noise."""
-        return self.plant_tickets() | ({self.time_ticket()} if self.is_noisy else set())
+        tickets = {self.host.input_port_ticket(port.get_index()) for port in self._inputs}
+        return tickets | ({self.host.time_ticket()} if self.is_noisy else set())
+
+    def declare_plant_input(self, name: str) -> InputPort:
+        """Return the port that carries a port of the plant, or ``query`` of the scene graph.
+
+        Args:
+            name: One of those of `PlantReader.declare_plant_input`.
+        """
+        port = self.host.declare_plant_input(name)
+        self._inputs.append(port)
+        return port
+
+    def declare_values_output(self, size: int, calc: Callable[[Context, BasicVector], None]) -> OutputPort:
+        """Declare the vector port `values_port`, set by ``calc(context, output)`` from the plant's ports so far."""
+        name = self.port_name(self.values_port)
+        return self.host.DeclareVectorOutputPort(name, size, weakly(calc), self.measurement_tickets())
+
+    def declare_cache_entry(self, name: str, calc: Callable[[Context, AbstractValue], None]) -> CacheEntry:
+        """Declare what several topics have in common, set by ``calc(context, value)`` from the plant's ports so far.
+
+        Its value is any Python object: ``entry.Eval(context)``.
+        """
+        producer = ValueProducer(allocate=lambda: AbstractValue.Make(None), calc=weakly(calc))
+        return self.host.DeclareCacheEntry(self.port_name(name), producer, self.measurement_tickets())
 
     def declare_message_output(
-        self,
-        calc: Callable[[Context, AbstractValue], None],
-        prerequisites: Collection[Any] | None = None,
-        own: str = "message",
+        self, calc: Callable[[Context, AbstractValue], None], own: str = "message"
     ) -> OutputPort:
-        """Declare the output port of a topic, set by ``calc(context, output)``.
+        """Declare the output port of a topic, set by ``calc(context, output)`` from the plant's ports so far, and time.
 
         Args:
             calc: Sets a message, or None while it has none.
-            prerequisites: What it depends on; by default the plant's ports declared so far, and time.
             own: The topic's `SensorTopic.own`.
         """
-        if prerequisites is None:
-            prerequisites = {*self.plant_tickets(), self.time_ticket()}
-        return self.DeclareAbstractOutputPort(own, lambda: AbstractValue.Make(None), weakly(calc), set(prerequisites))
+        return self.host.DeclareAbstractOutputPort(
+            self.port_name(own),
+            lambda: AbstractValue.Make(None),
+            weakly(calc),
+            {*self.measurement_tickets(), self.host.time_ticket()},
+        )
+
+    def port_name(self, own: str) -> str:
+        """Return the name of one of its ports of the host."""
+        return f"{self.setup.prefix}{own}"
+
+    def output(self, own: str) -> OutputPort:
+        """Return the port of one of its topics, or its `values_port`."""
+        return self.host.GetOutputPort(self.port_name(own))

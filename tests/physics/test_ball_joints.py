@@ -245,8 +245,8 @@ def test_a_sensor_beside_a_ball_joint_measures_and_one_in_it_is_named(tmp_path):
     described = twin.plans[0].description.sensor("beside", "force_torque")
     instance = twin.plant.GetModelInstanceByName("m")
     dut = ForceTorqueSensor(SensorSetup(described, ForceTorqueSettings(), twin.plant, instance))
-    ((forces, own),) = dut.inputs_from(twin.plant)
-    context = dut.CreateDefaultContext()
+    ((forces, own),) = dut.host.inputs_from(twin.plant)
+    context = dut.host.CreateDefaultContext()
     own.FixValue(context, Value[list[SpatialForce]](twin.evaluate(forces)))
     assert dut.get_wrench_output_port().Eval(context) == pytest.approx([0, 0, -MASS * G, 0, 0, 0], abs=1e-6)
 

@@ -51,17 +51,16 @@ class Rig:
         (instance,) = Parser(self.plant).AddModelsFromString(urdf, "urdf")
         self.plant.WeldFrames(self.plant.world_frame(), self.plant.GetFrameByName("base"))
         self.plant.Finalize()
-        self.sensor = builder.AddSystem(
-            ForceTorqueSensor(SensorSetup(sensor, ForceTorqueSettings(**settings), self.plant, instance))
-        )
-        for source, target in self.sensor.inputs_from(self.plant):
+        self.sensor = ForceTorqueSensor(SensorSetup(sensor, ForceTorqueSettings(**settings), self.plant, instance))
+        builder.AddSystem(self.sensor.host)
+        for source, target in self.sensor.host.inputs_from(self.plant):
             builder.Connect(source, target)
         self.simulator = Simulator(builder.Build())
         self.root = self.simulator.get_mutable_context()
         self.context = self.plant.GetMyMutableContextFromRoot(self.root)
 
     def wrench(self):
-        return self.sensor.get_wrench_output_port().Eval(self.sensor.GetMyContextFromRoot(self.root))
+        return self.sensor.get_wrench_output_port().Eval(self.sensor.host.GetMyContextFromRoot(self.root))
 
 
 def statically(roll=0.0, pose=Pose(), **settings):  # noqa: B008

@@ -51,8 +51,9 @@ class Rig:
         self.plant.Finalize()
         if place is not None:
             place(self.plant)
-        self.imu = builder.AddSystem(ImuSensor(SensorSetup(sensor, ImuSettings(reference, {}), self.plant, instance)))
-        for source, target in self.imu.inputs_from(self.plant):
+        self.imu = ImuSensor(SensorSetup(sensor, ImuSettings(reference, {}), self.plant, instance))
+        builder.AddSystem(self.imu.host)
+        for source, target in self.imu.host.inputs_from(self.plant):
             builder.Connect(source, target)
         self.simulator = Simulator(builder.Build())
         self.root = self.simulator.get_mutable_context()
@@ -61,7 +62,7 @@ class Rig:
     def measure(self, time=None):
         if time is not None:
             self.simulator.AdvanceTo(time)
-        spatial = self.imu.get_spatial_output_port().Eval(self.imu.GetMyContextFromRoot(self.root))
+        spatial = self.imu.get_spatial_output_port().Eval(self.imu.host.GetMyContextFromRoot(self.root))
         return spatial[:4], spatial[4:7], spatial[7:]
 
 
