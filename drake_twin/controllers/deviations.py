@@ -37,13 +37,6 @@ DEVIATIONS = tuple(
         ),
         (
             "controller manager",
-            "`STRICT` with two controllers that exclude each other",
-            "what was to be deactivated stays deactivated",
-            "nothing is switched",
-            "all or nothing",
-        ),
-        (
-            "controller manager",
             "a controller of a chain fails",
             "the whole chain is deactivated",
             "it and those that write to it; what it writes to stays active",
