@@ -216,12 +216,8 @@ MUTANTS = (
             "if claim in claimed_by)",
             'if claim in claimed_by and "/" not in claim.joint)',
         ),
-        (
-            "chain: active above an inactive one at the start",
-            "if name in active and missing is not None:",
-            "if name in active and missing is None:",
-        ),
-        ("chain: only the next above is inactive at the start", "active.remove(name)", "active.copy()"),
+        ("chain: active above an inactive one at the start", "if found is None:", "if found:"),
+        ("chain: only the next above is inactive at the start", "if found is None:", "if found is None or idle:"),
         (
             "planning: the last claim wins",
             "elif wanted == ACTIVE and taken is not None:",
