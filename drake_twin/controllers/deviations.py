@@ -44,6 +44,13 @@ DEVIATIONS = tuple(
         ),
         (
             "controller manager",
+            "the topic of a controller in chained mode",
+            "is not heard",
+            "is not heard once the controller above has written a value",
+            "a writer without a command of its own keeps nobody else's from the joints",
+        ),
+        (
+            "controller manager",
             "fallback controllers that cannot be activated",
             "the controllers in their way are deactivated all the same",
             "those stay active",

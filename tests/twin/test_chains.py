@@ -346,6 +346,22 @@ def test_what_a_controller_is_told_in_chained_mode_is_never_obeyed(tmp_path):
     assert twin.robot_state("r").velocities[0] == 0.0
 
 
+def test_a_writer_that_has_written_nothing_leaves_the_topic_below_it_in_force(tmp_path):
+    """Other than in ROS 2, where chained mode alone decides; `drake_twin.controllers.deviations` has it."""
+    parameters = {
+        "writer": (PARAMETERS["above"][0], "{joints: [inner/hinge], interface_name: velocity}"),
+        "inner": PARAMETERS["inner"],
+    }
+    twin = build(tmp_path, parameters, ("writer", "inner"))
+    twin.publish("/r/inner/reference", {"values": [0.5]})
+    twin.advance_to(1.0)
+    assert twin.robot_state("r").velocities[0] == pytest.approx(0.5, rel=1e-3)
+    twin.publish("/r/writer/commands", [-0.5])
+    twin.publish("/r/inner/reference", {"values": [0.5]})
+    twin.advance_to(2.0)
+    assert twin.robot_state("r").velocities[0] == pytest.approx(-0.5, rel=1e-3)
+
+
 def test_what_is_below_forgets_its_last_reference_at_the_end_of_chained_mode(tmp_path):
     twin = build(tmp_path, PARAMETERS, ORDERS[0])
     twin.publish("/r/above/commands", [1.0])
