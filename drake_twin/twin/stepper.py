@@ -140,7 +140,7 @@ class Stepper:
     def _advance_simulator(self, step: int) -> bool:
         """Advance to a step, or to the first one at which a controller ends the advance; return whether one did."""
         physics = self._session.physics
-        status = physics.simulator.AdvanceTo(physics.time_of(step))
+        status = physics.advance_to(physics.time_of(step))
         noticed = bool(status.reason() == _TERMINATED)
         if noticed:
             self._finish_step()
