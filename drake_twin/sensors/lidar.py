@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Role
-from pydrake.systems.framework import Context, ValueProducer
+from pydrake.systems.framework import Context
 
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
@@ -19,7 +19,6 @@ from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.scan_messages import ScanGrid, laser_scan, nearest_range, point_cloud, point_cloud2
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
-from drake_twin.systems.weak_callback import weakly
 
 _MOST_RAYS = 2_000_000
 _PLUGINS = tuple(f"gazebo_ros_{kind}" for kind in ("ray_sensor", "laser", "gpu_laser", "block_laser", "range"))
@@ -124,11 +123,7 @@ class Lidar(SensorSystem):
         self._body, self._pose = int(setup.body.index()), setup.pose
         self._caster = self._shared_caster()
         self._poses = self.declare_plant_input("body_poses")
-        self._ranges = self.DeclareCacheEntry(
-            "ranges",
-            ValueProducer(allocate=lambda: AbstractValue.Make(None), calc=weakly(self._calc_ranges)),
-            self.measurement_tickets(),
-        )
+        self._ranges = self.declare_cache_entry("ranges", self._calc_ranges)
         self.declare_message_output(self._calc_scan, own="scan")
         if not self._settings.output:
             self.declare_message_output(self._calc_points, own="points")
@@ -136,7 +131,7 @@ class Lidar(SensorSystem):
     def _shared_caster(self) -> list[RayCaster]:
         """Return a place for the caster, one for all lidars that see the same shapes; it is filled when it is used."""
         role = Role.kProximity if self._settings.sees_collision_shapes else Role.kIllustration
-        found: list[RayCaster] = self.setup.shared.setdefault(f"rays {role.name}", [])
+        found: list[RayCaster] = self.host.shared.setdefault(f"rays {role.name}", [])
         return found
 
     def _calc_ranges(self, context: Context, output: AbstractValue) -> None:

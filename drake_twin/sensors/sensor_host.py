@@ -1,6 +1,6 @@
 """The system that has the ports of many sensors."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drake_twin.sensors.plant_reader import PlantReader
 
@@ -16,8 +16,10 @@ class SensorHost(PlantReader):
 
     Attributes:
         sensors: The sensors; their ports' callbacks hold them weakly.
+        shared: What some of them share, by what it is.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.sensors: list[SensorSystem] = []
+        self.shared: dict[str, Any] = {}
