@@ -146,7 +146,7 @@ def _plan(
     scope = (robot.name, sensor.joint or sensor.gazebo_link, sensor.name)
     frame = sensor.frame or kind.default_frame(sensor, settings, "/".join(scope))
     if frame in description.links:
-        frame = frame_prefix + frame
+        frame = frame_prefix.lstrip("/") + frame
     noises = {name: noise for name, noise in kind.noises(settings).items() if noise != SILENT}
     default = gazebo_default(robot.name, sensor, kind.gz_topic or sensor.kind)
     base = default if sensor.topic in ("", "__default_topic__") else f"/{valid_topic(sensor.topic)}"

@@ -20,6 +20,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from drake_twin.errors import InputError
 from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of
 
+_BLOCK = 1024  # rays at a time, which fit into the processor's cache
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
 
 
@@ -74,8 +75,7 @@ class _Group:
         for shape, pose in self.round:
             turn = pose.rotation().matrix()
             start = (origin - pose.translation()) @ turn
-            center = _meets(start, directions @ turn, np.zeros(3), radius_of(shape))
-            rays = np.flatnonzero(center)
+            rays = np.flatnonzero(_meets(directions @ turn, -start[np.newaxis], np.array([radius_of(shape)]))[0])
             with np.errstate(divide="ignore", invalid="ignore"):
                 met = distances(shape, start, directions[rays] @ turn, nearest)
             found[rays] = np.minimum(found[rays], met)
@@ -104,6 +104,7 @@ class RayCaster:
         fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
         start = plant.CreateDefaultContext()
         self._static = _Group(None)
+        meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]] = {}
         self._moving: list[_Group] = []
         for frame in inspector.GetAllFrameIds():
             body = plant.GetBodyFromFrameId(frame)
@@ -117,11 +118,11 @@ class RayCaster:
                 group, pose = _Group(index), RigidTransform()
                 self._moving.append(group)
             for geometry in geometries:
-                _add(group, inspector, geometry, pose)
+                _add(group, inspector, geometry, pose, meshes)
         if role is not Role.kProximity:  # the ground is seen, whether or not it is drawn
             for geometry in inspector.GetGeometries(inspector.world_frame_id(), Role.kProximity):
                 if isinstance(inspector.GetShape(geometry), HalfSpace):
-                    _add(self._static, inspector, geometry, RigidTransform())
+                    _add(self._static, inspector, geometry, RigidTransform(), meshes)
 
     def cast(
         self,
@@ -141,42 +142,61 @@ class RayCaster:
             farthest: Shapes that are farther away need not be seen (m).
         """
         found = self._static.cast(origin, directions, nearest)
-        for group in self._moving:
-            pose = poses[group.body or 0]
-            turn = pose.rotation().matrix()
-            start = (origin - pose.translation()) @ turn
-            center, radius = group.sphere
-            if np.linalg.norm(center - start) - radius > farthest:
-                continue
-            rays = np.flatnonzero(_meets(start, directions @ turn, center, radius))
-            if len(rays):
-                found[rays] = np.minimum(found[rays], group.cast(start, directions[rays] @ turn, nearest))
+        if not self._moving:
+            return found
+        turns = np.array([poses[group.body or 0].rotation().matrix() for group in self._moving])
+        positions = np.array([poses[group.body or 0].translation() for group in self._moving])
+        centers, radii = self._spheres
+        ways = positions + np.einsum("bij,bj->bi", turns, centers) - origin
+        meets = _meets(directions, ways, radii)
+        meets[np.sqrt(np.einsum("bi,bi->b", ways, ways)) - radii > farthest] = False
+        for index in np.flatnonzero(meets.any(axis=1)):
+            rays, turn = np.flatnonzero(meets[index]), turns[index]
+            start = (origin - positions[index]) @ turn
+            found[rays] = np.minimum(found[rays], self._moving[index].cast(start, directions[rays] @ turn, nearest))
         return found
 
-
-def _meets(origin: np.ndarray, directions: np.ndarray, center: np.ndarray, radius: float) -> np.ndarray:
-    """Return which rays may meet a sphere."""
-    way = center - origin
-    reach = (radius + _MARGIN * (radius + float(np.linalg.norm(way)))) ** 2
-    distance = way @ way
-    if distance <= reach:
-        return np.ones(len(directions), dtype=bool)
-    along = directions @ way
-    return np.asarray((along > 0.0) & (distance - along**2 <= reach))
+    @cached_property
+    def _spheres(self) -> tuple[np.ndarray, np.ndarray]:
+        """The bounding spheres of the moving bodies: their centers, one a row, and their radii."""
+        centers, radii = zip(*(group.sphere for group in self._moving), strict=True)
+        return np.array(centers), np.array(radii)
 
 
-def _add(group: _Group, inspector: SceneGraphInspector, geometry: GeometryId, pose: RigidTransform) -> None:
+def _meets(directions: np.ndarray, ways: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """Return which spheres (rows) which rays (columns) may meet, by the ways from the rays' origin to their centers."""
+    squares = np.einsum("bi,bi->b", ways, ways)[:, np.newaxis]
+    reach = (radii + _MARGIN * (radii + np.sqrt(squares[:, 0])))[:, np.newaxis] ** 2
+    found = np.empty((len(ways), len(directions)), dtype=bool)
+    for begin in range(0, len(directions), _BLOCK):
+        along = ways @ directions[begin : begin + _BLOCK].T
+        near = squares - along**2 <= reach
+        near &= along > 0.0
+        found[:, begin : begin + _BLOCK] = near
+    return found | (squares <= reach)
+
+
+def _add(
+    group: _Group,
+    inspector: SceneGraphInspector,
+    geometry: GeometryId,
+    pose: RigidTransform,
+    meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]],
+) -> None:
+    """Add a shape to a group; files are read once."""
     shape, X_BG = inspector.GetShape(geometry), pose @ inspector.GetPoseInFrame(geometry)
     if isinstance(shape, HalfSpace):
         group.planes.append(X_BG)
     elif isinstance(shape, ROUND_SHAPES):
         group.round.append((shape, X_BG))
     else:
-        vertices, faces = _triangles(shape)
+        vertices, faces = _triangles(shape, meshes)
         group.triangles.append((vertices @ X_BG.rotation().matrix().T + X_BG.translation(), faces))
 
 
-def _triangles(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
+def _triangles(
+    shape: Shape, meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
     """Return vertices and faces of a box, a mesh or a convex hull, in its frame."""
     if isinstance(shape, Box):
         corners = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5], indexing="ij")).reshape(3, 8).T
@@ -184,7 +204,11 @@ def _triangles(shape: Shape) -> tuple[np.ndarray, np.ndarray]:
         faces = [half for a, b, c, d in quads for half in ((a, b, c), (a, c, d))]
         return corners * shape.size(), np.array(faces)
     if isinstance(shape, Mesh) and shape.extension() in (".obj", ".gltf", ".glb"):
-        return _of_file(Path(shape.source().path()), np.array(shape.scale3()))
+        file, scale = Path(shape.source().path()), np.array(shape.scale3())
+        key = (str(file), *map(str, scale))
+        if key not in meshes:
+            meshes[key] = _of_file(file, scale)
+        return meshes[key]
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()
         vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])

@@ -234,7 +234,7 @@ def test_the_bounding_spheres_change_no_bit(monkeypatch):
         return caster.cast(poses, np.zeros(3), unit(rng.normal(size=(2000, 3))))
 
     culled = ranges()
-    always = lambda origin, directions, center, radius: np.ones(len(directions), dtype=bool)  # noqa: E731
+    always = lambda directions, ways, radii: np.ones((len(ways), len(directions)), dtype=bool)  # noqa: E731
     monkeypatch.setattr("drake_twin.sensors.ray_caster._meets", always)
     assert culled.tobytes() == ranges().tobytes()
 
