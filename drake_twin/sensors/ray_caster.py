@@ -173,7 +173,7 @@ def _meets(directions: np.ndarray, ways: np.ndarray, radii: np.ndarray) -> np.nd
         near = squares - along**2 <= reach
         near &= along > 0.0
         found[:, begin : begin + _BLOCK] = near
-    return found | (squares <= reach)
+    return np.asarray(found | (squares <= reach))
 
 
 def _add(
