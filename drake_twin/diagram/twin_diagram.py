@@ -28,7 +28,8 @@ from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transfo
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
-from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_other_sensors
+from drake_twin.diagram.robot_sensors import SensorSurroundings
+from drake_twin.diagram.sensors_of_twin import add_sensors, publish_sensors
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
@@ -38,7 +39,6 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
-from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
@@ -222,7 +222,7 @@ def _build(
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)
         for plan in told("connecting", plans, lambda plan: plan.name)
     }
-    about_sensors = tuple(_add_sensors(builder, parts, plans, robots, topics, surroundings))
+    about_sensors = tuple(add_sensors(builder, parts, plans, robots, topics, surroundings))
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
@@ -335,7 +335,7 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
         topics.publish(robot_topic(plan, name), system.GetOutputPort(name), kind, plan.update_rate, plan.name)
-    _publish_sensors(plan, robot.sensors, system, topics, surroundings.time_step)
+    publish_sensors(plan, robot.sensors, system, topics, surroundings.time_step)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
             if (listened := controller_topic(plan, plans[name], own)) is not None:
@@ -351,40 +351,6 @@ def _add_robot(
                 output = system.GetOutputPort(f"{name}/{own}")
                 topics.publish(published, output, kind, plans[name].update_rate, plan.name, name)
     return robot
-
-
-def _publish_sensors(
-    plan: RobotPlan, ports: Iterable[SensorPort], system: System, topics: Topics, time_step: float
-) -> None:
-    for item in ports:
-        assert item.topic.topic is not None, "a topic without a port"
-        rate, sensor = item.plan.rate or 1.0 / time_step, item.plan.place
-        port = system.GetOutputPort(item.name)
-        topics.publish(item.topic.topic, port, item.topic.type, rate, plan.name, sensor=sensor)
-
-
-def _add_sensors(
-    builder: DiagramBuilder,
-    parts: PlantOfTwin,
-    plans: Iterable[RobotPlan],
-    robots: Mapping[str, RobotDiagram],
-    topics: Topics,
-    surroundings: SensorSurroundings,
-) -> Iterator[Finding]:
-    """Add all sensors that no controller reads, in one system; return what they cannot measure."""
-    host = SensorHost()
-    found = {}
-    for plan in plans:
-        instance = parts.robots[plan.name].instance
-        ports, warnings = add_other_sensors(host, plan, instance, surroundings, robots[plan.name].sensors)
-        found[plan.name] = ports
-        yield from (Finding(Kind.WARNING, text, robot=plan.name) for text in warnings)
-    if host.sensors:
-        builder.AddNamedSystem("sensors", host)
-        for output, port in host.inputs_from(parts.plant, parts.scene_graph):
-            builder.Connect(output, port)
-        for plan in plans:
-            _publish_sensors(plan, found[plan.name], host, topics, surroundings.time_step)
 
 
 def _add_ground_truth(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequence[RobotPlan], topics: Topics) -> None:

@@ -87,17 +87,16 @@ class ContactSensor(SensorSystem):
 
     @classmethod
     def read(cls, element: SensorElement) -> ContactSettings:
-        """Read the names of collision shapes, and the topic.
-
-        Raises:
-            InputError: If it watches no collision shape.
-        """
+        """Read the names of collision shapes, and the topic."""
         names = tuple(name for part in element.parts("contact/collision") if (name := part.text(".")))
-        if not names:
-            raise element.error("<contact> needs a <collision> with the name of one of the link's")
         topic = element.text("contact/topic")
         is_classic = element.plugin_kind == "gazebo_ros_bumper"
         return ContactSettings(names, "" if topic == "__default_topic__" else topic, is_classic)
+
+    @classmethod
+    def problem(cls, settings: ContactSettings) -> str | None:
+        """Return that it watches nothing."""
+        return None if settings.collisions else "its <contact> names no <collision> of the link"
 
     @classmethod
     def topics(cls, sensor: Sensor, settings: ContactSettings, base: str) -> Iterable[SensorTopic]:

@@ -22,8 +22,6 @@ DROPS = {
     "camera": '<gazebo reference="base"><sensor name="cam" type="camera"/></gazebo>',
     "depth camera": '<gazebo reference="base"><sensor name="cam" type="rgbd_camera"/></gazebo>',
     "contact sensor": '<gazebo reference="base"><sensor name="bump" type="contact"/></gazebo>',
-    "gps": '<gazebo reference="base"><sensor name="gps" type="navsat"/></gazebo>',
-    "magnetometer": '<gazebo reference="base"><sensor name="m" type="magnetometer"/></gazebo>',
     "unknown sensor": '<gazebo reference="base"><sensor name="x" type="tricorder"/></gazebo>',
     "noise": '<gazebo reference="base"><sensor name="imu" type="imu"><imu><noise/></imu></sensor></gazebo>',
     "p3d": '<gazebo><plugin name="p3d" filename="libgazebo_ros_p3d.so"/></gazebo>',
