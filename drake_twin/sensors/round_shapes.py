@@ -51,7 +51,7 @@ def _ends(shape: Shape, origin: np.ndarray, directions: np.ndarray, half: float)
 
 
 def _quadric(origin: np.ndarray, directions: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Return both distances at which ``|scales · p| = 1``, one a row; infinite or NaN where there are none."""
+    """Return both distances at which ``|scales · p| = 1``, one a row; infinite or NaN for a ray that misses."""
     start, way = origin * scales, directions * scales
     a = np.einsum("ij,ij->i", way, way)
     b = way @ start
