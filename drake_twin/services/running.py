@@ -1,0 +1,77 @@
+"""What the services of all simulators share: time, and requests that are refused without a field for the reason."""
+
+import logging
+import time as wall_clock
+from collections.abc import Callable, Generator
+from typing import Any
+
+from drake_twin.errors import InputError
+from drake_twin.services.registry import Fields
+from drake_twin.twin.twin import Twin
+
+_log = logging.getLogger(__name__)
+_MOST_STEPS = 1_000_000_000
+_SLICE = 0.02  # s of wall time that steps may take before other requests get their turn
+_MOST_LINES = 1000
+_logged: set[tuple[str, str]] = set()
+
+
+def pause(twin: Twin) -> None:
+    """Stop time."""
+    twin.pause()
+
+
+def play(twin: Twin) -> None:
+    """Let time continue.
+
+    Raises:
+        InputError: If the twin runs in lock-step.
+    """
+    if twin.frames.lockstep:
+        raise InputError("the twin runs in lock-step: it advances only when StepSimulation or SimulateSteps says so")
+    twin.play()
+
+
+def reset(twin: Twin) -> None:
+    """Return to the start, which lets ``/clock`` jump back."""
+    _log.warning("reset: /clock jumps back from %.3f s to zero", twin.time)
+    twin.reset()
+
+
+def steps(twin: Twin, number: int) -> Generator[int, None, None]:
+    """Make physics steps, a slice at a time; each slice yields the number of steps made so far.
+
+    Raises:
+        InputError: If the twin is not paused, or the number is not one of steps.
+        RunError: If a step fails.
+    """
+    if not twin.paused:
+        raise InputError("time goes on: pause the simulation before it is stepped")
+    if not 1 <= number <= _MOST_STEPS:
+        raise InputError(f"{number} steps cannot be made: the number must be from 1 to {_MOST_STEPS}")
+    made = 0
+    while made < number:
+        begin = wall_clock.perf_counter()
+        while made < number and wall_clock.perf_counter() - begin < _SLICE:
+            twin.step()
+            made += 1
+        yield made
+
+
+def refused(service: str, error: Any, field: str = "") -> Fields:
+    """Log why a request is refused, once per service and reason; return the response, which has no field for it."""
+    key = service, str(error)
+    if key not in _logged and len(_logged) < _MOST_LINES:
+        _logged.add(key)
+        _log.warning("%s: %s", *key)
+    return {field: False} if field else {}
+
+
+Later = Generator[Any, None, Fields]
+"""A response that takes more than one frame: it is continued once a frame until it returns."""
+
+
+def later(make: Callable[[], Generator[Any, None, None]], response: Callable[[], Fields]) -> Later:
+    """Return a response that is there once a generator has ended."""
+    yield from make()
+    return response()

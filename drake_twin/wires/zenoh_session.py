@@ -1,0 +1,92 @@
+"""Open a Zenoh session as rmw_zenoh does: through a router, without multicast."""
+
+import json
+import socket
+from typing import Any
+
+from drake_twin.errors import InputError
+
+ROUTER_PORT = 7447  # rmw_zenoh's nodes connect to it on their own machine (DEFAULT_RMW_ZENOH_SESSION_CONFIG.json5)
+_PATIENCE = 3000  # ms for a router to answer
+
+
+def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str | None = None) -> tuple[Any, bool]:
+    """Open a session that is connected to a router, or is the router where none runs on this machine.
+
+    Args:
+        host: The address to listen on as a router.
+        port: The router's port.
+        router: The address of a router to connect to in any case, ``HOST`` or ``HOST:PORT``.
+
+    Returns:
+        The ``zenoh.Session``, and whether it is the router.
+
+    Raises:
+        InputError: If Zenoh is not installed, the address cannot be used, the port is another program's, or no router
+            answers.
+    """
+    try:
+        import zenoh
+    except ImportError:
+        raise InputError(
+            "the ROS 2 graph needs Zenoh, which is not installed: pip install 'drake-twin[zenoh]'"
+        ) from None
+    zenoh.init_log_from_env_or("error")
+    if router is not None:
+        return _connect(zenoh, _with_port(router, port)), False
+    _check_address(host, port)
+    try:
+        return zenoh.open(_config(zenoh, "router", listen=[f"tcp/{_bracketed(host)}:{port}"])), True
+    except zenoh.ZError:  # something listens there
+        return _connect(zenoh, f"127.0.0.1:{port}"), False
+
+
+def _connect(zenoh: Any, address: str) -> Any:
+    try:
+        return zenoh.open(_config(zenoh, "peer", connect=[f"tcp/{address}"], listen=["tcp/127.0.0.1:0"]))
+    except zenoh.ZError:
+        text = f"no Zenoh router answers at {address}"
+        raise InputError(f"{text}: another program has the port, or the router is not running") from None
+
+
+def _config(zenoh: Any, mode: str, *, listen: list[str], connect: list[str] | None = None) -> Any:
+    config = zenoh.Config()
+    for key, value in {
+        "mode": mode,
+        "listen/endpoints": listen,
+        "connect/endpoints": connect or [],
+        "connect/exit_on_failure": True,
+        "connect/timeout_ms": _PATIENCE,
+        "scouting/delay": 0,
+        "scouting/multicast/enabled": False,
+        "timestamping/enabled": True,  # what is kept for late joiners is sorted by time
+    }.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def _check_address(host: str, port: int) -> None:
+    """Refuse an address that is not this machine's.
+
+    Raises:
+        InputError: If it is not.
+    """
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.bind((address[0], 0))
+    except OSError as error:
+        raise InputError(f"cannot listen on {host}: {error.strerror or error}") from None
+
+
+def _with_port(address: str, port: int) -> str:
+    host, separator, given = address.rpartition(":")
+    if not separator or address.endswith("]"):
+        return f"{_bracketed(address)}:{port}"
+    if not given.isdigit() or not 0 < int(given) < 65536 or not host:
+        raise InputError(f"{address!r} is not the address of a router: write HOST or HOST:PORT")
+    return f"{_bracketed(host)}:{given}"
+
+
+def _bracketed(host: str) -> str:
+    return f"[{host}]" if ":" in host and not host.startswith("[") else host
