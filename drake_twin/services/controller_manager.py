@@ -58,10 +58,7 @@ def _list_controller_types(twin: Twin, robot: str, request: Any) -> Fields:
 def _list_hardware_interfaces(twin: Twin, robot: str, request: Any) -> Fields:
     lists = twin.controller_manager(robot).list_hardware_interfaces()
     commands, states = (
-        [
-            _interface(item.name, is_available=item.is_available, is_claimed=item.is_claimed)
-            for item in items
-        ]
+        [_interface(item.name, is_available=item.is_available, is_claimed=item.is_claimed) for item in items]
         for items in lists
     )
     return {"command_interfaces": commands, "state_interfaces": states}

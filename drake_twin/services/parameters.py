@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.services.registry import Fields, Service
 from drake_twin.twin.twin import Twin
@@ -105,7 +107,8 @@ def _set(parameters: Parameters, item: Any) -> Fields:
     """Return whether a parameter has the value already, for it cannot be changed."""
     field = _FIELDS.get(item.value.type)
     wanted = None if field is None else getattr(item.value, field)
-    wanted = wanted.tolist() if hasattr(wanted, "tolist") else wanted
+    if isinstance(wanted, np.ndarray):
+        wanted = wanted.tolist()
     is_same = item.name in parameters and _value(parameters[item.name]) == _value(wanted)
     reason = f"parameter {item.name!r} cannot be changed while the twin runs: the robot's files give it"
     return {"successful": is_same, "reason": "" if is_same else reason}

@@ -2,15 +2,18 @@
 
 import importlib
 import pkgutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from drake_twin.twin.twin import Twin
 
 Fields = Mapping[str, Any]  # of a response
+Later = Generator[Any, None, Fields]  # a response that takes several frames: it is continued once a frame
 SIMULATION_NODE = "/drake_twin"
+
+_Answer = TypeVar("_Answer", bound=Callable[..., Fields | Later])
 
 
 @dataclass(frozen=True)
@@ -21,14 +24,15 @@ class Service:
         name: Its full name.
         type: Its ROS type.
         node: The full name of its node.
-        answer: Takes the request and returns the response's fields; called in the simulation's thread.
+        answer: Takes the request and returns the response's fields, or a generator that does so later; called in the
+            simulation's thread.
         between_advances: Whether it does what a callback cannot do, such as a spawn.
     """
 
     name: str
     type: str
     node: str
-    answer: Callable[[Any], Fields]
+    answer: Callable[[Any], Fields | Later]
     between_advances: bool = False
 
 
@@ -37,7 +41,7 @@ class _Kind:
     name: str
     type: str
     node: str
-    answer: Callable[..., Fields]
+    answer: Callable[..., Fields | Later]
     between_advances: bool
 
 
@@ -47,7 +51,7 @@ _OF_ROBOT: list[_Kind] = []
 
 def twin_service(
     type: str, name: str, node: str = SIMULATION_NODE, *, between_advances: bool = False
-) -> Callable[[Callable[[Twin, Any], Fields]], Callable[[Twin, Any], Fields]]:
+) -> Callable[[_Answer], _Answer]:
     """Decorate a function that answers a service of the twin; it takes the twin and the request.
 
     Args:
@@ -57,16 +61,14 @@ def twin_service(
         between_advances: Whether it does what a callback cannot do.
     """
 
-    def register(answer: Callable[[Twin, Any], Fields]) -> Callable[[Twin, Any], Fields]:
+    def register(answer: _Answer) -> _Answer:
         _OF_TWIN.append(_Kind(name, type, node, answer, between_advances))
         return answer
 
     return register
 
 
-def robot_service(
-    type: str, name: str, node: str
-) -> Callable[[Callable[[Twin, str, Any], Fields]], Callable[[Twin, str, Any], Fields]]:
+def robot_service(type: str, name: str, node: str) -> Callable[[_Answer], _Answer]:
     """Decorate a function that answers a service of each robot; it takes the twin, the robot and the request.
 
     Args:
@@ -75,7 +77,7 @@ def robot_service(
         node: The node's name below the robot's namespace.
     """
 
-    def register(answer: Callable[[Twin, str, Any], Fields]) -> Callable[[Twin, str, Any], Fields]:
+    def register(answer: _Answer) -> _Answer:
         _OF_ROBOT.append(_Kind(f"{node}/{name}", type, node, answer, False))
         return answer
 
@@ -92,10 +94,12 @@ def services_of(twin: Twin) -> tuple[Service, ...]:
 
 
 def _all(twin: Twin) -> Iterator[Service]:
+    from drake_twin.services.entities import world_name
     from drake_twin.services.parameters import parameter_services
 
+    world = world_name(twin)
     for kind in _OF_TWIN:
-        yield Service(kind.name, kind.type, kind.node, _for_twin(kind, twin), kind.between_advances)
+        yield Service(kind.name.format(world=world), kind.type, kind.node, _for_twin(kind, twin), kind.between_advances)
     for plan in twin.plans:
         namespace = plan.robot.topic_namespace
         for kind in _OF_ROBOT:
@@ -104,11 +108,11 @@ def _all(twin: Twin) -> Iterator[Service]:
     yield from parameter_services(twin)
 
 
-def _for_twin(kind: _Kind, twin: Twin) -> Callable[[Any], Fields]:
+def _for_twin(kind: _Kind, twin: Twin) -> Callable[[Any], Fields | Later]:
     return lambda request: kind.answer(twin, request)
 
 
-def _for_robot(kind: _Kind, twin: Twin, robot: str) -> Callable[[Any], Fields]:
+def _for_robot(kind: _Kind, twin: Twin, robot: str) -> Callable[[Any], Fields | Later]:
     return lambda request: kind.answer(twin, robot, request)
 
 

@@ -4,8 +4,8 @@ from typing import Any
 
 from drake_twin.errors import InputError, TwinError
 from drake_twin.services import entities
-from drake_twin.services.registry import Fields, twin_service
-from drake_twin.services.running import Later, pause, play, refused, reset, steps
+from drake_twin.services.registry import Fields, Later, twin_service
+from drake_twin.services.running import pause, play, refused, reset, steps
 from drake_twin.twin.twin import Twin
 
 _MODEL, _NONE = 2, 0  # ros_gz_interfaces/msg/Entity

@@ -2,7 +2,7 @@
 
 import logging
 import time as wall_clock
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from typing import Any
 
 from drake_twin.errors import InputError
@@ -65,13 +65,3 @@ def refused(service: str, error: Any, field: str = "") -> Fields:
         _logged.add(key)
         _log.warning("%s: %s", *key)
     return {field: False} if field else {}
-
-
-Later = Generator[Any, None, Fields]
-"""A response that takes more than one frame: it is continued once a frame until it returns."""
-
-
-def later(make: Callable[[], Generator[Any, None, None]], response: Callable[[], Fields]) -> Later:
-    """Return a response that is there once a generator has ended."""
-    yield from make()
-    return response()

@@ -7,8 +7,8 @@ from typing import Any
 from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.messages import header
 from drake_twin.services import entities
-from drake_twin.services.registry import SIMULATION_NODE, Fields, twin_service
-from drake_twin.services.running import Later, pause, play, reset, steps
+from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, twin_service
+from drake_twin.services.running import pause, play, reset, steps
 from drake_twin.twin.twin import Twin
 
 # simulation_interfaces/msg/Result

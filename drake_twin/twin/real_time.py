@@ -27,10 +27,12 @@ class Frames:
         callbacks: Functions that `Twin.run` calls each frame, before ``each_frame``, and once more when it ends. They
             are called between steps, so that they may do anything but advance the twin.
         are_running: Whether `Twin.run` is executing.
+        lockstep: Whether time advances only by requests of steps: `Twin.run` pauses the twin at each frame.
     """
 
     callbacks: list[Callable[[], object]] = field(default_factory=list)
     are_running: bool = False
+    lockstep: bool = False
 
 
 def run_in_real_time(
@@ -66,6 +68,8 @@ def _run(
 
 def _begin_frame(twin: "Twin", until: float | None, each_frame: Callable[[], bool | None]) -> bool:
     """Call what each frame calls; return whether the run continues."""
+    if twin.frames.lockstep:
+        twin.pause()
     for callback in tuple(twin.frames.callbacks):
         callback()
     if _is_over(twin, until):

@@ -160,6 +160,11 @@ class Twin:
         return self._session.robots
 
     @property
+    def first_robots(self) -> tuple[str, ...]:
+        """The names of the robots that the twin started with; the others have been spawned since."""
+        return self._session.first_robots
+
+    @property
     def plans(self) -> tuple[RobotPlan, ...]:
         """What each robot's files amount to."""
         return self._session.built.plans

@@ -1,0 +1,1 @@
+"""Wires to the outside: they see bytes, type names, hashes and times, and nothing of the twin."""

@@ -41,6 +41,7 @@ class ZenohWire:
     Attributes:
         domain: The ROS domain.
         is_router: Whether the session is the router.
+        session_id: The session's id in the graph's tokens.
 
     Raises:
         InputError: If Zenoh is not installed, or the domain, the address or the port cannot be used.
@@ -55,6 +56,7 @@ class ZenohWire:
     ):
         self.domain = domain_of_environment() if domain is None else domain
         self._session, self.is_router = open_session(host, port, router)
+        self.session_id = str(self._session.zid())
         self._graph = _Graph(self._session, self.domain)
 
     def advertise(self, topic: Any, listened: Callable[[bool], None] = lambda _: None) -> "_Sender":
@@ -125,7 +127,7 @@ class _Sender:
         self._sequence = itertools.count(1)
         self._parts: list[Any] = []
         if topic.latched:
-            self._publisher = ext.declare_advanced_publisher(
+            self._publisher: Any = ext.declare_advanced_publisher(
                 session,
                 key,
                 congestion_control=drop,
@@ -137,7 +139,6 @@ class _Sender:
             self._publisher = session.declare_publisher(key, congestion_control=drop)
             note = handlers.Callback(self._note, indirect=False)
             self._parts.append(self._publisher.declare_matching_listener(note))
-            self.is_heard = bool(self._publisher.matching_status.matching)
         self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, 1 if topic.latched else 10))
 
     def send(self, data: bytes) -> None:

@@ -51,8 +51,7 @@ def test_examples_of_the_design_document():
 def test_key_of_a_topic():
     """rmw_zenoh, docs/design.md, "Topic and Service name mapping"."""
     assert topic_key(0, "/chatter", "std_msgs/msg/String", STRING) == (
-        "0/chatter/std_msgs::msg::dds_::String_/"
-        "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
+        "0/chatter/std_msgs::msg::dds_::String_/RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"
     )
 
 
@@ -96,7 +95,7 @@ def test_bytes_that_are_no_attachment(data):
 
 
 def test_gid_is_the_hash_of_the_token():
-    """XXH3 of the empty text is 99aa06d3014798d86001c324468d497f (xxHash, test vectors); rmw_zenoh writes low64 first."""
+    """XXH3 of the empty text is 99aa06d3014798d86001c324468d497f (xxHash's tests); rmw_zenoh writes low64 first."""
     pytest.importorskip("xxhash")
     assert gid("").hex() == "7f498d4624c30160d8984701d306aa99"
 

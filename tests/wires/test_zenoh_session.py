@@ -1,0 +1,88 @@
+"""Who is the router, and what cannot be opened."""
+
+import socket
+
+import pytest
+from wires.zenoh_peer import free_port
+
+from drake_twin.errors import InputError
+from drake_twin.wires.zenoh_session import open_session
+
+zenoh = pytest.importorskip("zenoh")
+
+
+def test_the_first_session_is_the_router_and_the_next_ones_connect_to_it():
+    port = free_port()
+    first, is_router = open_session(port=port)
+    try:
+        assert is_router
+        second, is_router = open_session(port=port)
+        try:
+            assert not is_router
+            assert second.info.routers_zid() == [first.zid()]
+        finally:
+            second.close()
+    finally:
+        first.close()
+
+
+def test_a_router_listens_only_on_the_address_that_it_is_given():
+    port = free_port()
+    session, _ = open_session(port=port)
+    try:
+        with pytest.raises(OSError, match="refused"):
+            socket.create_connection(("127.0.0.2", port), timeout=5).close()
+        socket.create_connection(("127.0.0.1", port), timeout=5).close()
+    finally:
+        session.close()
+
+
+def test_a_router_elsewhere_is_connected_to_by_its_address():
+    port = free_port()
+    first, _ = open_session(port=port)
+    try:
+        second, is_router = open_session(router=f"localhost:{port}")
+        try:
+            assert not is_router
+            assert second.info.routers_zid() == [first.zid()]
+        finally:
+            second.close()
+    finally:
+        first.close()
+
+
+def test_a_port_that_another_program_has():
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        with pytest.raises(InputError) as caught:
+            open_session(port=port)
+    assert str(caught.value) == (
+        f"no Zenoh router answers at 127.0.0.1:{port}: another program has the port, or the router is not running."
+    )
+
+
+def test_a_router_that_does_not_answer():
+    port = free_port()
+    with pytest.raises(InputError, match=rf"^no Zenoh router answers at 127\.0\.0\.1:{port}: "):
+        open_session(router=f"127.0.0.1:{port}")
+
+
+@pytest.mark.parametrize("host", ["203.0.113.5", "no-such-host.invalid"])
+def test_an_address_that_is_not_this_machines(host):
+    with pytest.raises(InputError, match=rf"^cannot listen on {host}: "):
+        open_session(host, free_port())
+
+
+@pytest.mark.parametrize("router", ["host:", ":7447", "host:port", "host:0", "host:70000"])
+def test_an_address_that_is_none(router):
+    with pytest.raises(InputError, match=r"^'.*' is not the address of a router: write HOST or HOST:PORT"):
+        open_session(router=router)
+
+
+def test_zenoh_that_is_not_installed(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "zenoh", None)
+    with pytest.raises(InputError) as caught:
+        open_session()
+    assert str(caught.value) == (
+        "the ROS 2 graph needs Zenoh, which is not installed: pip install 'drake-twin[zenoh]'."
+    )
