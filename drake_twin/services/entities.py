@@ -17,7 +17,7 @@ WORLD_NAMES = ("", "world", "map")
 
 
 class PoseError(InputError):
-    """Raised for a pose that is none."""
+    """Raised for an invalid pose."""
 
 
 def entity_names(twin: Twin) -> list[str]:

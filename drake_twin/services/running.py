@@ -5,9 +5,12 @@ import time as wall_clock
 from collections.abc import Generator
 from typing import Any
 
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, RunError
 from drake_twin.services.registry import Fields
 from drake_twin.twin.twin import Twin
+
+# simulation_interfaces/msg/Result
+UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE, FAILED = range(5)
 
 _log = logging.getLogger(__name__)
 _MOST_STEPS = 1_000_000_000
@@ -46,7 +49,7 @@ def steps(twin: Twin, number: int) -> Generator[int, None, None]:
         RunError: If a step fails.
     """
     if not twin.paused:
-        raise InputError("time goes on: pause the simulation before it is stepped")
+        raise InputError("time is running: pause the simulation before it is stepped")
     if not 1 <= number <= _MOST_STEPS:
         raise InputError(f"{number} steps cannot be made: the number must be from 1 to {_MOST_STEPS}")
     made = 0
@@ -56,6 +59,55 @@ def steps(twin: Twin, number: int) -> Generator[int, None, None]:
             twin.step()
             made += 1
         yield made
+
+
+class StepsGoal:
+    """Physics steps as the goal of an action; `proceed` makes a slice of them.
+
+    Args:
+        twin: The twin, which must be paused.
+        number: The number of steps.
+
+    Raises:
+        InputError: If the twin is not paused, or the number is not one of steps.
+    """
+
+    def __init__(self, twin: Twin, number: int):
+        self._number = number
+        self._made = 0
+        self._slices = steps(twin, number)
+        self.status = "executing"
+        self.result: Fields | None = None
+        self.proceed()
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the goal has ended."""
+        return self.result is not None
+
+    @property
+    def feedback(self) -> Fields | None:
+        """The number of steps made and left; None after the goal has ended."""
+        return None if self.is_done else {"completed_steps": self._made, "remaining_steps": self._number - self._made}
+
+    def cancel(self) -> None:
+        """Make no more steps."""
+        self._end("canceled", FAILED, f"canceled after {self._made} steps")
+
+    def proceed(self) -> None:
+        """Make the next slice of steps."""
+        if self.is_done:
+            return
+        try:
+            self._made = next(self._slices)
+        except RunError as error:
+            self._end("aborted", FAILED, str(error))
+        else:
+            if self._made == self._number:
+                self._end("succeeded", OK, "")
+
+    def _end(self, status: str, code: int, text: str) -> None:
+        self.status, self.result = status, {"result": {"result": code, "error_message": text}}
 
 
 def refused(service: str, error: Any, field: str = "") -> Fields:

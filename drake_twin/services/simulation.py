@@ -8,11 +8,19 @@ from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.messages import header
 from drake_twin.services import entities
 from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, twin_service
-from drake_twin.services.running import pause, play, reset, steps
+from drake_twin.services.running import (
+    FAILED,
+    INCORRECT_STATE,
+    NOT_FOUND,
+    OK,
+    UNSUPPORTED,
+    pause,
+    play,
+    reset,
+    steps,
+)
 from drake_twin.twin.twin import Twin
 
-# simulation_interfaces/msg/Result
-UNSUPPORTED, OK, NOT_FOUND, INCORRECT_STATE, FAILED = range(5)
 # SpawnEntity
 _NOT_UNIQUE, _NAME_INVALID, _UNSUPPORTED_FORMAT, _NO_RESOURCE, _NAMESPACE_INVALID, _PARSE_ERROR = range(101, 107)
 _INVALID_POSE = 109
