@@ -107,7 +107,7 @@ class ActionServer:
             return
         for known in self._goals.values():
             self._proceed(known.goal)
-        statuses = [
+        statuses: list[Fields] = [
             {"goal_info": _info(key, known), "status": _STATUSES[known.goal.status]}
             for key, known in self._goals.items()
         ]
