@@ -8,6 +8,9 @@ from drake_twin.errors import InputError
 
 ROUTER_PORT = 7447  # rmw_zenoh's nodes connect to it on their own machine (DEFAULT_RMW_ZENOH_SESSION_CONFIG.json5)
 _PATIENCE = 3000  # ms for a router to answer
+# µs for a peer that reads to make room; 1 ms, Zenoh's default, is too short for one that shares a busy processor. Of a
+# peer that has stopped to read, only the first message waits so long.
+_WAIT = 5000
 
 
 def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str | None = None) -> tuple[Any, bool]:
@@ -58,6 +61,7 @@ def _config(zenoh: Any, mode: str, *, listen: list[str], connect: list[str] | No
         "connect/exit_on_failure": True,
         "connect/timeout_ms": _PATIENCE,
         "scouting/delay": 0,
+        "transport/link/tx/queue/congestion_control/drop/wait_before_drop": _WAIT,
         "scouting/multicast/enabled": False,
         "timestamping/enabled": True,  # what is kept for late joiners is sorted by time
     }.items():

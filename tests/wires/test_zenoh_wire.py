@@ -1,6 +1,11 @@
 """The wire against plain Zenoh peers: keys, tokens, attachments, and what a bad peer sends."""
 
+import os
+import signal
+import subprocess
+import sys
 import threading
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -249,3 +254,44 @@ def test_domains_do_not_hear_each_other(wire, port):
         assert heard.wait_for(1) == [b"seven"]
     finally:
         other.close()
+
+
+READER = """
+import sys, time
+from drake_twin.wires.zenoh_session import open_session
+session, _ = open_session(port=int(sys.argv[1]))
+session.declare_subscriber("7/robot_1/joint_states/*/*", lambda sample: None)
+print("reading", flush=True)
+time.sleep(600)
+"""
+
+
+def memory() -> int:
+    """The resident memory of this process (MiB)."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 >> 20
+
+
+def test_a_peer_that_stops_reading_costs_neither_memory_nor_the_others_messages(wire, port):
+    listened = Heard()
+    sender = wire.advertise(JOINT_STATES, listened)
+    stopped = subprocess.Popen([sys.executable, "-c", READER, str(port)], stdout=subprocess.PIPE, text=True)
+    try:
+        assert stopped.stdout.readline() == "reading\n"
+        listened.wait_for(1)
+        os.kill(stopped.pid, signal.SIGSTOP)
+        with peer(port) as other:
+            heard = Heard()
+            other.declare_subscriber(key(JOINT_STATES), lambda sample: heard(len(sample.payload)))
+            while not heard.items:  # until the wire knows of the second one, too
+                sender.send(b"?")
+            before, count = memory(), len(heard.items)
+            for _ in range(2000):
+                first = len(heard.items)
+                for _ in range(20):
+                    sender.send(bytes(2000))
+                heard.wait_for(lambda items, first=first: items[first:].count(2000) >= 20)
+            assert heard.items[count:].count(2000) == 40_000
+            assert memory() - before < 40  # of 80 MB that were sent
+    finally:
+        stopped.kill()
+        stopped.wait()
