@@ -41,6 +41,7 @@ class ZenohWire:
     Attributes:
         domain: The ROS domain.
         is_router: Whether the session is the router.
+        place: Where it is open or connected to, in words.
         session_id: The session's id in the graph's tokens.
 
     Raises:
@@ -56,6 +57,8 @@ class ZenohWire:
     ):
         self.domain = domain_of_environment() if domain is None else domain
         self._session, self.is_router = open_session(host, port, router)
+        connected = router or f"127.0.0.1:{port}"
+        self.place = f"open as router on {host}:{port}" if self.is_router else f"connected to the router at {connected}"
         self.session_id = str(self._session.zid())
         self._graph = _Graph(self._session, self.domain)
 
