@@ -21,6 +21,7 @@ ROOMS = [
     ["builder"],
     ["cockpit"],
     ["shared_viewer"],
+    ["wires"],
     ["twin"],
     ["diagram"],
     ["planning"],
