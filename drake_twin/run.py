@@ -71,9 +71,8 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
             return 0
         has_page = not (options.headless or options.graphviz or options.end_with_recording)
         page = ProgramPage(options) if has_page else None  # before the twin, for a port may be taken
-        graph = (
-            None if options.graphviz or options.end_with_recording else stack.enter_context(ros_graph(options))
-        )  # likewise
+        runs = not (options.graphviz or options.end_with_recording)
+        graph = stack.enter_context(ros_graph(options)) if runs else None
         twin = build_twin(target)
     if options.graphviz is not None:
         _draw_diagram(twin, options.graphviz)

@@ -97,6 +97,28 @@ def test_a_controller_that_samples_is_updated_at_its_rate_and_no_oftener(tmp_pat
     assert twin._session.physics.simulator.get_num_unrestricted_updates() == 110  # at 0 s, and not yet at 1.1 s
 
 
+def test_a_controller_that_has_not_been_active_is_not_updated_and_starts_like_one_that_has(tmp_path):
+    (tmp_path / "c.yaml").write_text(TRAJECTORIES)
+    known, new = (
+        TwinBuilder()
+        .robot("arm", ARM, controllers=tmp_path / "c.yaml", active_controllers=[], inactive_controllers=["arm"])
+        .build()
+        for _ in range(2)
+    )
+    known.controller_manager("arm").switch_controller(["arm"])
+    known.advance_to(0.01)
+    known.controller_manager("arm").switch_controller(deactivate=["arm"])
+    known.advance_to(0.1)
+    new.restore(known.snapshot())
+    goal = {"joint_names": ["joint_1", "joint_2"], "points": [{"positions": [0.3, 0.2], "time_from_start": 0.5}]}
+    for twin in (known, new):
+        assert python_calls(twin, 0.15)["_update_sample"] == (5 if twin is known else 0)
+        twin.controller_manager("arm").switch_controller(["arm"])
+        twin.publish("/arm/arm/joint_trajectory", goal)
+        assert python_calls(twin, 0.25)["_update_sample"] == 10  # the first at 0.15 s
+    assert known.state_sha256() == new.state_sha256()
+
+
 def test_no_state_of_a_controller_or_servo_is_copied_piece_by_piece(tmp_path):
     """Drake copies all states twice at each update of a controller, and a trajectory may have thousands of points."""
     (tmp_path / "c.yaml").write_text(TRAJECTORIES)

@@ -40,7 +40,8 @@ class RosGraph:
             self._wire = self._open()
         twin.frames.lockstep = self._options.lockstep
         assert self._wire is not None
-        self._seam = Seam(twin, [self._wire], GraphServices(twin))
+        services = GraphServices()
+        self._seam = Seam(twin, [self._wire], services.services, services)
 
     def close(self) -> None:
         """End the wire."""

@@ -247,7 +247,7 @@ DEVIATIONS = tuple(
             "a command with an unknown name, or an infinite value",
             "written in part; the mock hardware fails",
             "refused as a whole",
-            "half a command is none",
+            "nobody wants half of a command",
         ),
         (
             "chained_filter_controller",

@@ -198,8 +198,12 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         return wrench_interfaces(cls.sensor_name(parameters))
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, "wrench")
         parameters: ForceTorqueSensorBroadcasterParameters = setup.parameters
+        self._filters = [
+            LowPassFilter(item.params.sampling_frequency, item.params.damping_frequency, item.params.damping_intensity)
+            for _, item in sorted(parameters.sensor_filter_chain.items(), key=lambda entry: _number(entry[0]))
+        ]
+        super().__init__(setup, "wrench")
         names = [name for name in _of_axes(parameters.interface_names) if name]
         if bool(parameters.sensor_name) == bool(names):
             what = "and not both" if names else "and neither is given"
@@ -207,18 +211,18 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
         self._elements = _elements(parameters.interfaces, setup.name)
         self._offset = np.array(list(_of_axes(parameters.offset)))
         self._multiplier = np.array(list(_of_axes(parameters.multiplier)))
-        self._filters = [
-            LowPassFilter(item.params.sampling_frequency, item.params.damping_frequency, item.params.damping_intensity)
-            for _, item in sorted(parameters.sensor_filter_chain.items(), key=lambda entry: _number(entry[0]))
-        ]
         kind = "geometry_msgs/msg/WrenchStamped"
         self.declare_topic_output("wrench", kind, self._calc_wrench, self._present())
         sample = {self.sample_ticket()}
         self.declare_topic_output("wrench_filtered", kind, self._calc_wrench_filtered, sample)
+
+    def declare_updates(self) -> bool:
+        """Declare the updates of the filters, if there are any."""
         if self._filters:
             self.DeclarePeriodicUnrestrictedUpdateEvent(
-                setup.update_period, setup.update_offset, weakly(self._update_filters)
+                self.setup.update_period, self.setup.update_offset, weakly(self._update_filters)
             )
+        return bool(self._filters)
 
     def get_wrench_input_port(self) -> InputPort:
         """Return the input port ``wrench``."""

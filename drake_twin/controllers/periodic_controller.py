@@ -68,9 +68,14 @@ class PeriodicController(StatefulController):
             name: self.DeclareVectorInputPort(name, upstream.size) for name, upstream in setup.upstream.items()
         }
         self.declare_command_interfaces(self._calc_command_interfaces, {self.sample_ticket()})
+
+    def declare_updates(self) -> bool:
+        """Declare the updates."""
+        setup = self.setup
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             setup.update_period, setup.update_offset, weakly(self._update_sample)
         )
+        return True
 
     def start(self, context: Context) -> Any:
         """Return the memory at activation."""

@@ -35,14 +35,23 @@ class Sample(Frozen):
 
 
 class StatefulController(Controller):
-    """Keep all state in one `Sample` in the Context: a saved Context is a saved controller."""
+    """Keep all state in one `Sample` in the Context: a saved Context is a saved controller.
+
+    A controller that has never been active has no periodic event: each costs Drake a copy of the diagram's state. When
+    one is added later, a Simulator has to be initialized again before it advances.
+
+    Attributes:
+        has_new_event: Whether an event was added that the twin's simulator does not know yet.
+    """
 
     def __init__(self, setup: ControllerSetup, feedforward: tuple[Interface, ...] = (), initial: Sample | None = None):
         super().__init__(setup, feedforward)
         initial = initial or Sample()
+        self.has_new_event = self._may_be_updated = False
         if setup.active_at_start:
             initial = replace(initial, active=True, time=nan)
             self.DeclareInitializationUnrestrictedUpdateEvent(weakly(self._start))
+            self._be_updated()
         self._sample_index: AbstractStateIndex = self.DeclareAbstractState(AbstractValue.Make(initial))
 
     def sample(self, context: Context) -> Sample:
@@ -50,8 +59,14 @@ class StatefulController(Controller):
         sample: Sample = context.get_abstract_state(int(self._sample_index)).get_value()
         return sample
 
+    def declare_updates(self) -> bool:
+        """Declare the periodic event of a controller that has one; return whether it has."""
+        return False
+
     def set_sample(self, context: Context, sample: Sample) -> None:
         """Set the state, for example that of a saved run."""
+        if sample.active:
+            self._be_updated()
         context.SetAbstractState(int(self._sample_index), sample)
 
     def set_memory(self, context: Context, memory: Any) -> None:
@@ -61,6 +76,11 @@ class StatefulController(Controller):
     def sample_ticket(self) -> Any:
         """Return the dependency ticket of an output port that follows from the last update."""
         return self.abstract_state_ticket(self._sample_index)
+
+    def _be_updated(self) -> None:
+        if not self._may_be_updated:
+            self._may_be_updated = True
+            self.has_new_event = self.declare_updates()
 
     def _start(self, context: Context, state: State) -> EventStatus:
         """Activate a controller that is active in a new Context, as when the diagram runs in a Simulator of its own."""

@@ -10,6 +10,7 @@ from drake_twin.errors import TwinError
 from drake_twin.messages import time_message
 from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, Service
 from drake_twin.services.running import StepsGoal, refused
+from drake_twin.twin.endpoints import PUBLISHED, Endpoint
 from drake_twin.twin.twin import Twin
 
 # action_msgs/msg/GoalStatus
@@ -45,15 +46,6 @@ class Goal(Protocol):
 
 
 @dataclass(frozen=True)
-class Publication:
-    """A topic of an action: its name, its ROS type, and whether a late joiner gets its last message."""
-
-    name: str
-    type: str
-    latched: bool
-
-
-@dataclass(frozen=True)
 class _Known:
     goal: Goal
     stamp: Any
@@ -85,8 +77,10 @@ class ActionServer:
         proceed: Callable[[Any], None] = lambda goal: None,
     ):
         self.name, self.node = name, node
-        self.feedback_topic = Publication(f"{name}/_action/feedback", f"{type}_FeedbackMessage", False)
-        self.status_topic = Publication(f"{name}/_action/status", "action_msgs/msg/GoalStatusArray", True)
+        self.feedback_topic = Endpoint(PUBLISHED, f"{name}/_action/feedback", f"{type}_FeedbackMessage", node)
+        self.status_topic = Endpoint(
+            PUBLISHED, f"{name}/_action/status", "action_msgs/msg/GoalStatusArray", node, latched=True
+        )
         self._type, self._start, self._time, self._proceed = type, start, time, proceed
         self._goals: dict[bytes, _Known] = {}
         self._last_statuses: list[Fields] = []
@@ -101,7 +95,7 @@ class ActionServer:
         ):
             yield Service(f"{self.name}/_action/{name}", kind, self.node, answer)
 
-    def news(self) -> Iterator[tuple[Publication, Fields]]:
+    def news(self) -> Iterator[tuple[str, Fields]]:
         """Yield the messages that are due: the statuses when they have changed, and feedback at 20 Hz."""
         if not self._goals:
             return
@@ -113,13 +107,13 @@ class ActionServer:
         ]
         if statuses != self._last_statuses:
             self._last_statuses = statuses
-            yield self.status_topic, {"status_list": statuses}
+            yield self.status_topic.name, {"status_list": statuses}
         now = self._time()
         if not self._next_feedback - _FEEDBACK_PERIOD <= now < self._next_feedback:  # it is earlier after a reset
             self._next_feedback = now + _FEEDBACK_PERIOD
             for key, known in self._goals.items():
                 if not known.goal.is_done and (feedback := known.goal.feedback) is not None:
-                    yield self.feedback_topic, {"goal_id": _uuid(key), "feedback": feedback}
+                    yield self.feedback_topic.name, {"goal_id": _uuid(key), "feedback": feedback}
 
     def _send_goal(self, request: Any) -> Fields:
         key, stamp = bytes(request.goal_id.uuid), time_message(self._time())

@@ -74,7 +74,7 @@ def _pause(twin: Twin, request: Any) -> Fields:
     return {}
 
 
-@twin_service("std_srvs/srv/Empty", "/unpause_physics", _NODE)
+@twin_service("std_srvs/srv/Empty", "/unpause_physics", _NODE, between_advances=True)
 def _unpause(twin: Twin, request: Any) -> Fields:
     try:
         play(twin)

@@ -5,7 +5,7 @@ import time as wall_clock
 from collections.abc import Generator
 from typing import Any
 
-from drake_twin.errors import InputError, RunError
+from drake_twin.errors import InputError, TwinError
 from drake_twin.services.registry import Fields
 from drake_twin.twin.twin import Twin
 
@@ -48,12 +48,12 @@ def steps(twin: Twin, number: int) -> Generator[int, None, None]:
         InputError: If the twin is not paused, or the number is not one of steps.
         RunError: If a step fails.
     """
-    if not twin.paused:
-        raise InputError("time is running: pause the simulation before it is stepped")
     if not 1 <= number <= _MOST_STEPS:
         raise InputError(f"{number} steps cannot be made: the number must be from 1 to {_MOST_STEPS}")
     made = 0
     while made < number:
+        if not twin.paused:
+            raise InputError("time is running: pause the simulation before it is stepped")
         begin = wall_clock.perf_counter()
         while made < number and wall_clock.perf_counter() - begin < _SLICE:
             twin.step()
@@ -76,6 +76,7 @@ class StepsGoal:
         self._number = number
         self._made = 0
         self._slices = steps(twin, number)
+        self._is_stepping = False
         self.status = "executing"
         self.result: Fields | None = None
         self.proceed()
@@ -96,15 +97,20 @@ class StepsGoal:
 
     def proceed(self) -> None:
         """Make the next slice of steps."""
-        if self.is_done:
+        if self.is_done or self._is_stepping:
             return
+        self._is_stepping = True
         try:
             self._made = next(self._slices)
-        except RunError as error:
+        except TwinError as error:
+            if not self._made:
+                raise
             self._end("aborted", FAILED, str(error))
         else:
             if self._made == self._number:
                 self._end("succeeded", OK, "")
+        finally:
+            self._is_stepping = False
 
     def _end(self, status: str, code: int, text: str) -> None:
         self.status, self.result = status, {"result": {"result": code, "error_message": text}}

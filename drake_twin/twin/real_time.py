@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
 
 _FRAME = 1 / 30  # s of wall time between two frames
+_SLICES = 7  # of a frame while other threads use the inbox: none longer than 5 ms
 _MOST_STEPS_A_FRAME = 10_000
 _MOST_BEHIND = 0.25  # s of wall time that is caught up after the processor was busy elsewhere, as with a browser
 _SLICE = 0.01  # s of simulation time between two looks at the wall clock in a run that never waits
@@ -56,13 +57,17 @@ def _run(
         if as_fast_as_possible and not twin.paused:
             _advance_for(twin, _FRAME, until)
             continue
-        if not twin.paused:
-            owed += _FRAME * twin.real_time_rate
-            steps = min(floor(owed / twin.time_step + 1e-9), _MOST_STEPS_A_FRAME)
-            owed = min(owed - steps * twin.time_step, twin.time_step)
-            _advance_by(twin, steps, until)
-        frame_start = max(frame_start + _FRAME, wall_clock.perf_counter() - _MOST_BEHIND)
-        wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
+        slices = _SLICES if twin.inbox.is_open else 1
+        for _ in range(slices):
+            if not twin.paused:
+                owed += _FRAME / slices * twin.real_time_rate
+                steps = min(floor(owed / twin.time_step + 1e-9), _MOST_STEPS_A_FRAME)
+                owed = min(owed - steps * twin.time_step, twin.time_step)
+                _advance_by(twin, steps, until)
+            if twin.inbox.is_open:
+                twin.inbox.work()
+            frame_start = max(frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND)
+            wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
     twin.draw()
 
 

@@ -1,1 +1,1 @@
-"""Wires to the outside: they see bytes, type names, hashes and times, and nothing of the twin."""
+"""Wires between a twin and the world outside: they see bytes, names of types, hashes and times."""

@@ -22,6 +22,7 @@ from drake_twin.wires.rmw_zenoh_format import (
     read_attachment,
     topic_key,
 )
+from drake_twin.wires.wire import Reply, WireEndpoint
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
@@ -62,13 +63,16 @@ class ZenohWire:
         self.session_id = str(self._session.zid())
         self._graph = _Graph(self._session, self.domain)
 
-    def advertise(self, topic: Any, listened: Callable[[bool], None] = lambda _: None) -> "_Sender":
+    def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_Sender":
+        """Offer a topic; see `drake_twin.wires.wire.Wire`."""
         return _Sender(self._session, self._graph, topic, listened)
 
-    def listen(self, topic: Any, heard: Callable[[bytes], None]) -> "_Listener":
+    def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> "_Listener":
+        """Hear a topic; see `drake_twin.wires.wire.Wire`."""
         return _Listener(self._session, self._graph, topic, heard)
 
-    def serve(self, service: Any, answer: Callable[[bytes, Callable[[bytes], None]], None]) -> "_Server":
+    def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> "_Server":
+        """Offer a service; see `drake_twin.wires.wire.Wire`."""
         return _Server(self._session, self._graph, service, answer)
 
     def close(self) -> None:
@@ -88,7 +92,7 @@ class _Graph:
         self._users: dict[str, int] = {}
         self._lock = threading.Lock()
 
-    def add(self, kind: str, endpoint: Any, qos: Qos) -> tuple[bytes, Callable[[], None]]:
+    def add(self, kind: str, endpoint: WireEndpoint, qos: Qos) -> tuple[bytes, Callable[[], None]]:
         """Put an endpoint on the graph; return its gid, and a function that takes it off."""
         with self._lock:
             if endpoint.node not in self._nodes:
@@ -119,7 +123,7 @@ class _Sender:
         is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
     """
 
-    def __init__(self, session: Any, graph: _Graph, topic: Any, listened: Callable[[bool], None]):
+    def __init__(self, session: Any, graph: _Graph, topic: WireEndpoint, listened: Callable[[bool], None]):
         import zenoh
         from zenoh import ext, handlers
 
@@ -144,10 +148,12 @@ class _Sender:
             self._parts.append(self._publisher.declare_matching_listener(note))
         self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, 1 if topic.latched else 10))
 
-    def send(self, data: bytes) -> None:
+    def send(self, data: bytes, at: int) -> None:
+        """Send a message; its source timestamp is the wall clock's, as rmw_zenoh's is."""
         self._publisher.put(data, attachment=attachment(next(self._sequence), time.time_ns(), self._gid))
 
     def close(self) -> None:
+        """Take it off the graph."""
         self._leave()
         for part in (*self._parts, self._publisher):
             part.undeclare()
@@ -160,7 +166,7 @@ class _Sender:
 class _Listener:
     """Hears the messages of a topic, whatever their hash, so that a wrong one can be reported."""
 
-    def __init__(self, session: Any, graph: _Graph, topic: Any, heard: Callable[[bytes], None]):
+    def __init__(self, session: Any, graph: _Graph, topic: WireEndpoint, heard: Callable[[bytes], None]):
         from zenoh import handlers
 
         self._topic, self._heard = topic, heard
@@ -171,6 +177,7 @@ class _Listener:
         _, self._leave = graph.add(SUBSCRIPTION, topic, Qos())
 
     def close(self) -> None:
+        """Take it off the graph."""
         self._leave()
         self._subscriber.undeclare()
 
@@ -202,8 +209,8 @@ class _Server:
         self,
         session: Any,
         graph: _Graph,
-        service: Any,
-        answer: Callable[[bytes, Callable[[bytes], None]], None],
+        service: WireEndpoint,
+        answer: Callable[[bytes, Reply], None],
     ):
         from zenoh import handlers
 
@@ -214,6 +221,7 @@ class _Server:
         _, self._leave = graph.add(SERVICE, service, Qos())
 
     def close(self) -> None:
+        """Take it off the graph."""
         self._leave()
         self._queryable.undeclare()
 

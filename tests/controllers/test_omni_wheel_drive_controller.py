@@ -57,22 +57,21 @@ def test_the_interfaces_are_those_of_upstream():
 
 
 @pytest.mark.parametrize(
-    ("enabled", "prefix", "namespace", "odom"),
+    ("enabled", "prefix", "namespace", "before"),
     [
-        (False, "test_prefix", "", "odom"),  # gtest: 111
-        (True, "test_prefix", "", "test_prefix/odom"),  # gtest: 138
-        (True, "", "", "odom"),  # gtest: 164
-        (False, "test_prefix", "/test_namespace", "odom"),  # gtest: 192
-        (True, "test_prefix", "/test_namespace", "test_prefix/odom"),  # gtest: 222
-        (True, "", "/test_namespace", "test_namespace/odom"),  # gtest: 251
+        (False, "test_prefix", "", ""),  # gtest: 111, 112
+        (True, "test_prefix", "", "test_prefix/"),  # gtest: 138, 139
+        (True, "", "", ""),  # gtest: 164, 165
+        (False, "test_prefix", "/test_namespace", ""),  # gtest: 192, 193
+        (True, "test_prefix", "/test_namespace", "test_prefix/"),  # gtest: 222, 223
+        (True, "", "/test_namespace", "test_namespace/"),  # gtest: 251, 252
     ],
 )
-def test_the_odometry_frame_gets_the_prefix(enabled, prefix, namespace, odom):
+def test_both_frames_of_the_odometry_get_the_prefix(enabled, prefix, namespace, before):
     dut = drive({"tf_frame_prefix_enable": enabled, "tf_frame_prefix": prefix}, namespace=namespace)
     dut.advance(0.005)
-    assert dut.message("odom").header.frame_id == odom
-    # The base's frame is the robot's link, as for all drives; so it is upstream (gtest: 112, 165, 193).
-    assert dut.message("odom").child_frame_id == "base_link"
+    assert dut.message("odom").header.frame_id == f"{before}odom"
+    assert dut.message("odom").child_frame_id == f"{before}base_link"
 
 
 def test_nothing_is_written_before_the_first_command_and_zero_after_the_timeout():

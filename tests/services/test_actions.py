@@ -62,9 +62,9 @@ def test_a_goal_from_acceptance_to_result(twin, server):
         news += server.news()
         twin.advance_to(twin.time + 0.01)
     news += server.news()
-    statuses = [fields["status_list"][0]["status"] for topic, fields in news if topic is server.status_topic]
+    statuses = [fields["status_list"][0]["status"] for topic, fields in news if topic == server.status_topic.name]
     assert statuses in ([1, 2, 4], [2, 4])
-    feedback = [fields for topic, fields in news if topic is server.feedback_topic]
+    feedback = [fields for topic, fields in news if topic == server.feedback_topic.name]
     assert 4 <= len(feedback) <= 8  # 20 Hz for some 0.2 s, and until the goal's tolerances are met
     assert all(fields["goal_id"] == {"uuid": list(FIRST)} for fields in feedback)
     response = ended(result)
@@ -114,7 +114,7 @@ def test_results_of_the_last_fifty_goals_are_kept(twin, server):
         twin.step()
     assert ended(call(server, "get_result", goal_id=uuid((1).to_bytes(16, "big")))) == {"status": 0}
     assert ended(call(server, "get_result", goal_id=uuid((118).to_bytes(16, "big"))))["status"] == 6
-    status = dict(server.news())[server.status_topic]["status_list"]
+    status = dict(server.news())[server.status_topic.name]["status_list"]
     assert len(status) <= 52
 
 
@@ -133,7 +133,7 @@ def test_simulate_steps(twin):
     response = ended(call(server, "get_result", goal_id=uuid(FIRST)))
     assert response == {"status": 4, "result": {"result": {"result": 1, "error_message": ""}}}
     assert (twin.step_count, twin.paused) == (500, True)
-    assert [fields["status_list"][0]["status"] for topic, fields in news if topic is server.status_topic][-1] == 4
+    assert [fields["status_list"][0]["status"] for topic, fields in news if topic == server.status_topic.name][-1] == 4
 
 
 def test_simulate_steps_is_cancelled(twin):

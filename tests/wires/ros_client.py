@@ -5,8 +5,8 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from drake_twin.messages.interface_types import definition, type_hash
-
+from drake_twin.messages import interface_types
+from drake_twin.messages.interface_types import type_hash
 from drake_twin.twin.twin import Twin
 
 
@@ -20,27 +20,20 @@ class RosClient:
     def subscribe(self, topic: str, kind: str, callback: Callable[[Any], None], **more: Any) -> Any:
         from zenoh_ros2_sdk import ROS2Subscriber
 
-        return self._add(ROS2Subscriber(topic, kind, callback, **self._type(kind), **self._where, **more))
+        self._know(kind)
+        return self._add(ROS2Subscriber(topic, kind, callback, type_hash=type_hash(kind), **self._where, **more))
 
     def publisher(self, topic: str, kind: str) -> Any:
         from zenoh_ros2_sdk import ROS2Publisher
 
-        return self._add(ROS2Publisher(topic, kind, **self._type(kind), **self._where))
+        self._know(kind)
+        return self._add(ROS2Publisher(topic, kind, type_hash=type_hash(kind), **self._where))
 
     def service(self, name: str, kind: str) -> Any:
         from zenoh_ros2_sdk import ROS2ServiceClient
 
-        return self._add(
-            ROS2ServiceClient(
-                name,
-                kind,
-                request_definition=definition(f"{kind}_Request"),
-                response_definition=definition(f"{kind}_Response"),
-                type_hash=type_hash(kind),
-                timeout=60.0,
-                **self._where,
-            )
-        )
+        self._know(f"{kind}_Request", f"{kind}_Response")
+        return self._add(ROS2ServiceClient(name, kind, type_hash=type_hash(kind), timeout=60.0, **self._where))
 
     def topics(self) -> dict[str, list[str]]:
         from zenoh_ros2_sdk.discovery import get_topic_names_and_types
@@ -59,8 +52,14 @@ class RosClient:
         self._parts.append(part)
         return part
 
-    def _type(self, kind: str) -> dict[str, str]:
-        return {"msg_definition": definition(kind), "type_hash": type_hash(kind)}
+    def _know(self, *kinds: str) -> None:
+        """Give the client types that it would download otherwise."""
+        from zenoh_ros2_sdk.session import ZenohSession
+
+        session = ZenohSession.get_instance("127.0.0.1", self._where["router_port"])
+        known = interface_types._store().fielddefs
+        session.store.register({name: fields for name, fields in known.items() if name not in session.store.fielddefs})
+        session._registered_types |= {kind: kind for kind in kinds}
 
 
 @contextlib.contextmanager

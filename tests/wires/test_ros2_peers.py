@@ -1,28 +1,30 @@
 """A running twin on the graph, against clients that nobody here wrote: zenoh-ros2-sdk, and Zenoh's own late joiner."""
 
 import threading
+from itertools import pairwise
 
 import pytest
 from conftest import ARM, ROVER, rovers
-from drake_twin.messages.interface_types import type_hash
 from wires.ros_client import ros_client, while_running
 from wires.zenoh_peer import Heard, free_port, peer, tokens
 
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.messages import message
+from drake_twin.messages.interface_types import type_hash
 from drake_twin.twin.recording import replay
 
 zenoh = pytest.importorskip("zenoh")
 pytest.importorskip("zenoh_ros2_sdk", reason="zenoh-ros2-sdk, an independent ROS 2 client, is not installed")
-from drake_twin.wires.seam import Seam  # noqa: E402
 from zenoh import ext  # noqa: E402
 
 from drake_twin.services.graph import GraphServices  # noqa: E402
 from drake_twin.wires.rmw_zenoh_format import topic_key  # noqa: E402
+from drake_twin.wires.seam import Seam  # noqa: E402
 from drake_twin.wires.zenoh_wire import ZenohWire  # noqa: E402
 
 DOMAIN = 5
 COMMANDS = "/robot_1/forward_velocity_controller/commands"
+LIST = "/robot_1/controller_manager/list_controllers"
 ARRAY = "std_msgs/msg/Float64MultiArray"
 
 
@@ -31,10 +33,15 @@ def port():
     return free_port()
 
 
+def connected(twin, port):
+    services = GraphServices()
+    return Seam(twin, [ZenohWire(domain=DOMAIN, port=port)], services.services, services)
+
+
 @pytest.fixture
 def twin(port):
     with rovers(2).build() as twin:
-        seam = Seam(twin, [ZenohWire(domain=DOMAIN, port=port)], GraphServices(twin))
+        seam = connected(twin, port)
         try:
             yield twin
         finally:
@@ -73,7 +80,7 @@ def test_joint_states_without_a_gap(twin, client):
     while_running(twin, lambda: heard.wait_for(250, timeout=60))
     stamps = [stamp(item.header) for item in heard.items]
     assert len(stamps) >= 200
-    assert {after - before for before, after in zip(stamps, stamps[1:], strict=False)} == {10_000_000}
+    assert {after - before for before, after in pairwise(stamps)} == {10_000_000}
     assert heard.items[0].name == twin.joint_states("robot_1").name
 
 
@@ -82,7 +89,7 @@ def test_clock_at_100_hz(twin, client):
     client.subscribe("/clock", "rosgraph_msgs/msg/Clock", heard)
     while_running(twin, lambda: heard.wait_for(50))
     times = [item.clock.sec * 1_000_000_000 + item.clock.nanosec for item in heard.items]
-    assert {after - before for before, after in zip(times, times[1:], strict=False)} == {10_000_000}
+    assert {after - before for before, after in pairwise(times)} == {10_000_000}
 
 
 def test_500_of_500_commands_are_applied_and_replayed(twin, client):
@@ -235,7 +242,7 @@ def test_a_trajectory_as_an_action_client_sends_it(port):
     kind = "joint_trajectory_controller/JointTrajectoryController"
     builder = TwinBuilder().robot("arm", ARM, active_controllers=())
     with builder.controller("arm", "c", kind, {"joints": ["joint_1"], **interfaces}).build() as twin:
-        seam = Seam(twin, [ZenohWire(domain=DOMAIN, port=port)], GraphServices(twin))
+        seam = connected(twin, port)
         try:
             with ros_client(port, DOMAIN) as client:
                 status, result, statuses, feedback = while_running(twin, lambda: follow(client))

@@ -5,8 +5,8 @@ import signal
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from wires.zenoh_peer import Heard, free_port, peer, tokens
@@ -16,36 +16,41 @@ from drake_twin.wires.rmw_zenoh_format import NO_HASH, attachment, gid, read_att
 zenoh = pytest.importorskip("zenoh")
 from zenoh import ext  # noqa: E402
 
+from drake_twin.wires.wire import WireEndpoint  # noqa: E402
 from drake_twin.wires.zenoh_wire import ZenohWire  # noqa: E402
 
-JOINT_STATES = SimpleNamespace(
+JOINT_STATES = WireEndpoint(
     name="/robot_1/joint_states",
     type="sensor_msgs/msg/JointState",
     hash="RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e",
     latched=False,
     node="/robot_1/joint_state_broadcaster",
 )
-DESCRIPTION = SimpleNamespace(
+DESCRIPTION = WireEndpoint(
     name="/robot_1/robot_description",
     type="std_msgs/msg/String",
     hash="RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
     latched=True,
     node="/robot_1/robot_state_publisher",
 )
-COMMANDS = SimpleNamespace(
+COMMANDS = WireEndpoint(
     name="/robot_1/controller/commands",
     type="std_msgs/msg/Float64MultiArray",
     hash="RIHS01_1025ddc6b9552d191f89ef1a8d2f60f3d373e28b283d8891ddcc974e8c55397f",
     latched=False,
     node="/robot_1/controller",
 )
-SERVICE = SimpleNamespace(
+SERVICE = WireEndpoint(
     name="/robot_1/controller_manager/list",
     type="std_srvs/srv/Trigger",
     hash="RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f",
     latched=False,
     node="/robot_1/controller_manager",
 )
+
+
+def ignore(*_):
+    pass
 
 
 def key(endpoint, type_hash=None):
@@ -72,7 +77,7 @@ def other(wire, port):
 
 def test_graph_of_each_kind_of_endpoint(wire, other):
     zid = wire.session_id
-    parts = [wire.advertise(JOINT_STATES), wire.advertise(DESCRIPTION)]
+    parts = [wire.advertise(JOINT_STATES, ignore), wire.advertise(DESCRIPTION, ignore)]
     parts += [wire.listen(COMMANDS, print), wire.serve(SERVICE, print)]
     string = "std_msgs::msg::dds_::String_/" + DESCRIPTION.hash
     assert tokens(other) == sorted(
@@ -101,8 +106,8 @@ def test_graph_of_each_kind_of_endpoint(wire, other):
 
 def test_a_node_stays_as_long_as_one_of_its_endpoints(wire, other):
     first, second = (
-        wire.advertise(JOINT_STATES),
-        wire.listen(SimpleNamespace(**vars(COMMANDS) | {"node": JOINT_STATES.node}), print),
+        wire.advertise(JOINT_STATES, ignore),
+        wire.listen(replace(COMMANDS, node=JOINT_STATES.node), print),
     )
     node = f"@ros2_lv/7/{wire.session_id}/0/0/NN/%/%robot_1/joint_state_broadcaster"
     first.close()
@@ -117,7 +122,7 @@ def test_messages_with_their_attachments(wire, other):
     subscriber = other.declare_subscriber(key(JOINT_STATES), heard)
     listened.wait_for(1)
     for number in range(300):
-        sender.send(b"message %d" % number)
+        sender.send(b"message %d" % number, 0)
     samples = heard.wait_for(300)
     assert [sample.payload.to_bytes() for sample in samples] == [b"message %d" % number for number in range(300)]
     read = [read_attachment(sample.attachment.to_bytes()) for sample in samples]
@@ -142,10 +147,10 @@ def test_whether_anybody_listens(wire, other):
 
 
 def test_a_late_joiner_gets_a_latched_message(wire, other):
-    sender = wire.advertise(DESCRIPTION)
+    sender = wire.advertise(DESCRIPTION, ignore)
     assert sender.is_heard
-    sender.send(b"before")
-    sender.send(b"<robot/>" * 1000)
+    sender.send(b"before", 0)
+    sender.send(b"<robot/>" * 1000, 0)
     heard = Heard()
     history = ext.HistoryConfig(max_samples=1)
     subscriber = ext.declare_advanced_subscriber(other, key(DESCRIPTION), heard, history=history)
@@ -225,7 +230,7 @@ def test_a_request_that_nobody_answers_ends_with_the_wire(port):
 
 
 def test_joining_and_leaving_fifty_times_leaves_nothing(wire, port):
-    sender = wire.advertise(JOINT_STATES)
+    sender = wire.advertise(JOINT_STATES, ignore)
     heard = Heard()
     wire.listen(COMMANDS, heard)
     before = threading.active_count()
@@ -235,7 +240,7 @@ def test_joining_and_leaving_fifty_times_leaves_nothing(wire, port):
             other.declare_subscriber(key(JOINT_STATES), received)
             other.put(key(COMMANDS), b"%d" % number)
             heard.wait_for(number + 1)
-            sender.send(b"x")
+            sender.send(b"x", 0)
     with peer(port) as other:
         assert [text.split("/")[5] for text in tokens(other)] == ["NN", "MP", "NN", "MS"]
     assert threading.active_count() <= before + 2  # Zenoh's own threads, which Python knows once they have called
@@ -247,9 +252,9 @@ def test_domains_do_not_hear_each_other(wire, port):
         heard, of_other = Heard(), Heard()
         wire.listen(COMMANDS, heard)
         other.listen(COMMANDS, of_other)
-        seven, eight = wire.advertise(COMMANDS), other.advertise(COMMANDS)
-        seven.send(b"seven")
-        eight.send(b"eight")
+        seven, eight = wire.advertise(COMMANDS, ignore), other.advertise(COMMANDS, ignore)
+        seven.send(b"seven", 0)
+        eight.send(b"eight", 0)
         assert of_other.wait_for(1) == [b"eight"]
         assert heard.wait_for(1) == [b"seven"]
     finally:
@@ -283,12 +288,12 @@ def test_a_peer_that_stops_reading_costs_neither_memory_nor_the_others_messages(
             heard = Heard()
             other.declare_subscriber(key(JOINT_STATES), lambda sample: heard(len(sample.payload)))
             while not heard.items:  # until the wire knows of the second one, too
-                sender.send(b"?")
+                sender.send(b"?", 0)
             before, count = memory(), len(heard.items)
             for _ in range(2000):
                 first = len(heard.items)
                 for _ in range(20):
-                    sender.send(bytes(2000))
+                    sender.send(bytes(2000), 0)
                 heard.wait_for(lambda items, first=first: items[first:].count(2000) >= 20)
             assert heard.items[count:].count(2000) == 40_000
             assert memory() - before < 40  # of 80 MB that were sent
