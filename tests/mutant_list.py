@@ -71,7 +71,7 @@ MUTANTS = (
         ("chain: a failure stops namesakes", 'startswith(f"{below}/")', "startswith(below)"),
         ("chain: a failure stops pure writers only", "and any(claim.joint", "and all(claim.joint"),
         ("chain: loose ends forget what starts", "- {*stopped}) | {*started}", "- {*stopped})"),
-        ("chain: loose ends forget what stops", "(active - {*stopped}) |", "active |"),
+        ("chain: loose ends forget what stops", "(self._active - {*stopped}) |", "self._active |"),
         ("chain: loose ends are cut at the wrong side", "if name in started:", "if name not in started:"),
         ("chain: one loose end is looked for", "if not loose:", "if not loose or problems:"),
         (
@@ -81,10 +81,57 @@ MUTANTS = (
         ),
         (
             "chain: two writers start at once",
-            "for claim in self.plans[name].claims if claim in claims), None)",
-            'for claim in self.plans[name].claims if claim in claims and "/" not in claim.joint), None)',
+            "held = dict.fromkeys(self.plans[name].claims, name) | held",
+            'held = dict.fromkeys((item for item in self.plans[name].claims if "/" not in item.joint), name) | held',
         ),
-        ("chain: a refused rival keeps its writers", "if rivals:", "if not rivals:"),
+        (
+            "chain: what is written to is deactivated alone",
+            "if owner not in running or (owner in stopped and name not in stopped)",
+            "if name in started and owner not in running",
+        ),
+        (
+            "chain: a writer is activated alone",
+            "if owner not in running or (",
+            "if (owner not in running and name not in started) or (",
+        ),
+        ("chain: what is written to is restarted alone", "(owner in stopped and name not in stopped)", "False"),
+        ("chain: no chain is restarted", "(owner in stopped and name not in stopped)", "owner in stopped"),
+        ("chain: a refused restart activates what is active", "if owner in started:", "if owner in ():"),
+        ("chain: deactivations are judged first", "(pair[0] not in started, pair)", "(pair[0] in started, pair)"),
+        (
+            "chain: chained mode is entered without a restart",
+            "self._written_to(before) ^ self._written_to(after)",
+            "self._written_to(before) - self._written_to(after)",
+        ),
+        (
+            "chain: chained mode is left without a restart",
+            "self._written_to(before) ^ self._written_to(after)",
+            "self._written_to(after) - self._written_to(before)",
+        ),
+        (
+            "chain: what stays in chained mode is restarted",
+            "self._written_to(before) ^ self._written_to(after)",
+            "self._written_to(before) | self._written_to(after)",
+        ),
+        ("chain: what is deactivated in a chain starts again", "and name in stays)", "and name in before)"),
+        (
+            "chain: what is restarted was never stopped",
+            "stopped=(*switch.stopped, *restarted)",
+            "stopped=switch.stopped",
+        ),
+        ("chain: what is restarted stays stopped", "started=(*switch.started, *restarted)", "started=switch.started"),
+        ("chain: a switch leaves chained modes", "self._rules.with_chained_mode(switch)", "switch"),
+        (
+            "chain: references are available while inactive",
+            "HardwareInterface(str(reference), self.is_active(plan.name), ",
+            "HardwareInterface(str(reference), True, ",
+        ),
+        (
+            "chain: exported states are available while inactive",
+            'f"{plan.name}/{name}", self.is_active(plan.name))',
+            'f"{plan.name}/{name}", True)',
+        ),
+        ("chain: FORCE_AUTO restarts what is active", "not in to_start + to_stop]", "not in to_stop]"),
         (
             "chain: only the first below must be active",
             "for owner in chained_to(self.plans[name], self.plans)\n",
@@ -110,7 +157,7 @@ MUTANTS = (
         ("manager: unknown ones are left out", "if names and not any(", "if names and all("),
         ("manager: no default strictness", "strictness or self._plan.strictness", "strictness or 1"),
         ("chain: chained by all references only", "is_chained=any(", "is_chained=all("),
-        ("chain: references of active ones only", "in (INACTIVE, ACTIVE)\n", "in (ACTIVE,)\n"),
+        ("chain: references of active ones only", "in (INACTIVE, ACTIVE)]", "in (ACTIVE,)]"),
         ("chain: FORCE_AUTO is BEST_EFFORT", "if strictness == FORCE_AUTO:", "if not strictness:"),
         ("chain: FORCE_AUTO makes way for the first", "self._in_the_way(to_start)", "self._in_the_way(to_start[:1])"),
         (
@@ -125,8 +172,8 @@ MUTANTS = (
         ),
         (
             "manager: a switch allows two claims",
-            "claims.update(dict.fromkeys(self.plans[name].claims, name))",
-            "claims.get(name)",
+            "held = dict.fromkeys(self.plans[name].claims, name) | held",
+            "held = dict(held)",
         ),
         (
             "manager: a restarted one stays stopped",
@@ -169,6 +216,8 @@ MUTANTS = (
             "if claim in claimed_by)",
             'if claim in claimed_by and "/" not in claim.joint)',
         ),
+        ("chain: active above an inactive one at the start", "if found is None:", "if found:"),
+        ("chain: only the next above is inactive at the start", "if found is None:", "if found is None or idle:"),
         (
             "planning: the last claim wins",
             "elif wanted == ACTIVE and taken is not None:",
@@ -223,7 +272,17 @@ MUTANTS = (
     *_of(
         "controllers/periodic_controller.py",
         DIAGRAM,
+        ("chain: references of a silent writer are written", "if np.isfinite(values).any():", "if values.size:"),
         ("chain: references are written all or none", "if np.isfinite(values).any():", "if np.isfinite(values).all():"),
+    ),
+    *_of(
+        "controllers/pid_controller.py",
+        DIAGRAM,
+        (
+            "chain: its topic is heard in chained mode",
+            "if upstream is not None:",
+            "if upstream is not None and message is None:",
+        ),
     ),
     *_of(
         "twin/robot_control.py",

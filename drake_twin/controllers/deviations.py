@@ -37,17 +37,17 @@ DEVIATIONS = tuple(
         ),
         (
             "controller manager",
-            "`STRICT` with two controllers that exclude each other",
-            "what was to be deactivated stays deactivated",
-            "nothing is switched",
-            "all or nothing",
-        ),
-        (
-            "controller manager",
             "a controller of a chain fails",
             "the whole chain is deactivated",
             "it and those that write to it; what it writes to stays active",
             "the lower controllers hold the joints",
+        ),
+        (
+            "controller manager",
+            "the topic of a controller in chained mode",
+            "is not heard",
+            "is not heard once the controller above has written a value",
+            "a writer without a command of its own keeps nobody else's from the joints",
         ),
         (
             "controller manager",

@@ -11,7 +11,6 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, Output
 from pydrake.systems.primitives import ConstantVectorSource
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup, Upstream
-from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
@@ -222,7 +221,7 @@ def _not_behind(steps: int, time_step: float) -> float:
 
 def _upstream(item: ControllerPlan, others: Mapping[str, ControllerPlan]) -> dict[str, tuple[int, ...]]:
     """Return the controllers that claim references of this one, and for each the indices of its values by reference."""
-    references = [Interface(f"{item.name}/{reference.joint}", reference.name) for reference in item.references]
+    references = item.reference_interfaces
     return {
         name: tuple(other.claims.index(reference) if reference in other.claims else -1 for reference in references)
         for name, other in others.items()

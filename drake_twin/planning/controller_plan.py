@@ -67,6 +67,11 @@ class ControllerPlan:
     ros_parameters: Mapping[str, Any] = field(default_factory=dict)
 
     @property
+    def reference_interfaces(self) -> tuple[Interface, ...]:
+        """The references under the names by which other controllers claim them."""
+        return tuple(Interface(f"{self.name}/{item.joint}", item.name) for item in self.references)
+
+    @property
     def sensor(self) -> str | None:
         """The name of the sensor that it reads; None if it is not loaded or reads none."""
         kind = controller_class(self.type)

@@ -111,12 +111,32 @@ def _with_stamps(drive: GazeboDrive, robot: Robot) -> GazeboDrive:
     )
 
 
+_Settled = tuple[str, ControllerPlan, str | None]
+
+
 def _settled(
     chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan], unusable_joints: Mapping[str, str]
-) -> Iterator[tuple[str, ControllerPlan, str | None]]:
-    """Yield each chosen controller with its state at the start, and the conflict that prevents its activation."""
+) -> list[_Settled]:
+    """Return each chosen controller with its state at the start, and the conflict that prevents its activation."""
+    idle: dict[str, str] = {}
+    while True:
+        settled = list(_settled_without(idle, chosen, plans, unusable_joints))
+        active = {name for name, plan, _ in settled if plan.state == ACTIVE}
+        loose = ((name, below) for name in chosen if name in active for below in chained_to(plans[name], plans))
+        found = next(((name, below) for name, below in loose if below not in active), None)
+        if found is None:
+            return settled
+        idle[found[0]] = found[1]  # which frees its claims
+
+
+def _settled_without(
+    idle: Mapping[str, str],
+    chosen: Mapping[str, str],
+    plans: Mapping[str, ControllerPlan],
+    unusable_joints: Mapping[str, str],
+) -> Iterator[_Settled]:
+    """Yield the same if some controllers write to one that is not active."""
     claimed_by: dict[Interface, str] = {}
-    idle = _without_chain(chosen, plans)
     for name, wanted in chosen.items():
         plan, state, conflict = plans[name], wanted, None
         lacking = next((other for other in plan.fallbacks if other not in chosen), None)
@@ -139,18 +159,6 @@ def _settled(
         if state == ACTIVE:
             claimed_by.update(dict.fromkeys(plan.claims, name))
         yield name, replace(plan, state=state), conflict
-
-
-def _without_chain(chosen: Mapping[str, str], plans: Mapping[str, ControllerPlan]) -> dict[str, str]:
-    """Return the controllers to be active that write to one that will not be, each with that one."""
-    active = {name for name, wanted in chosen.items() if wanted == ACTIVE and plans[name].problem is None}
-    idle: dict[str, str] = {}
-    for name in TopologicalSorter({name: chained_to(plans[name], plans) for name in plans}).static_order():
-        missing = next((below for below in chained_to(plans[name], plans) if below not in active), None)
-        if name in active and missing is not None:
-            idle[name] = missing
-            active.remove(name)
-    return idle
 
 
 def _drives_by_name(drives: Iterable[GazeboDrive], taken: Mapping[str, Any]) -> dict[str, GazeboDrive]:

@@ -148,13 +148,22 @@ class ControllerManager:
         return controller_types()
 
     def list_hardware_interfaces(self) -> tuple[tuple[HardwareInterface, ...], tuple[HardwareInterface, ...]]:
-        """Return the command interfaces and the state interfaces."""
+        """Return the command interfaces and the state interfaces.
+
+        Those that a controller exports are there once it is configured, and available while it is active.
+        """
         claims = self.claims
         commands = [
             HardwareInterface(
                 str(interface), interface.joint not in self._plan.unconfigured_joints, interface in claims
             )
-            for interface in (*self._hardware_commands(), *self._references())
+            for interface in self._hardware_commands()
+        ]
+        configured = [plan for plan in self._plans.values() if self._states.get(plan.name) in (INACTIVE, ACTIVE)]
+        commands += [
+            HardwareInterface(str(reference), self.is_active(plan.name), reference in claims)
+            for plan in configured
+            for reference in plan.reference_interfaces
         ]
         hidden = self._plan.unconfigured_joints
         states = [
@@ -173,8 +182,11 @@ class ControllerManager:
         states += [
             HardwareInterface(f"{gpio.name}/{name}", gpio.name not in hidden) for gpio in gpios for name in gpio.states
         ]
-        configured = [plan for plan in self._plans.values() if self._states.get(plan.name) in (INACTIVE, ACTIVE)]
-        states += [HardwareInterface(f"{plan.name}/{name}") for plan in configured for name in plan.exported]
+        states += [
+            HardwareInterface(f"{plan.name}/{name}", self.is_active(plan.name))
+            for plan in configured
+            for name in plan.exported
+        ]
         return tuple(commands), tuple(states)
 
     def list_hardware_components(self) -> tuple[HardwareComponent, ...]:
@@ -248,9 +260,9 @@ class ControllerManager:
 
         With ``STRICT`` all of the switch is done or nothing. With ``BEST_EFFORT`` (and ``AUTO``) the impossible parts
         are left out and named in the message. As in ROS 2, nothing is switched if a claim is held by a controller that
-        stays active, its hardware is not active, or all of one list are unknown. ``FORCE_AUTO`` also deactivates
-        controllers with conflicting claims. Of two controllers of the request that exclude each other the first is
-        activated, and the answer is not ok.
+        stays active or is activated as well, its hardware is not active, or all of one list are unknown, and active
+        controllers that enter or leave chained mode are restarted. ``FORCE_AUTO`` also deactivates controllers with
+        conflicting claims.
 
         Args:
             activate: The controllers to activate (``start`` is its older name).
@@ -269,12 +281,12 @@ class ControllerManager:
                 unknown = "; ".join(map(self._rules.not_loaded, names))
                 return Response(False, f"nothing is switched: {unknown}")
         if strictness == FORCE_AUTO:
-            to_stop += [name for name in self._in_the_way(to_start) if name not in to_stop]
+            to_stop += [name for name in self._in_the_way(to_start) if name not in to_start + to_stop]
         switch = self._rules.resolve(to_start, to_stop)
         if switch.conflicts or (switch.message and strictness == STRICT):
             return Response(False, f"nothing is switched: {switch.message}")
-        self._apply(switch)
-        return Response(not switch.rivals, switch.message)
+        self._apply(self._rules.with_chained_mode(switch))
+        return Response(True, switch.message)
 
     def deactivate_failed(self, name: str) -> tuple[str, ...]:
         """Deactivate a controller that has failed, and those that write to its references; activate their fallbacks.
@@ -322,7 +334,6 @@ class ControllerManager:
         return list(dict.fromkeys(claims[claim] for claim in wanted if claim in claims))
 
     def _controller_state(self, plan: ControllerPlan, state: str, claims: Mapping[Interface, str]) -> ControllerState:
-        references = [Interface(f"{plan.name}/{item.joint}", item.name) for item in plan.references]
         is_configured = state != UNCONFIGURED
         required = tuple(map(str, plan.claims)) if is_configured else ()
         return ControllerState(
@@ -332,7 +343,7 @@ class ControllerManager:
             claimed_interfaces=required if state == ACTIVE else (),
             required_command_interfaces=required,
             reference_interfaces=tuple(map(str, plan.references)) if is_configured else (),
-            is_chained=any(reference in claims for reference in references),
+            is_chained=any(reference in claims for reference in plan.reference_interfaces),
             update_rate=plan.update_rate,
         )
 
@@ -345,14 +356,6 @@ class ControllerManager:
                 for item in j.command_interfaces
             ),
             *(Interface(gpio.name, name) for gpio in description.gpios.values() for name in gpio.commands),
-        ]
-
-    def _references(self) -> list[Interface]:
-        return [
-            Interface(f"{plan.name}/{item.joint}", item.name)
-            for plan in self._plans.values()
-            if self._states.get(plan.name) in (INACTIVE, ACTIVE)
-            for item in plan.references
         ]
 
 

@@ -1,9 +1,8 @@
 """The decision of a controller manager which controllers a switch activates and deactivates."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
 
-from drake_twin.controllers.interface import Interface
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, ControllerPlan, chained_to
 
 
@@ -16,19 +15,17 @@ class Switch:
         stopped: The controllers to deactivate before; one that is in both is restarted.
         problems: Why other parts of the request are impossible.
         conflicts: Why nothing may be switched, with any strictness.
-        rivals: Why some of the request's own controllers exclude each other; the first of them are activated.
     """
 
     started: tuple[str, ...]
     stopped: tuple[str, ...]
     problems: tuple[str, ...] = ()
     conflicts: tuple[str, ...] = ()
-    rivals: tuple[str, ...] = ()
 
     @property
     def message(self) -> str:
         """All reasons as one sentence."""
-        return "; ".join((*self.problems, *self.conflicts, *self.rivals))
+        return "; ".join((*self.problems, *self.conflicts))
 
 
 @dataclass(frozen=True)
@@ -63,18 +60,20 @@ class SwitchRules:
                 problems.append(problem)
         self._cut_loose_ends(stopped, started, problems)
         conflicts = self._conflicts(started, stopped)
-        rivals: list[str] = []
-        claims: dict[Interface, str] = {}
-        for name in tuple(started):
-            rival = next((claim for claim in self.plans[name].claims if claim in claims), None)
-            if rival is None:
-                claims.update(dict.fromkeys(self.plans[name].claims, name))
-            else:
-                started.remove(name)
-                rivals.append(_conflict(name, rival, claims[rival]))
-        if rivals:
-            self._cut_loose_ends(stopped, started, rivals)
-        return Switch(tuple(started), tuple(stopped), tuple(problems), tuple(conflicts), tuple(rivals))
+        return Switch(tuple(started), tuple(stopped), tuple(problems), tuple(conflicts))
+
+    def with_chained_mode(self, switch: Switch) -> Switch:
+        """Return a switch that also restarts the controllers that enter or leave chained mode and stay active.
+
+        A controller is in chained mode while an active one writes to it. As in ROS 2, what it was told before is
+        dropped when that changes.
+        """
+        before = self._active
+        after = (before - {*switch.stopped}) | {*switch.started}
+        changed = self._written_to(before) ^ self._written_to(after)
+        stays = before - {*switch.stopped}
+        restarted = tuple(name for name in self.states if name in changed and name in stays)
+        return replace(switch, started=(*switch.started, *restarted), stopped=(*switch.stopped, *restarted))
 
     def not_loaded(self, name: str) -> str:
         """Say that a controller is not loaded."""
@@ -103,7 +102,7 @@ class SwitchRules:
         return None
 
     def _conflicts(self, started: list[str], stopped: list[str]) -> list[str]:
-        """Return the claims of controllers to be activated that are not free or whose hardware is idle."""
+        """Return the claims of controllers to be activated that are not free, also among them, or of idle hardware."""
         held = {
             claim: name
             for name, state in self.states.items()
@@ -114,34 +113,47 @@ class SwitchRules:
         for name in started:
             for claim in self.plans[name].claims:
                 if claim in held:
-                    conflicts.append(_conflict(name, claim, held[claim]))
+                    conflicts.append(
+                        f"resource conflict for controller {name!r}: command interface {claim} is already claimed by"
+                        f" {held[claim]!r}"
+                    )
                     break
                 if claim.joint in self.idle_joints:
                     conflicts.append(f"controller {name!r} claims {claim}: {self.idle_joints[claim.joint]}")
                     break
+            held = dict.fromkeys(self.plans[name].claims, name) | held
         return conflicts
 
     def _cut_loose_ends(self, stopped: list[str], started: list[str], problems: list[str]) -> None:
-        """Keep chains whole: a controller that writes to another one is active only while that one is."""
-        active = {name for name, state in self.states.items() if state == ACTIVE}
+        """Keep chains whole: a controller that writes to another one is active only while that one is.
+
+        Below one that stays active, none is restarted either.
+        """
         while True:
-            running = (active - {*stopped}) | {*started}
+            running = (self._active - {*stopped}) | {*started}
             loose = [
                 (name, owner)
                 for name in running
                 for owner in chained_to(self.plans[name], self.plans)
-                if owner not in running
+                if owner not in running or (owner in stopped and name not in stopped)
             ]
             if not loose:
                 return
-            name, owner = min(loose)
+            name, owner = min(loose, key=lambda pair: (pair[0] not in started, pair))  # activations are judged first
             if name in started:
                 started.remove(name)
-                problems.append(f"controller {name!r} writes to {owner!r}, which is not active")
+                what = "is to be deactivated" if owner in stopped else "is not active"
+                problems.append(f"controller {name!r} writes to {owner!r}, which {what}")
             else:
                 stopped.remove(owner)
+                if owner in started:
+                    started.remove(owner)
                 problems.append(f"controller {owner!r} is written to by {name!r}, which is active")
 
+    @property
+    def _active(self) -> set[str]:
+        return {name for name, state in self.states.items() if state == ACTIVE}
 
-def _conflict(name: str, claim: Interface, owner: str) -> str:
-    return f"resource conflict for controller {name!r}: command interface {claim} is already claimed by {owner!r}"
+    def _written_to(self, names: Collection[str]) -> set[str]:
+        """Return the controllers that some controllers write to."""
+        return {below for name in names for below in chained_to(self.plans[name], self.plans)}

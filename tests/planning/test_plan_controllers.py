@@ -21,7 +21,8 @@ LINK = (
 )
 JOINT = """<joint name="{0}" type="continuous"><parent link="base"/><child link="{1}"/><axis xyz="0 0 1"/>
   <limit effort="5" velocity="5"/></joint>"""
-CONTROLLED = """<joint name="{}"><command_interface name="velocity"/><command_interface name="effort"/>
+CONTROLLED = """<joint name="{}"><command_interface name="position"/>
+  <command_interface name="velocity"/><command_interface name="effort"/>
   <state_interface name="position"/><state_interface name="velocity"/></joint>"""
 ROBOT = f"""<robot name="r">{"".join(map(LINK.format, ("base", "one", "two")))}
   {JOINT.format("arm/left", "one")}{JOINT.format("wheel", "two")}
@@ -150,6 +151,31 @@ def test_a_writer_is_not_active_at_the_start_without_what_it_writes_to(plan):
     """As the switch of a running manager has it, and ros2_control's."""
     controllers = {"pid": pid("wheel"), "above": forward("pid/wheel", interface="position")}
     assert states(plan(active=("above",), inactive=("pid",), **controllers)) == {"above": "inactive", "pid": "inactive"}
+
+
+def test_nothing_of_a_chain_above_an_inactive_controller_is_active_at_the_start(plan):
+    found = plan(
+        active=("top", "above"),
+        inactive=("pid",),
+        pid=pid("wheel"),
+        above=pid("pid/wheel", interface="position", references=["wheel"]),
+        top=forward("above/wheel", interface="position"),
+    )
+    assert states(found) == dict.fromkeys(("top", "above", "pid"), "inactive")
+    texts = "\n".join(found.not_started)
+    assert "controller above: it writes to pid, which is not active" in texts
+    assert "controller top: it writes to above, which is not active" in texts
+
+
+def test_nothing_is_active_at_the_start_above_a_controller_whose_claims_are_taken(plan):
+    found = plan(
+        first=forward("wheel", interface="effort"),
+        top=forward("pid/wheel", "arm/left", interface="position"),
+        pid=pid("wheel"),
+        last=forward("arm/left", interface="position"),
+    )
+    assert states(found) == {"first": "active", "top": "inactive", "pid": "inactive", "last": "active"}
+    assert any("controller top: it writes to pid, which is not active" in text for text in found.not_started)
 
 
 def test_what_is_inactive_claims_nothing_and_conflicts_with_nothing(plan):

@@ -91,25 +91,66 @@ def test_a_claim_that_is_held_stops_the_whole_switch():
         assert chain.active == ("rival",)
 
 
-def test_of_two_writers_of_one_reference_the_first_starts_and_nothing_above_the_other():
+@pytest.mark.parametrize("strictness", [BEST_EFFORT, STRICT])
+def test_of_two_writers_of_one_reference_neither_is_activated(strictness):
     chain = Manager(
         LOW,
         controller("first", "low/a/position", state="inactive"),
-        controller("second", "low/a/position", references=("a/position",), state="inactive"),
-        controller("above", "second/a/position", state="inactive"),
+        controller("second", "low/a/position", state="inactive"),
     )
-    response = chain.switch_controller(["first", "second", "above"], strictness=BEST_EFFORT)
-    assert not response
+    response = chain.switch_controller(["first", "second"], strictness=strictness)
+    assert not response  # controller_manager.cpp:4389-4397
     assert "low/a/position is already claimed by 'first'" in response.message
-    assert "controller 'above' writes to 'second', which is not active" in response.message
-    assert chain.active == ("low", "first")
+    assert chain.active == ("low",)
 
 
-def test_the_lowest_is_restarted_below_the_others():
-    chain = manager()
-    assert chain.switch_controller(["low"], ["low"], STRICT)
+@pytest.mark.parametrize("name", ["low", "middle"])
+def test_what_is_written_to_is_not_restarted_alone(name):
+    chain = manager()  # controller_manager.cpp:4088-4101, and 2259-2271 for the best effort
+    response = chain.switch_controller([name], [name], STRICT)
+    assert not response
+    assert f"controller '{name}' is written to by" in response.message
+    assert chain.switch_controller([name], [name], BEST_EFFORT)
+    assert chain.switches == []
+    everything = ("low", "middle", "high")
+    assert chain.switch_controller(everything, everything, STRICT)
+    assert chain.switches == [(everything, everything)]
+
+
+def test_nothing_is_activated_above_what_is_restarted():
+    chain = Manager(LOW, replace(MIDDLE, state="inactive"))
+    response = chain.switch_controller(["low", "middle"], ["low"], STRICT)
+    assert not response  # controller_manager.cpp:3936-3962
+    assert "controller 'middle' writes to 'low', which is to be deactivated" in response.message
+    assert chain.switch_controller(["low", "middle"], ["low"], BEST_EFFORT)
     assert chain.switches == [(("low",), ("low",))]
-    assert chain.active == ("low", "middle", "high")
+
+
+def test_an_activation_is_refused_before_the_deactivation_below_it():
+    """Of the two refusals the first leaves the second in place: the writer that stays active."""
+    chain = manager(controller("aside", "low/a/velocity", state="inactive"))
+    response = chain.switch_controller(["aside"], ["low"], BEST_EFFORT)  # controller_manager.cpp:2041, 2125
+    assert "controller 'aside' writes to 'low', which is to be deactivated" in response.message
+    assert "controller 'low' is written to by 'middle', which is active" in response.message
+    assert chain.switches == []
+
+
+def test_what_enters_or_leaves_chained_mode_is_restarted():
+    chain = manager()  # controller_manager.cpp:2207-2215
+    chain.switch_controller(deactivate=["high"], strictness=STRICT)
+    chain.switch_controller(deactivate=["middle"], strictness=STRICT)
+    chain.switch_controller(["middle", "high"], strictness=STRICT)
+    assert chain.switches == [
+        (("middle",), ("high", "middle")),
+        (("low",), ("middle", "low")),
+        (("middle", "high", "low"), ("low",)),
+    ]
+
+
+def test_what_stays_in_chained_mode_is_not_restarted():
+    chain = manager(controller("other", "low/a/position", state="inactive"))
+    chain.switch_controller(["other"], ["high", "middle"], STRICT)  # controller_manager.cpp:4026-4037
+    assert chain.switches == [(("other",), ("high", "middle"))]
 
 
 def test_all_that_a_writer_writes_to_must_be_active():
@@ -150,6 +191,22 @@ def test_references_are_there_once_a_controller_is_configured():
     assert listed() == before | {"idle/b/position": False}
     (item,) = (item for item in chain.list_controllers() if item.name == "idle")
     assert item.reference_interfaces == ("b/position",)
+
+
+def test_what_a_controller_exports_is_available_while_it_is_active():
+    exporter = controller("exporter", "b/effort", references=("b/position",), state="inactive")
+    chain = Manager(replace(exporter, exported=("b/velocity",)))
+
+    def available():
+        interfaces = (item for items in chain.list_hardware_interfaces() for item in items)
+        return {item.name: item.is_available for item in interfaces if item.name.startswith("exporter/")}
+
+    is_active = {"exporter/b/position": True, "exporter/b/velocity": True}
+    assert available() == dict.fromkeys(is_active, False)  # controller_manager.cpp:1728-1729, as configured
+    chain.switch_controller(["exporter"], strictness=STRICT)
+    assert available() == is_active  # 2796-2797
+    chain.switch_controller(deactivate=["exporter"], strictness=STRICT)
+    assert available() == dict.fromkeys(is_active, False)  # 2560-2561
 
 
 def test_force_auto_deactivates_all_that_stand_in_the_way():
@@ -266,7 +323,6 @@ def test_what_is_below_goes_on_by_its_own_topic_once_the_chain_above_is_off(tmp_
     twin = build(tmp_path, PARAMETERS, ORDERS[0])
     manager = twin.controller_manager("r")
     twin.publish("/r/above/commands", [1.0])
-    twin.publish("/r/inner/reference", {"values": [2.0]})  # ignored while "outer" writes
     twin.advance_to(3.0)
     assert twin.robot_state("r").positions[0] == pytest.approx(1.0, abs=1e-3)
     assert manager.switch_controller(deactivate=["outer", "above"], strictness=STRICT)
@@ -274,3 +330,43 @@ def test_what_is_below_goes_on_by_its_own_topic_once_the_chain_above_is_off(tmp_
     twin.advance_to(4.0)
     assert twin.robot_state("r").velocities[0] == pytest.approx(0.5, rel=1e-3)
     assert np.isfinite(twin.robot_state("r").efforts[0])
+
+
+def test_what_a_controller_is_told_in_chained_mode_is_never_obeyed(tmp_path):
+    """Not in chained mode (chainable_controller_interface.cpp:36), nor after it (controller_manager.cpp:2207-2215)."""
+    twin = build(tmp_path, PARAMETERS, ORDERS[0])
+    twin.publish("/r/above/commands", [0.0])
+    for _ in range(2):
+        twin.publish("/r/inner/reference", {"values": [2.0]})
+        twin.step(50)
+        assert twin.robot_state("r").velocities[0] == 0.0
+    twin.publish("/r/inner/reference", {"values": [2.0]})
+    assert twin.controller_manager("r").switch_controller(deactivate=["outer", "above"], strictness=STRICT)
+    twin.step(100)
+    assert twin.robot_state("r").velocities[0] == 0.0
+
+
+def test_a_writer_that_has_written_nothing_leaves_the_topic_below_it_in_force(tmp_path):
+    """Other than in ROS 2, where chained mode alone decides; `drake_twin.controllers.deviations` has it."""
+    parameters = {
+        "writer": (PARAMETERS["above"][0], "{joints: [inner/hinge], interface_name: velocity}"),
+        "inner": PARAMETERS["inner"],
+    }
+    twin = build(tmp_path, parameters, ("writer", "inner"))
+    twin.publish("/r/inner/reference", {"values": [0.5]})
+    twin.advance_to(1.0)
+    assert twin.robot_state("r").velocities[0] == pytest.approx(0.5, rel=1e-3)
+    twin.publish("/r/writer/commands", [-0.5])
+    twin.publish("/r/inner/reference", {"values": [0.5]})
+    twin.advance_to(2.0)
+    assert twin.robot_state("r").velocities[0] == pytest.approx(-0.5, rel=1e-3)
+
+
+def test_what_is_below_forgets_its_last_reference_at_the_end_of_chained_mode(tmp_path):
+    twin = build(tmp_path, PARAMETERS, ORDERS[0])
+    twin.publish("/r/above/commands", [1.0])
+    twin.step(50)
+    assert twin.robot_state("r").velocities[0] > 0.1
+    assert twin.controller_manager("r").switch_controller(deactivate=["outer", "above"], strictness=STRICT)
+    twin.step(20)
+    assert twin.robot_state("r").efforts[0] <= 0.0  # nothing drives it, and a joint without a command brakes

@@ -9,7 +9,7 @@ from made_up_controllers import Manager, controller
 from drake_twin.twin.controller_manager import BEST_EFFORT, STRICT
 from upstream.suite import Suite
 
-ASSERTIONS = 120
+ASSERTIONS = 128
 SUITE = Suite("controller_manager/test/test_controllers_chaining_with_controller_manager.cpp")
 
 LEFT, RIGHT = "pid_left_wheel_controller", "pid_right_wheel_controller"
@@ -42,6 +42,11 @@ def manager(state="inactive"):
 def claimed(of):
     """Interface → whether it is claimed."""
     return {item.name: item.is_claimed for item in of.list_hardware_interfaces()[0]}
+
+
+def available(of):
+    """Interface → whether it is available."""
+    return {item.name: item.is_available for item in of.list_hardware_interfaces()[0]}
 
 
 def seen(of, name, what):
@@ -181,11 +186,11 @@ CONFIGURED = (  # line of the state, that of the number of interfaces, controlle
     (383, 386, TRACKING_TWO, 8),
     (390, 393, STATES, 8),
 )
-EXPORTED = (  # lines of whether they exist, and are claimed; controller
-    (292, 294, LEFT),
-    (305, 307, RIGHT),
-    (324, 326, DRIVE),
-    (344, 346, DRIVE_TWO),
+EXPORTED = (  # lines of whether they exist, are available, and are claimed; controller
+    (292, 293, 294, LEFT),
+    (305, 306, 307, RIGHT),
+    (324, 325, 326, DRIVE),
+    (344, 345, 346, DRIVE_TWO),
 )
 
 
@@ -193,7 +198,7 @@ EXPORTED = (  # lines of whether they exist, and are claimed; controller
     {state: OFF for state, *_ in CONFIGURED}
     | {size: number for _, size, _, number in CONFIGURED}
     | {exists: True for exists, *_ in EXPORTED}
-    | {is_claimed: False for _, is_claimed, _ in EXPORTED}
+    | {line: False for _, *lines, _ in EXPORTED for line in lines}
 )
 def references_come_with_the_configuration():
     of = manager("unloaded")
@@ -204,15 +209,17 @@ def references_come_with_the_configuration():
         yield state, of.states[name]
         interfaces = claimed(of)
         yield size, len(interfaces) - before
-        for exists, is_claimed, exporter in EXPORTED:
+        for exists, is_available, is_claimed, exporter in EXPORTED:
             if exporter == name:
                 names = [f"{name}/{reference}" for reference in CONTROLLERS[name][1]]
                 yield exists, all(each in interfaces for each in names)
+                yield is_available, any(available(of)[each] for each in names)
                 yield is_claimed, any(interfaces[each] for each in names)
 
 
 @SUITE.scenario(
-    {446: True, 452: True, 467: False, 803: True, 805: False, 999: True, 1001: True, 2059: True, 2061: False}
+    {446: True, 452: True, 459: True, 467: False}
+    | {803: True, 804: True, 805: False, 999: True, 1000: True, 1001: True, 2059: True, 2060: True, 2061: False}
 )
 def claims_of_a_chain():
     of = manager()
@@ -226,13 +233,17 @@ def claims_of_a_chain():
     yield 452, all(hold)
     for line in (803, 2059):
         yield line, f"{DRIVE}/rot_z/velocity" in interfaces
+        yield line + 1, available(of)[f"{DRIVE}/rot_z/velocity"]
         yield line + 2, interfaces[f"{DRIVE}/rot_z/velocity"]
     yield 999, all(f"{DRIVE}/{each}/velocity" in interfaces for each in ("vel_x", "vel_y"))
+    yield 1000, all(available(of)[f"{DRIVE}/{each}/velocity"] for each in ("vel_x", "vel_y"))
     yield 1001, all(interfaces[f"{DRIVE}/{each}/velocity"] for each in ("vel_x", "vel_y"))
-    left = []
+    left, free = [], []
     for name in (TRACKING, DRIVE, RIGHT, LEFT):
         of.switch_controller(deactivate=[name], strictness=STRICT)
         left += [claimed(of)[each] for each in CONTROLLERS[name][0]]
+        free += [available(of)[each] for each in CONTROLLERS[name][0]]
+    yield 459, all(free)
     yield 467, any(left)
 
 
