@@ -242,6 +242,8 @@ class Seam:
 
         try:
             fields = service.answer(request)
+            if service.between_advances:
+                self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
             if isinstance(fields, Generator):
                 self._later.append((fields, finish))
             else:
