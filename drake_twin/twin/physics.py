@@ -138,13 +138,16 @@ class Physics:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
 
     def advance_to(self, time: float) -> SimulatorStatus:
-        """Advance to a time (s), with the updates of controllers that have become active."""
+        """Advance to a time (s)."""
+        return self.simulator.AdvanceTo(time)
+
+    def meet_new_events(self) -> None:
+        """Let the simulator know the updates of controllers that have become active."""
         new = [item for item, _ in self._keepers if item.has_new_event]
         if new:
             self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
             for item in new:
                 item.has_new_event = False
-        return self.simulator.AdvanceTo(time)
 
     def moment(self) -> Moment:
         """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""
