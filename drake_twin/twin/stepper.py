@@ -152,11 +152,11 @@ class Stepper:
         if self._inbox.is_open:  # a look into it costs less than a stop
             period = clock.steps(PERIOD)
             for look in range((clock.step // period + 1) * period, step, period):
-                status = physics.advance_to(physics.time_of(look))
+                status = physics.simulator.AdvanceTo(physics.time_of(look))
                 if self._inbox.is_waiting or status.reason() == _TERMINATED:
                     break
                 status = None
-        status = status or physics.advance_to(physics.time_of(step))
+        status = status or physics.simulator.AdvanceTo(physics.time_of(step))
         noticed = bool(status.reason() == _TERMINATED)
         if noticed:
             self._finish_step()
