@@ -24,7 +24,7 @@ class Inbox:
     two advances. While nobody uses the inbox, nobody looks into it.
 
     Attributes:
-        looks: Functions to call at each look, before the requests.
+        looks: Functions to call between two advances, before the requests.
     """
 
     def __init__(self) -> None:
@@ -37,6 +37,11 @@ class Inbox:
     def is_open(self) -> bool:
         """Whether anybody uses the inbox."""
         return self._users > 0
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a request waits."""
+        return bool(self._waiting)
 
     def open(self) -> None:
         """Use the inbox until `close`."""
@@ -81,8 +86,6 @@ class Inbox:
 
     def look(self) -> None:
         """Do what may be done at a step boundary."""
-        for call in tuple(self.looks):
-            call()
         self._do(lambda item: not item.between_advances)
 
     def work(self) -> None:

@@ -83,7 +83,7 @@ class Stepper:
                     session.subscriptions.deliver(clock.step)
                     if self.paused:
                         break
-                if self._inbox.is_open and clock.step % clock.steps(PERIOD) == 0:
+                if self._inbox.is_waiting and self._inbox.is_open:
                     self._inbox.look()
                     if self.paused:
                         break
@@ -146,8 +146,17 @@ class Stepper:
 
     def _advance_simulator(self, step: int) -> bool:
         """Advance to a step, or to the first one at which a controller ends the advance; return whether one did."""
-        physics = self._session.physics
-        status = physics.advance_to(physics.time_of(step))
+        physics, clock = self._session.physics, self._session.clock
+        physics.meet_new_events()
+        status = None
+        if self._inbox.is_open:  # a look into it costs less than a stop
+            period = clock.steps(PERIOD)
+            for look in range((clock.step // period + 1) * period, step, period):
+                status = physics.simulator.AdvanceTo(physics.time_of(look))
+                if self._inbox.is_waiting or status.reason() == _TERMINATED:
+                    break
+                status = None
+        status = status or physics.simulator.AdvanceTo(physics.time_of(step))
         noticed = bool(status.reason() == _TERMINATED)
         if noticed:
             self._finish_step()
@@ -217,8 +226,6 @@ class Stepper:
         due += [step_at(item.until, clock.time_step) for item in session.wrenches.items]
         if (change := clock.change_step()) is not None:
             due.append(change)
-        if self._inbox.is_open:
-            due.append((clock.step // clock.steps(PERIOD) + 1) * clock.steps(PERIOD))
         for control in session.controls.values():
             if control.check_period is not None:
                 steps = clock.steps(control.check_period)

@@ -30,13 +30,25 @@ _MOST_LINES = 1000  # of the log
 class WiredService(Protocol):
     """A service as `drake_twin.services.Service` has it."""
 
-    name: str
-    type: str
-    node: str
-    between_advances: bool
+    @property
+    def name(self) -> str:
+        """Its full name."""
 
-    def answer(self, request: Any) -> Any:
-        """Return the response's fields, or a generator that returns them later."""
+    @property
+    def type(self) -> str:
+        """Its ROS type."""
+
+    @property
+    def node(self) -> str:
+        """The full name of its node."""
+
+    @property
+    def between_advances(self) -> bool:
+        """Whether it does what a callback cannot do."""
+
+    @property
+    def answer(self) -> Callable[[Any], Any]:
+        """Takes the request; returns the response's fields, or a generator that returns them later."""
 
 
 class WiredActions(Protocol):
@@ -91,8 +103,7 @@ class Seam:
         self._topics: dict[str, _Topic] = {}
         self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
         self._served: dict[str, tuple[WiredService, list[Closable]]] = {}
-        self._later: list[tuple[Generator[Any, None, Any], Callable[[Any], None]]] = []
-        self._has_changed = True
+        self._has_changed = False
         self._logged: set[tuple[str, str]] = set()
         self._queue: Queue[tuple[_Topic, Any, int] | None] = Queue(_MOST_WAITING)
         self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
@@ -119,13 +130,7 @@ class Seam:
         if endpoints is not self._endpoints:
             self._endpoints = endpoints
             self._keep_topics(endpoints)
-            self._has_changed = True
-        if self._has_changed:
-            self._has_changed = False
-            for topic in self._topics.values():
-                self._follow(topic)
-        if self._later:
-            self._continue()
+            self._follow_listeners()
         if self._actions is not None:
             for name, fields in self._actions.news():
                 topic = self._topics[name]
@@ -158,7 +163,15 @@ class Seam:
             self._served[name] = service, [wire.serve(wired, partial(self._ask, name)) for wire in self._wires]
 
     def _note_listeners(self, is_heard: bool) -> None:
-        self._has_changed = True
+        """Follow who listens, later, in the simulation's thread."""
+        if not self._has_changed:
+            self._has_changed = True
+            self._twin.inbox.put(self._follow_listeners)
+
+    def _follow_listeners(self) -> None:
+        self._has_changed = False
+        for topic in self._topics.values():
+            self._follow(topic)
 
     def _follow(self, topic: _Topic) -> None:
         """Subscribe to a topic that somebody listens to, and to no other."""
@@ -245,24 +258,25 @@ class Seam:
             if service.between_advances:
                 self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
             if isinstance(fields, Generator):
-                self._later.append((fields, finish))
+                self._continue(name, fields, finish)
             else:
                 finish(fields)
         except (TwinError, ValueError) as error:
             self._log(name, str(error))
             reply(serialize(_response(service.type, {}, str(error))))
 
-    def _continue(self) -> None:
-        """Continue the answers that take longer."""
-        waiting, self._later = self._later, []
-        for generator, finish in waiting:
-            try:
-                next(generator)
-                self._later.append((generator, finish))
-            except StopIteration as end:
-                finish(end.value)
-            except TwinError as error:
-                self._log("a service", str(error))
+    def _continue(self, name: str, answer: Generator[Any, None, Any], finish: Callable[[Any], None]) -> None:
+        """Continue an answer that takes longer, once a look."""
+        try:
+            next(answer)
+        except StopIteration as end:
+            finish(end.value)
+        except TwinError as error:
+            self._log(name, str(error))
+            finish({})
+        else:
+            between = name in self._served and self._served[name][0].between_advances
+            self._twin.inbox.put(partial(self._continue, name, answer, finish), between_advances=between)
 
     def _log(self, topic: str, text: str, cause: str = "") -> None:
         """Log once per topic and cause."""
