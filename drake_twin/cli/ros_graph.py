@@ -61,8 +61,7 @@ class RosGraph:
     def _announce(self) -> None:
         assert self._wire is not None
         say(f"ros: domain {self._wire.domain} over Zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp), {self._wire.place}")
-        if self._wire.is_router:
-            say("ros: this protocol has no token: every program that reaches the port commands the robots", sys.stderr)
+        say("ros: this protocol has no token: every program that reaches the port commands the robots", sys.stderr)
 
 
 @contextlib.contextmanager

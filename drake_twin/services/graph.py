@@ -14,6 +14,10 @@ class GraphServices:
     def __init__(self) -> None:
         self._actions: dict[str, ActionServer] = {}
 
+    def loaded(self, twin: Twin) -> tuple[tuple[str, ...], ...]:
+        """Return the loaded controllers of each robot, which are nodes."""
+        return tuple(tuple(twin.controller_manager(robot).states) for robot in twin.robots)
+
     def services(self, twin: Twin) -> tuple[Service, ...]:
         """Return the services with the present robots, those of actions among them."""
         present = {server.name: server for server in action_servers(twin)}

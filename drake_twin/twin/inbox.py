@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from threading import Lock
+from threading import Event, Lock
 
 MOST = 1000  # requests that wait
 PERIOD = 0.005  # s of simulation time between two looks; each millisecond would cost half as much as the physics
@@ -32,6 +32,7 @@ class Inbox:
         self._users = 0
         self._waiting: deque[_Request] = deque()
         self._lock = Lock()
+        self._arrived = Event()
 
     @property
     def is_open(self) -> bool:
@@ -58,6 +59,7 @@ class Inbox:
         *,
         must_stay: bool = False,
         between_advances: bool = False,
+        is_urgent: bool = True,
     ) -> bool:
         """Put a request into the inbox, from any thread.
 
@@ -69,20 +71,27 @@ class Inbox:
             topic: The topic of a command; None for what is no command.
             must_stay: Whether a later command does not make up for it, as for a stop.
             between_advances: Whether it does what a callback cannot do, such as a spawn.
+            is_urgent: Whether it ends a `wait`.
 
         Returns:
             False if something was dropped: an older request, or, of no topic, this one.
         """
         request = _Request(act, topic, must_stay, between_advances)
         with self._lock:
-            if len(self._waiting) < MOST:
-                self._waiting.append(request)
-                return True
-            if topic is None:
+            is_full = len(self._waiting) >= MOST
+            if is_full and topic is None:
                 return False
             self._waiting.append(request)
-            self._drop_one(topic)
-            return False
+            if is_full and topic is not None:
+                self._drop_one(topic)
+        if is_urgent:
+            self._arrived.set()
+        return not is_full
+
+    def wait(self, timeout: float) -> None:
+        """Wait for a request that has not been waited for, at most for some wall time (s)."""
+        self._arrived.wait(timeout)
+        self._arrived.clear()
 
     def look(self) -> None:
         """Do what may be done at a step boundary."""

@@ -67,8 +67,18 @@ def _run(
             if twin.inbox.is_open:
                 twin.inbox.work()
             frame_start = max(frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND)
-            wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
+            _wait_until(twin, frame_start)
     twin.draw()
+
+
+def _wait_until(twin: "Twin", wall_time: float) -> None:
+    """Wait; a twin that is paused does requests as they arrive, so that stepping it from outside takes no frame."""
+    while (left := wall_time - wall_clock.perf_counter()) > 0:
+        if twin.paused and twin.inbox.is_open:
+            twin.inbox.wait(left)
+            twin.inbox.work()
+        else:
+            wall_clock.sleep(left)
 
 
 def _begin_frame(twin: "Twin", until: float | None, each_frame: Callable[[], bool | None]) -> bool:

@@ -54,6 +54,9 @@ class WiredService(Protocol):
 class WiredActions(Protocol):
     """What actions publish beside the diagram's topics."""
 
+    def loaded(self, twin: Twin) -> Any:
+        """Return a value that changes whenever services come and go without a spawn or a delete."""
+
     def topics(self) -> Iterable[Endpoint]:
         """Return the topics of the present actions, after their services have been asked for."""
 
@@ -99,6 +102,7 @@ class Seam:
         self._wires = wires
         self._services_of = services
         self._actions = actions
+        self._loaded: Any = None
         self._endpoints: tuple[Endpoint, ...] | None = None
         self._topics: dict[str, _Topic] = {}
         self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
@@ -127,8 +131,9 @@ class Seam:
     def _look(self) -> None:
         """Follow spawns and deletes, and who listens."""
         endpoints = self._twin.endpoints
-        if endpoints is not self._endpoints:
-            self._endpoints = endpoints
+        loaded = None if self._actions is None else self._actions.loaded(self._twin)
+        if endpoints is not self._endpoints or loaded != self._loaded:
+            self._endpoints, self._loaded = endpoints, loaded
             self._keep_topics(endpoints)
             self._follow_listeners()
         if self._actions is not None:
@@ -276,7 +281,8 @@ class Seam:
             finish({})
         else:
             between = name in self._served and self._served[name][0].between_advances
-            self._twin.inbox.put(partial(self._continue, name, answer, finish), between_advances=between)
+            act = partial(self._continue, name, answer, finish)
+            self._twin.inbox.put(act, between_advances=between, is_urgent=between)  # others wait for time to pass
 
     def _log(self, topic: str, text: str, cause: str = "") -> None:
         """Log once per topic and cause."""

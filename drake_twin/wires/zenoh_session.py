@@ -2,6 +2,7 @@
 
 import json
 import socket
+from dataclasses import dataclass
 from typing import Any
 
 from drake_twin.errors import InputError
@@ -13,16 +14,28 @@ _PATIENCE = 3000  # ms for a router to answer
 _WAIT = 5000
 
 
-def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str | None = None) -> tuple[Any, bool]:
+@dataclass(frozen=True)
+class OpenSession:
+    """A session, and where it stands.
+
+    Attributes:
+        session: The ``zenoh.Session``.
+        address: The address that it listens on, ``HOST:PORT``.
+        router: The address of the router that it is connected to; None if it is the router.
+    """
+
+    session: Any
+    address: str
+    router: str | None = None
+
+
+def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str | None = None) -> OpenSession:
     """Open a session that is connected to a router, or is the router where none runs on this machine.
 
     Args:
         host: The address to listen on as a router.
         port: The router's port.
         router: The address of a router to connect to in any case, ``HOST`` or ``HOST:PORT``.
-
-    Returns:
-        The ``zenoh.Session``, and whether it is the router.
 
     Raises:
         InputError: If Zenoh is not installed, the address cannot be used, the port is another program's, or no router
@@ -36,28 +49,31 @@ def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str |
         ) from None
     zenoh.init_log_from_env_or("error")
     if router is not None:
-        return _connect(zenoh, _with_port(router, port)), False
+        return _connect(zenoh, _with_port(router, port))
     _check_address(host, port)
     try:
-        return zenoh.open(_config(zenoh, "router", listen=[f"tcp/{_bracketed(host)}:{port}"])), True
+        address = f"{_bracketed(host)}:{port}"
+        return OpenSession(zenoh.open(_config(zenoh, "router", address)), address)
     except zenoh.ZError:  # something listens there
-        return _connect(zenoh, f"127.0.0.1:{port}"), False
+        return _connect(zenoh, f"127.0.0.1:{port}")
 
 
-def _connect(zenoh: Any, address: str) -> Any:
+def _connect(zenoh: Any, router: str) -> OpenSession:
+    with socket.create_server(("127.0.0.1", 0)) as probe:  # Zenoh does not tell which port it has chosen
+        own = f"127.0.0.1:{probe.getsockname()[1]}"
     try:
-        return zenoh.open(_config(zenoh, "peer", connect=[f"tcp/{address}"], listen=["tcp/127.0.0.1:0"]))
+        return OpenSession(zenoh.open(_config(zenoh, "peer", own, router)), own, router)
     except zenoh.ZError:
-        text = f"no Zenoh router answers at {address}"
+        text = f"no Zenoh router answers at {router}"
         raise InputError(f"{text}: another program has the port, or the router is not running") from None
 
 
-def _config(zenoh: Any, mode: str, *, listen: list[str], connect: list[str] | None = None) -> Any:
+def _config(zenoh: Any, mode: str, address: str, router: str | None = None) -> Any:
     config = zenoh.Config()
     for key, value in {
         "mode": mode,
-        "listen/endpoints": listen,
-        "connect/endpoints": connect or [],
+        "listen/endpoints": [f"tcp/{address}"],
+        "connect/endpoints": [] if router is None else [f"tcp/{router}"],
         "connect/exit_on_failure": True,
         "connect/timeout_ms": _PATIENCE,
         "scouting/delay": 0,

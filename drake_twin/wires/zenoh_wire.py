@@ -41,7 +41,6 @@ class ZenohWire:
 
     Attributes:
         domain: The ROS domain.
-        is_router: Whether the session is the router.
         place: Where it is open or connected to, in words.
         session_id: The session's id in the graph's tokens.
 
@@ -57,9 +56,11 @@ class ZenohWire:
         router: str | None = None,
     ):
         self.domain = domain_of_environment() if domain is None else domain
-        self._session, self.is_router = open_session(host, port, router)
-        connected = router or f"127.0.0.1:{port}"
-        self.place = f"open as router on {host}:{port}" if self.is_router else f"connected to the router at {connected}"
+        opened = open_session(host, port, router)
+        self._session = opened.session
+        self.place = f"open on {opened.address}, as router"
+        if opened.router is not None:
+            self.place = f"open on {opened.address}, connected to the router at {opened.router}"
         self.session_id = str(self._session.zid())
         self._graph = _Graph(self._session, self.domain)
 

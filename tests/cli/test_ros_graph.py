@@ -45,7 +45,7 @@ def test_the_start_up_message_names_the_open_port_and_says_that_there_is_no_toke
     assert main(["--robots", "1", "--headless", "--duration", "0.05", "--ros", "zenoh", "--ros-port", str(port)]) == 0
     captured = capsys.readouterr()
     assert captured.out.splitlines()[0] == (
-        f"ros: domain 7 over Zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp), open as router on 127.0.0.1:{port}"
+        f"ros: domain 7 over Zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp), open on 127.0.0.1:{port}, as router"
     )
     assert "ros: this protocol has no token: every program that reaches the port commands the robots" in captured.err
     with socket.create_server(("127.0.0.1", port)):  # the port is free again
@@ -56,7 +56,7 @@ def test_a_second_twin_connects_to_the_first(capsys):
     port = free_port()
     first, said = start("--ros-port", port)
     try:
-        assert said.endswith(f"open as router on 127.0.0.1:{port}\n")
+        assert said.endswith(f"open on 127.0.0.1:{port}, as router\n")
         arguments = ["--robots", "1", "--headless", "--duration", "0.05", "--ros", "zenoh"]
         assert main([*arguments, "--ros-port", str(port)]) == 0
         assert f", connected to the router at 127.0.0.1:{port}\n" in capsys.readouterr().out

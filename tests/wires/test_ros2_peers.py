@@ -222,6 +222,47 @@ def of_twin(of_tokens):
     return sorted("/".join(items[5:]) for items in parts if items[2] == twins)
 
 
+def test_nodes_of_each_robot_come_and_go_with_their_controllers(twin, port):
+    def graph():
+        with peer(port) as other:
+            return tokens(other)
+
+    own = ("robot_state_publisher", "controller_manager", "joint_state_broadcaster", "forward_velocity_controller")
+    simulators = {("%", "drake_twin"), ("%", "gazebo"), ("%", "robot_state_publisher")}
+    nodes = {tuple(text.split("/")[7:9]) for text in graph() if "/NN/" in text}
+    assert nodes == simulators | {(f"%{robot}", name) for robot in ("robot_1", "robot_2") for name in own}
+    manager, parameters = twin.controller_manager("robot_1"), "/%robot_1%joint_state_broadcaster%get_parameters/"
+    assert parameters in str(graph())
+    manager.switch_controller(deactivate=["joint_state_broadcaster"])
+    manager.unload_controller("joint_state_broadcaster")
+    twin.advance_to(0.01)
+    assert parameters not in str(graph())
+    manager.load_controller("joint_state_broadcaster")
+    twin.advance_to(0.02)
+    assert parameters in str(graph())
+
+
+def test_topics_are_on_the_graph_as_they_are_remapped(port):
+    builder = TwinBuilder().robot(
+        "rover",
+        ROVER,
+        xyz=(0, 0, 0.13),
+        namespace="hall/left",
+        remappings={"/hall/left/joint_states": "/joints", f"/hall/left/{COMMANDS[9:]}": "/drive"},
+    )
+    with builder.build() as twin:
+        seam = connected(twin, port)
+        try:
+            with ros_client(port, DOMAIN) as client:
+                topics = client.topics()
+        finally:
+            seam.close()
+    assert topics["/joints"] == ["sensor_msgs/msg/JointState"]
+    assert topics["/drive"] == [ARRAY]
+    assert topics["/hall/left/robot_description"] == ["std_msgs/msg/String"]
+    assert not {"/hall/left/joint_states", "/hall/left/forward_velocity_controller/commands"} & topics.keys()
+
+
 def test_what_python_is_refused_is_refused_with_the_same_words(twin, client, caplog):
     publisher = client.publisher(COMMANDS, ARRAY)
     lists = client.service(

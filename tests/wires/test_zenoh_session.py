@@ -11,44 +11,42 @@ from drake_twin.wires.zenoh_session import open_session
 zenoh = pytest.importorskip("zenoh")
 
 
-def test_the_first_session_is_the_router_and_the_next_ones_connect_to_it():
-    port = free_port()
-    first, is_router = open_session(port=port)
+@pytest.fixture
+def first():
+    """A router on a port of its own."""
+    opened = open_session(port=free_port())
+    yield opened
+    opened.session.close()
+
+
+def port_of(opened):
+    return int(opened.address.rpartition(":")[2])
+
+
+def test_the_first_session_is_the_router_and_the_next_ones_connect_to_it(first):
+    assert first.router is None
+    second = open_session(port=port_of(first))
     try:
-        assert is_router
-        second, is_router = open_session(port=port)
-        try:
-            assert not is_router
-            assert second.info.routers_zid() == [first.zid()]
-        finally:
-            second.close()
+        assert second.router == first.address
+        assert second.session.info.routers_zid() == [first.session.zid()]
+        socket.create_connection(("127.0.0.1", port_of(second)), timeout=5).close()
     finally:
-        first.close()
+        second.session.close()
 
 
-def test_a_router_listens_only_on_the_address_that_it_is_given():
-    port = free_port()
-    session, _ = open_session(port=port)
+def test_a_router_listens_only_on_the_address_that_it_is_given(first):
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.2", port_of(first)), timeout=5).close()
+    socket.create_connection(("127.0.0.1", port_of(first)), timeout=5).close()
+
+
+def test_a_router_elsewhere_is_connected_to_by_its_address(first):
+    second = open_session(router=f"localhost:{port_of(first)}")
     try:
-        with pytest.raises(OSError, match="refused"):
-            socket.create_connection(("127.0.0.2", port), timeout=5).close()
-        socket.create_connection(("127.0.0.1", port), timeout=5).close()
+        assert second.router == f"localhost:{port_of(first)}"
+        assert second.session.info.routers_zid() == [first.session.zid()]
     finally:
-        session.close()
-
-
-def test_a_router_elsewhere_is_connected_to_by_its_address():
-    port = free_port()
-    first, _ = open_session(port=port)
-    try:
-        second, is_router = open_session(router=f"localhost:{port}")
-        try:
-            assert not is_router
-            assert second.info.routers_zid() == [first.zid()]
-        finally:
-            second.close()
-    finally:
-        first.close()
+        second.session.close()
 
 
 def test_a_port_that_another_program_has():

@@ -264,7 +264,7 @@ def test_domains_do_not_hear_each_other(wire, port):
 READER = """
 import sys, time
 from drake_twin.wires.zenoh_session import open_session
-session, _ = open_session(port=int(sys.argv[1]))
+session = open_session(port=int(sys.argv[1])).session
 session.declare_subscriber("7/robot_1/joint_states/*/*", lambda sample: None)
 print("reading", flush=True)
 time.sleep(600)

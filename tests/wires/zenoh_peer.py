@@ -17,12 +17,12 @@ def peer(port: int) -> Iterator[Any]:
     """A session that is connected to the router on a port."""
     from drake_twin.wires.zenoh_session import open_session
 
-    session, is_router = open_session(port=port)
-    assert not is_router
+    opened = open_session(port=port)
+    assert opened.router == f"127.0.0.1:{port}"
     try:
-        yield session
+        yield opened.session
     finally:
-        session.close()
+        opened.session.close()
 
 
 def tokens(session: Any) -> list[str]:
