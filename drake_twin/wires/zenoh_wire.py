@@ -27,6 +27,7 @@ from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
 _LARGEST = 1 << 20  # bytes of a message that is heard
+_PERIOD = 0.02  # s between two looks at who listens
 _HEARTBEAT = 0.5  # s after which a late joiner notices a message that it has missed (rmw_publisher_data.cpp)
 
 
@@ -63,10 +64,16 @@ class ZenohWire:
             self.place = f"open on {opened.address}, connected to the router at {opened.router}"
         self.session_id = str(self._session.zid())
         self._graph = _Graph(self._session, self.domain)
+        self._senders: list[_Sender] = []
+        self._is_closed = threading.Event()
+        self._thread = threading.Thread(target=self._watch_listeners, name="drake_twin listeners", daemon=True)
+        self._thread.start()
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_Sender":
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
-        return _Sender(self._session, self._graph, topic, listened)
+        sender = _Sender(self._session, self._graph, topic, listened, self._senders.remove)
+        self._senders.append(sender)
+        return sender
 
     def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> "_Listener":
         """Hear a topic; see `drake_twin.wires.wire.Wire`."""
@@ -78,7 +85,19 @@ class ZenohWire:
 
     def close(self) -> None:
         """End the session: an open one keeps the process alive."""
+        self._is_closed.set()
+        self._thread.join()
         self._session.close()
+
+    def _watch_listeners(self) -> None:
+        """Look who listens, in a thread of its own.
+
+        Zenoh could call back instead. But to end a topic while it does so takes it 10 s, in which no thread of Python
+        runs: it waits for the callback, which waits for Python.
+        """
+        while not self._is_closed.wait(_PERIOD):
+            for sender in tuple(self._senders):
+                sender.look()
 
 
 class _Graph:
@@ -124,7 +143,14 @@ class _Sender:
         is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
     """
 
-    def __init__(self, session: Any, graph: _Graph, topic: WireEndpoint, listened: Callable[[bool], None]):
+    def __init__(
+        self,
+        session: Any,
+        graph: _Graph,
+        topic: WireEndpoint,
+        listened: Callable[[bool], None],
+        closed: "Callable[[_Sender], None]",
+    ):
         import zenoh
         from zenoh import ext, handlers
 
@@ -133,7 +159,9 @@ class _Sender:
         self.is_heard = topic.latched
         self._listened = listened
         self._sequence = itertools.count(1)
-        self._parts: list[Any] = []
+        self._closed = closed
+        self._listeners: Any = None
+        self._lock = threading.Lock()
         if topic.latched:
             self._publisher: Any = ext.declare_advanced_publisher(
                 session,
@@ -145,8 +173,7 @@ class _Sender:
             )
         else:
             self._publisher = session.declare_publisher(key, congestion_control=drop)
-            note = handlers.Callback(self._note, indirect=False)
-            self._parts.append(self._publisher.declare_matching_listener(note))
+            self._listeners = self._publisher.declare_matching_listener(handlers.RingChannel(1))
         self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, 1 if topic.latched else 10))
 
     def send(self, data: bytes, at: int) -> None:
@@ -155,13 +182,21 @@ class _Sender:
 
     def close(self) -> None:
         """Take it off the graph."""
+        self._closed(self)
         self._leave()
-        for part in (*self._parts, self._publisher):
-            part.undeclare()
+        with self._lock:
+            if self._listeners is not None:
+                self._listeners.undeclare()
+                self._listeners = None
+        self._publisher.undeclare()
 
-    def _note(self, status: Any) -> None:
-        self.is_heard = status.matching
-        self._listened(self.is_heard)
+    def look(self) -> None:
+        """Look whether anybody listens, and tell if that has changed."""
+        with self._lock:
+            status = None if self._listeners is None else self._listeners.try_recv()
+        if status is not None and status.matching != self.is_heard:
+            self.is_heard = status.matching
+            self._listened(self.is_heard)
 
 
 class _Listener:
