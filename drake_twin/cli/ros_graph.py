@@ -32,16 +32,14 @@ class RosGraph:
 
     def connect(self, twin: "Twin") -> None:
         """Put a twin onto the graph, in place of the one before."""
-        from drake_twin.services.graph import GraphServices
-        from drake_twin.wires.seam import Seam
+        from drake_twin.services.graph import connect
 
         if self._seam is not None:
             self._seam.close()
             self._wire = self._open()
         twin.frames.lockstep = self._options.lockstep
         assert self._wire is not None
-        services = GraphServices()
-        self._seam = Seam(twin, [self._wire], services.services, services)
+        self._seam = connect(twin, [self._wire])
 
     def close(self) -> None:
         """End the wire."""

@@ -1,11 +1,27 @@
 """All that a twin answers on the graph, and its actions' news; goals survive a spawn and a delete."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from drake_twin.services.actions import ActionServer, action_servers
 from drake_twin.services.registry import Fields, Service, services_of
 from drake_twin.twin.endpoints import Endpoint
 from drake_twin.twin.twin import Twin
+from drake_twin.wires.seam import Seam
+from drake_twin.wires.wire import Wire
+
+
+def connect(twin: Twin, wires: Sequence[Wire]) -> Seam:
+    """Connect a twin, with its services and actions, to wires.
+
+    Args:
+        twin: The twin.
+        wires: The wires.
+
+    Returns:
+        The connection; close it to end the wires.
+    """
+    services = GraphServices()
+    return Seam(twin, wires, services.services, services)
 
 
 class GraphServices:

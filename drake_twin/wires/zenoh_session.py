@@ -47,7 +47,7 @@ def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str |
         raise InputError(
             "the ROS 2 graph needs Zenoh, which is not installed: pip install 'drake-twin[zenoh]'"
         ) from None
-    zenoh.try_init_log_from_env()  # with RUST_LOG only: its errors about what leaves are no news to a user
+    zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]  # with RUST_LOG only: its errors about what leaves are no news to a user
     if router is not None:
         return _connect(zenoh, _with_port(router, port))
     _check_address(host, port)

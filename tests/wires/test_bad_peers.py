@@ -10,13 +10,13 @@ from wires.zenoh_peer import Heard, free_port, peer
 
 from drake_twin.messages import message
 from drake_twin.messages.interface_types import deserialize, make, serialize, type_hash
+from drake_twin.services.graph import connect
+from drake_twin.wires.rmw_zenoh_format import attachment, topic_key
+from drake_twin.wires.zenoh_wire import ZenohWire
 
 zenoh = pytest.importorskip("zenoh")
+ext = pytest.importorskip("zenoh.ext")
 
-from drake_twin.services.graph import GraphServices
-from drake_twin.wires.rmw_zenoh_format import attachment, topic_key
-from drake_twin.wires.seam import Seam
-from drake_twin.wires.zenoh_wire import ZenohWire
 
 COMMANDS, ARRAY = "/robot_1/forward_velocity_controller/commands", "std_msgs/msg/Float64MultiArray"
 KEY = topic_key(0, COMMANDS, ARRAY, type_hash(ARRAY))
@@ -30,9 +30,8 @@ def port():
 
 @pytest.fixture
 def twin(port):
-    services = GraphServices()
     with rovers(1).build() as twin:
-        seam = Seam(twin, [ZenohWire(domain=0, port=port)], services.services, services)
+        seam = connect(twin, [ZenohWire(domain=0, port=port)])
         try:
             yield twin
         finally:
@@ -138,11 +137,10 @@ def test_clients_that_leave_before_the_answer(twin, port):
 
 
 def test_open_wires_that_nobody_uses_change_no_bit(port):
-    def state(connect):
+    def state(is_connected):
         with rovers(2).build() as twin:
             twin.publish("/robot_2/forward_velocity_controller/commands", [2.0] * 4)
-            services = GraphServices()
-            seam = Seam(twin, [ZenohWire(domain=0, port=port)], services.services, services) if connect else None
+            seam = connect(twin, [ZenohWire(domain=0, port=port)]) if is_connected else None
             twin.advance_to(1.234)
             if seam is not None:
                 seam.close()

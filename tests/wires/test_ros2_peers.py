@@ -11,16 +11,15 @@ from wires.zenoh_peer import Heard, free_port, peer, tokens
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.messages import message
 from drake_twin.messages.interface_types import deserialize, make, serialize, type_hash
+from drake_twin.services.graph import connect
 from drake_twin.twin.recording import replay
+from drake_twin.wires.rmw_zenoh_format import attachment, topic_key
+from drake_twin.wires.zenoh_wire import ZenohWire
 
 zenoh = pytest.importorskip("zenoh")
+ext = pytest.importorskip("zenoh.ext")
 pytest.importorskip("zenoh_ros2_sdk", reason="zenoh-ros2-sdk, an independent ROS 2 client, is not installed")
-from zenoh import ext  # noqa: E402
 
-from drake_twin.services.graph import GraphServices  # noqa: E402
-from drake_twin.wires.rmw_zenoh_format import attachment, topic_key  # noqa: E402
-from drake_twin.wires.seam import Seam  # noqa: E402
-from drake_twin.wires.zenoh_wire import ZenohWire  # noqa: E402
 
 DOMAIN = 5
 COMMANDS = "/robot_1/forward_velocity_controller/commands"
@@ -34,8 +33,7 @@ def port():
 
 
 def connected(twin, port):
-    services = GraphServices()
-    return Seam(twin, [ZenohWire(domain=DOMAIN, port=port)], services.services, services)
+    return connect(twin, [ZenohWire(domain=DOMAIN, port=port)])
 
 
 @pytest.fixture

@@ -12,12 +12,12 @@ import pytest
 from wires.zenoh_peer import Heard, free_port, peer, tokens
 
 from drake_twin.wires.rmw_zenoh_format import NO_HASH, attachment, gid, read_attachment, topic_key
+from drake_twin.wires.wire import WireEndpoint
+from drake_twin.wires.zenoh_wire import ZenohWire
 
 zenoh = pytest.importorskip("zenoh")
-from zenoh import ext  # noqa: E402
+ext = pytest.importorskip("zenoh.ext")
 
-from drake_twin.wires.wire import WireEndpoint  # noqa: E402
-from drake_twin.wires.zenoh_wire import ZenohWire  # noqa: E402
 
 JOINT_STATES = WireEndpoint(
     name="/robot_1/joint_states",
@@ -290,13 +290,13 @@ def test_a_peer_that_stops_reading_costs_neither_memory_nor_the_others_messages(
             while not heard.items:  # until the wire knows of the second one, too
                 sender.send(b"?", 0)
             before, count = memory(), len(heard.items)
-            for _ in range(2000):
+            for _ in range(400):
                 first = len(heard.items)
                 for _ in range(20):
-                    sender.send(bytes(2000), 0)
-                heard.wait_for(lambda items, first=first: items[first:].count(2000) >= 20)
-            assert heard.items[count:].count(2000) == 40_000
-            assert memory() - before < 40  # of 80 MB that were sent
+                    sender.send(bytes(5000), 0)
+                heard.wait_for(lambda items, first=first: items[first:].count(5000) >= 20)
+            assert heard.items[count:].count(5000) == 8000
+            assert memory() - before < 20  # of 40 MB that were sent
     finally:
         stopped.kill()
         stopped.wait()
