@@ -27,6 +27,7 @@ from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
 _LARGEST = 1 << 20  # bytes of a message that is heard
+_LONGEST_CLOSE = 2.0  # s that the caller waits for the session's end
 _PERIOD = 0.02  # s between two looks at who listens
 _HEARTBEAT = 0.5  # s after which a late joiner notices a message that it has missed (rmw_publisher_data.cpp)
 
@@ -84,10 +85,21 @@ class ZenohWire:
         return _Server(self._session, self._graph, service, answer)
 
     def close(self) -> None:
-        """End the session: an open one keeps the process alive."""
+        """End the session: an open one keeps the process alive.
+
+        A peer that has stopped to read makes Zenoh wait for it, and fail then; that is left to a thread.
+        """
         self._is_closed.set()
         self._thread.join()
-        self._session.close()
+        closing = threading.Thread(target=self._close_session, name="drake_twin closing", daemon=True)
+        closing.start()
+        closing.join(_LONGEST_CLOSE)
+
+    def _close_session(self) -> None:
+        import zenoh
+
+        with contextlib.suppress(zenoh.ZError):
+            self._session.close()
 
     def _watch_listeners(self) -> None:
         """Look who listens, in a thread of its own.

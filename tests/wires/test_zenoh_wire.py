@@ -13,6 +13,7 @@ from wires.zenoh_peer import Heard, free_port, peer, tokens
 
 from drake_twin.wires.rmw_zenoh_format import NO_HASH, attachment, gid, read_attachment, topic_key
 from drake_twin.wires.wire import WireEndpoint
+from drake_twin.wires.zenoh_session import open_session
 from drake_twin.wires.zenoh_wire import ZenohWire
 
 zenoh = pytest.importorskip("zenoh")
@@ -276,30 +277,44 @@ def memory() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 >> 20
 
 
-def test_a_peer_that_stops_reading_costs_neither_memory_nor_the_others_messages(wire, port):
+@pytest.fixture
+def stopped(wire, port):
+    """A sender that is heard by a peer which does not read any more."""
     listened = Heard()
     sender = wire.advertise(JOINT_STATES, listened)
-    stopped = subprocess.Popen([sys.executable, "-c", READER, str(port)], stdout=subprocess.PIPE, text=True)
+    reader = subprocess.Popen([sys.executable, "-c", READER, str(port)], stdout=subprocess.PIPE, text=True)
     try:
-        assert stopped.stdout.readline() == "reading\n"
+        assert reader.stdout.readline() == "reading\n"
         listened.wait_for(1)
-        os.kill(stopped.pid, signal.SIGSTOP)
-        with peer(port) as other:
-            heard = Heard()
-            other.declare_subscriber(key(JOINT_STATES), lambda sample: heard(len(sample.payload)))
-            while not heard.items:  # until the wire knows of the second one, too
-                sender.send(b"?", 0)
-            grown = []
-            for _ in range(4):
-                before = memory()
-                for _ in range(200):
-                    arrived = len(heard.items)
-                    for _ in range(20):
-                        sender.send(bytes(5000), 0)
-                    heard.wait_for(arrived + 20)
-                grown.append(memory() - before)
-            assert heard.items.count(5000) == 16_000
-            assert max(grown[1:]) < 10  # of 20 MB each time; at first Zenoh makes its buffers
+        os.kill(reader.pid, signal.SIGSTOP)
+        yield sender
     finally:
-        stopped.kill()
-        stopped.wait()
+        reader.kill()
+        reader.wait()
+
+
+def test_a_peer_that_stops_reading_costs_neither_memory_nor_the_others_messages(stopped, port):
+    opened, heard, grown = open_session(port=port), Heard(), []
+    opened.session.declare_subscriber(key(JOINT_STATES), lambda sample: heard(len(sample.payload)))
+    while not heard.items:  # until the wire knows of the second one, too
+        stopped.send(b"?", 0)
+    for _ in range(4):
+        before = memory()
+        for _ in range(200):
+            arrived = len(heard.items)
+            for _ in range(20):
+                stopped.send(bytes(5000), 0)
+            heard.wait_for(arrived + 20)
+        grown.append(memory() - before)
+    assert heard.items.count(5000) == 16_000
+    assert max(grown[1:]) < 10  # of 20 MB each time; at first Zenoh makes its buffers
+    threading.Thread(target=opened.session.close, daemon=True).start()  # which waits for the other peer, too
+
+
+def test_a_wire_ends_although_a_peer_does_not_read(wire, stopped):
+    for _ in range(5000):
+        stopped.send(bytes(5000), 0)
+    parts = [wire.advertise(replace(COMMANDS, name=f"/a/{number}"), ignore) for number in range(100)]
+    for part in parts:
+        part.close()
+    wire.close()
