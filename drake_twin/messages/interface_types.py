@@ -49,7 +49,7 @@ def serialize(data: Any) -> bytes:
 
 
 def deserialize(name: str, data: bytes) -> Any:
-    """Return the message in CDR bytes that somebody else has made.
+    """Return the message in CDR bytes that another program has made.
 
     Raises:
         ValueError: If the type is unknown, or they are not the bytes of such a message.

@@ -75,7 +75,7 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
 
 
 def pose_of(pose: Any) -> tuple[tuple[float, float, float], tuple[float, float, float, float]]:
-    """Return position (m) and quaternion w, x, y, z of a message; the null quaternion is no rotation.
+    """Return position (m) and quaternion w, x, y, z of a message; the null quaternion rotates nothing.
 
     Raises:
         PoseError: If a number is not finite.

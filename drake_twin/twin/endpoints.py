@@ -17,7 +17,7 @@ class Endpoint:
         name: Its name.
         type: Its ROS type.
         node: The full name of the node that has it in ROS.
-        rate: The rate at which ROS would publish it (Hz); None where there is none.
+        rate: The rate at which ROS would publish it (Hz); None without one.
         latched: Whether it is published once, and late joiners get it, too.
         robot: The robot that it belongs to; empty for the twin's own.
         controller: The controller that it belongs to; empty without one.

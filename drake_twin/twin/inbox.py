@@ -68,7 +68,7 @@ class Inbox:
 
         Args:
             act: Does it, in the simulation's thread; it must not raise.
-            topic: The topic of a command; None for what is no command.
+            topic: The topic of a command; None if it is not a command.
             must_stay: Whether a later command does not make up for it, as for a stop.
             between_advances: Whether it does what a callback cannot do, such as a spawn.
             is_urgent: Whether it ends a `wait`.
@@ -104,7 +104,7 @@ class Inbox:
         self._do(lambda item: True)
 
     def _do(self, may_be_done: Callable[[_Request], bool]) -> None:
-        """Do what waits now, up to the first request that may not be done yet: the order of arrival stays."""
+        """Do the pending requests, up to the first request that may not be done yet: the order of arrival stays."""
         for _ in range(len(self._waiting)):
             with self._lock:
                 if not self._waiting or not may_be_done(self._waiting[0]):

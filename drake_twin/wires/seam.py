@@ -1,6 +1,6 @@
 """The seam between a twin and any number of wires: the only place that knows both.
 
-Out: a topic that somebody listens to is subscribed to; its messages are handed to a thread that serializes each once
+Out: a topic with listeners is subscribed to; its messages are handed to a thread that serializes each once
 and gives the same bytes to all wires. In: what a wire hears is decoded in the wire's thread, waits in the twin's inbox,
 and is done in the simulation's thread, by `Twin.publish` and the like, so that it is recorded.
 """
@@ -117,7 +117,7 @@ class Seam:
         self._look()
 
     def close(self) -> None:
-        """Send what waits, and end the wires."""
+        """Send the pending messages, and end the wires."""
         self._twin.inbox.looks.remove(self._look)
         self._twin.inbox.close()
         self._keep_topics(())
@@ -179,7 +179,7 @@ class Seam:
             self._follow(topic)
 
     def _follow(self, topic: _Topic) -> None:
-        """Subscribe to a topic that somebody listens to, and to no other."""
+        """Subscribe to a topic with listeners, and to no other."""
         is_heard = topic.is_of_twin and any(sender.is_heard for sender in topic.senders)
         if is_heard and topic.end is None:
             topic.end = self._twin.subscribe(topic.endpoint.name, partial(self._hand_over, topic))
