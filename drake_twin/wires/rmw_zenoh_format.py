@@ -5,6 +5,7 @@ Text and bytes only: nothing here opens a session. The upstream sources are ``li
 """
 
 import os
+import re
 import struct
 from dataclasses import dataclass
 
@@ -72,6 +73,11 @@ class Node:
     def _token(self, number: int, kind: str) -> str:
         numbers = f"{self.domain}/{self.session}/{self.number}/{number}"
         return f"@ros2_lv/{numbers}/{kind}/%/{_mangled(self.namespace)}/{_mangled(self.name)}"
+
+
+def is_name(name: str) -> bool:
+    """Tell whether a topic's or service's full name can be part of a key expression."""
+    return re.fullmatch(r"(/[^/*$?#%@\s]+)+", name) is not None
 
 
 def dds_type(ros_type: str) -> str:

@@ -19,10 +19,11 @@ from drake_twin.wires.rmw_zenoh_format import (
     attachment,
     domain_of_environment,
     gid,
+    is_name,
     read_attachment,
     topic_key,
 )
-from drake_twin.wires.wire import Reply, WireEndpoint
+from drake_twin.wires.wire import Closable, Reply, Sender, WireEndpoint
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
@@ -70,18 +71,24 @@ class ZenohWire:
         self._thread = threading.Thread(target=self._watch_listeners, name="drake_twin listeners", daemon=True)
         self._thread.start()
 
-    def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_Sender":
+    def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
         """Offer a topic; see `drake_twin.wires.wire.Wire`."""
+        if not _has_name(topic):
+            return _Nothing()
         sender = _Sender(self._session, self._graph, topic, listened, self._senders.remove)
         self._senders.append(sender)
         return sender
 
-    def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> "_Listener":
+    def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
         """Hear a topic; see `drake_twin.wires.wire.Wire`."""
+        if not _has_name(topic):
+            return _Nothing()
         return _Listener(self._session, self._graph, topic, heard)
 
-    def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> "_Server":
+    def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
         """Offer a service; see `drake_twin.wires.wire.Wire`."""
+        if not _has_name(service):
+            return _Nothing()
         return _Server(self._session, self._graph, service, answer)
 
     def close(self) -> None:
@@ -110,6 +117,26 @@ class ZenohWire:
         while not self._is_closed.wait(_PERIOD):
             for sender in tuple(self._senders):
                 sender.look()
+
+
+def _has_name(endpoint: WireEndpoint) -> bool:
+    """Tell whether an endpoint has a name that can be on the graph; log if not."""
+    if is_name(endpoint.name) and is_name(endpoint.node):
+        return True
+    _log.warning("%s of %s is not on the graph: it is not a name of ROS", endpoint.name, endpoint.node)
+    return False
+
+
+class _Nothing:
+    """Stands for what is not on the graph."""
+
+    is_heard = False
+
+    def send(self, data: bytes, at: int) -> None:
+        """Send nothing."""
+
+    def close(self) -> None:
+        """Nothing is to be ended."""
 
 
 class _Graph:

@@ -247,6 +247,22 @@ def test_joining_and_leaving_fifty_times_leaves_nothing(wire, port):
     assert threading.active_count() <= before + 2  # Zenoh's own threads, which Python knows once they have called
 
 
+@pytest.mark.parametrize("name", ["/a//b", "/a*", "/a b", "a", "", "/a$*", "/a/", "/50%", "/@x"])
+def test_names_that_cannot_be_on_the_graph_are_left_out_and_logged(wire, other, caplog, name):
+    for part in (
+        wire.advertise(replace(JOINT_STATES, name=name), ignore),
+        wire.listen(replace(COMMANDS, node=name), ignore),
+        wire.serve(replace(SERVICE, name=name), ignore),
+    ):
+        part.close()
+    wire.advertise(replace(DESCRIPTION, name=name), ignore).send(b"", 0)
+    assert tokens(other) == []
+    assert caplog.records[0].getMessage() == (
+        f"{name} of {JOINT_STATES.node} is not on the graph: it is not a name of ROS"
+    )
+    assert len(caplog.records) == 4
+
+
 def test_domains_do_not_hear_each_other(wire, port):
     other = ZenohWire(domain=8, port=port)
     try:
