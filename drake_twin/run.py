@@ -8,6 +8,7 @@ if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends i
 import argparse
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ from drake_twin.cli.plugins import load_plugins
 from drake_twin.cli.program_page import ProgramPage
 from drake_twin.cli.rebuilt_twin import rebuilt_twin
 from drake_twin.cli.results import save_results
+from drake_twin.cli.ros_graph import RosGraph, ros_graph
 from drake_twin.cli.status_line import StatusLine
 from drake_twin.cli.target import Target, build_twin, find_target
 from drake_twin.cli.watched_files import Stamp, Watch, files_read
@@ -56,6 +58,12 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     if options.show_args:
         say(launch_arguments(options))
         return 0
+    with ExitStack() as stack:
+        return _run_target(options, stopped, stack)
+
+
+def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: ExitStack) -> int:
+    """Build what is to be run, and run it; what has to be ended goes onto the stack."""
     with files_read() as files, collecting_later(), build_line(stopped):
         target = find_target(options)
         if options.show_scenario:
@@ -63,6 +71,8 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
             return 0
         has_page = not (options.headless or options.graphviz or options.end_with_recording)
         page = ProgramPage(options) if has_page else None  # before the twin, for a port may be taken
+        runs = not (options.graphviz or options.end_with_recording)
+        graph = stack.enter_context(ros_graph(options)) if runs else None
         twin = build_twin(target)
     if options.graphviz is not None:
         _draw_diagram(twin, options.graphviz)
@@ -75,7 +85,7 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
     if options.record is not None:
         twin.record()
     with html_file(twin, None if page is None else page.scene, options.save_html), Observers(options, stopped) as seen:
-        run = _Run(twin, target, files, page, seen, options, stopped)
+        run = _Run(twin, target, files, (page, graph), seen, options, stopped)
         if not options.end_with_recording:
             run.run()
         failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
@@ -116,7 +126,7 @@ class _Run:
         twin: "Twin",
         target: Target,
         files: dict[Path, Stamp],
-        page: ProgramPage | None,
+        shown_on: tuple[ProgramPage | None, RosGraph | None],
         observers: Observers,
         options: argparse.Namespace,
         stopped: Sequence[int],
@@ -125,7 +135,7 @@ class _Run:
         self.simulated = self.wall_time = 0.0
         self.failure: RunError | None = None
         self._target = target
-        self._page = page
+        self._page, self._graph = shown_on
         self._observers = observers
         self._options = options
         self._stopped = stopped
@@ -153,6 +163,8 @@ class _Run:
             (lambda: None) if self._page is None else self._page.show(twin, self._target)
         )
         observe = self._observers.observe(twin)
+        if self._graph is not None:
+            self._graph.connect(twin)
 
         def each_frame() -> bool:
             process_requests()
@@ -164,7 +176,8 @@ class _Run:
             twin.run(
                 None if options.duration is None else twin.time + options.duration,
                 each_frame=each_frame,
-                as_fast_as_possible=self._page is None and options.viewer is None and options.real_time_rate is None,
+                as_fast_as_possible=options.real_time_rate is None
+                and (self._page, self._graph, options.viewer) == (None, None, None),
             )
         finally:
             status.end()

@@ -21,6 +21,8 @@ ROOMS = [
     ["builder"],
     ["cockpit"],
     ["shared_viewer"],
+    ["services"],
+    ["wires"],
     ["twin"],
     ["diagram"],
     ["planning"],

@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 from drake_twin.cli.plugins import add_plugin
+from drake_twin.cli.ros_options import add_ros, check_ros
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_strict, add_version
 from drake_twin.scenario import LONGEST_TIME
@@ -44,6 +45,7 @@ def parser() -> ArgumentParser:
     _add_time(parser.add_argument_group("time"))
     _add_sensors(parser.add_argument_group("sensors"))
     _add_page(parser.add_argument_group("page"))
+    add_ros(parser.add_argument_group("ROS 2"))
     _add_launch_files(parser.add_argument_group("launch files"))
     _add_state(parser.add_argument_group("state"))
     _add_output(parser.add_argument_group("output"))
@@ -168,6 +170,7 @@ def check(options: argparse.Namespace) -> None:
         if file is not None and not _is_writable(file):
             raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
     _check_viewer(options)
+    check_ros(options)
     if options.save_html is not None and options.watch:
         raise InputError("--save-html records one run: it cannot be combined with --watch")
     if options.end_with_recording and (options.replay is None or options.duration is not None):

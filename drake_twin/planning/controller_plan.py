@@ -49,6 +49,7 @@ class ControllerPlan:
         wiring: The topics of a Gazebo plugin's controller; None for a controller of ros2_control.
         fallbacks: The controllers that replace it when it fails.
         exported: The names of the state interfaces that it exports, without its own as prefix.
+        ros_parameters: Its parameters as its files give them, by their names in ROS.
     """
 
     name: str
@@ -63,6 +64,7 @@ class ControllerPlan:
     wiring: Wiring | None = None
     fallbacks: tuple[str, ...] = ()
     exported: tuple[str, ...] = ()
+    ros_parameters: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def reference_interfaces(self) -> tuple[Interface, ...]:

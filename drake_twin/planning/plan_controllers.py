@@ -230,7 +230,11 @@ def _plan(
     if controller.name in fallbacks:
         raise controller.error("a controller cannot be its own fallback", "fallback_controllers")
     plan = ControllerPlan(
-        controller.name, controller.type, update_rate=float(rate) or manager_rate, fallbacks=fallbacks
+        controller.name,
+        controller.type,
+        update_rate=float(rate) or manager_rate,
+        fallbacks=fallbacks,
+        ros_parameters=controller.parameters,
     )
     kind = controller_class(controller.type)
     if kind is None:

@@ -14,7 +14,7 @@ from pydrake.geometry import Meshcat
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.multibody.tree import QuaternionFloatingJoint
-from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Simulator, SimulatorConfig, SimulatorStatus
+from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Simulator, SimulatorConfig
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
@@ -137,14 +137,14 @@ class Physics:
         except (RuntimeError, SystemExit) as error:
             raise RunError(f"the simulation cannot start: {' '.join(str(error).split())}") from error
 
-    def advance_to(self, time: float) -> SimulatorStatus:
-        """Advance to a time (s), with the updates of controllers that have become active."""
-        new = [item for item, _ in self._keepers if item.has_new_event]
-        if new:
+    def meet_new_events(self) -> None:
+        """Let the simulator know the updates of controllers that have become active."""
+        is_new = False
+        for item, _ in self._keepers:
+            if item.has_new_event:
+                is_new, item.has_new_event = True, False
+        if is_new:
             self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
-            for item in new:
-                item.has_new_event = False
-        return self.simulator.AdvanceTo(time)
 
     def moment(self) -> Moment:
         """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""

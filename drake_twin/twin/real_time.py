@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
 
 _FRAME = 1 / 30  # s of wall time between two frames
+_SLICES = 7  # of a frame while other threads use the inbox: none longer than 5 ms
 _MOST_STEPS_A_FRAME = 10_000
 _MOST_BEHIND = 0.25  # s of wall time that is caught up after the processor was busy elsewhere, as with a browser
 _SLICE = 0.01  # s of simulation time between two looks at the wall clock in a run that never waits
@@ -27,10 +28,12 @@ class Frames:
         callbacks: Functions that `Twin.run` calls each frame, before ``each_frame``, and once more when it ends. They
             are called between steps, so that they may do anything but advance the twin.
         are_running: Whether `Twin.run` is executing.
+        lockstep: Whether time advances only by requests of steps: `Twin.run` pauses the twin at each frame.
     """
 
     callbacks: list[Callable[[], object]] = field(default_factory=list)
     are_running: bool = False
+    lockstep: bool = False
 
 
 def run_in_real_time(
@@ -54,18 +57,34 @@ def _run(
         if as_fast_as_possible and not twin.paused:
             _advance_for(twin, _FRAME, until)
             continue
-        if not twin.paused:
-            owed += _FRAME * twin.real_time_rate
-            steps = min(floor(owed / twin.time_step + 1e-9), _MOST_STEPS_A_FRAME)
-            owed = min(owed - steps * twin.time_step, twin.time_step)
-            _advance_by(twin, steps, until)
-        frame_start = max(frame_start + _FRAME, wall_clock.perf_counter() - _MOST_BEHIND)
-        wall_clock.sleep(max(0.0, frame_start - wall_clock.perf_counter()))
+        slices = _SLICES if twin.inbox.is_open else 1
+        for _ in range(slices):
+            if not twin.paused:
+                owed += _FRAME / slices * twin.real_time_rate
+                steps = min(floor(owed / twin.time_step + 1e-9), _MOST_STEPS_A_FRAME)
+                owed = min(owed - steps * twin.time_step, twin.time_step)
+                _advance_by(twin, steps, until)
+            if twin.inbox.is_open:
+                twin.inbox.work()
+            frame_start = max(frame_start + _FRAME / slices, wall_clock.perf_counter() - _MOST_BEHIND)
+            _wait_until(twin, frame_start)
     twin.draw()
+
+
+def _wait_until(twin: "Twin", wall_time: float) -> None:
+    """Wait; a twin that is paused does requests as they arrive, so that stepping it from outside takes no frame."""
+    while (left := wall_time - wall_clock.perf_counter()) > 0:
+        if twin.paused and twin.inbox.is_open:
+            twin.inbox.wait(left)
+            twin.inbox.work()
+        else:
+            wall_clock.sleep(left)
 
 
 def _begin_frame(twin: "Twin", until: float | None, each_frame: Callable[[], bool | None]) -> bool:
     """Call what each frame calls; return whether the run continues."""
+    if twin.frames.lockstep:
+        twin.pause()
     for callback in tuple(twin.frames.callbacks):
         callback()
     if _is_over(twin, until):

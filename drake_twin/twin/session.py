@@ -55,6 +55,7 @@ class Session:
 
     Attributes:
         scenario: The scenario.
+        first_robots: The names of the robots at the start.
         clock: The time.
         physics: The diagram, its simulator and the state of its plant.
         built: The diagram's parts.
@@ -76,6 +77,7 @@ class Session:
     ):
         self._meshcat, self._extensions, self._note = meshcat, tuple(extensions), note
         self.scenario = scenario
+        self.first_robots = tuple(robot.name for robot in scenario.robots)
         self.clock = Clock(scenario.time_step)
         self.commands, self.wrenches, self.goals = Commands(), Wrenches(), Goals()
         self.controls: dict[str, RobotControl] = {}

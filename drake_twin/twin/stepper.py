@@ -13,6 +13,7 @@ from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import CENIC
 from drake_twin.twin.entities import Wrench
 from drake_twin.twin.failure import failure, is_possible
+from drake_twin.twin.inbox import PERIOD, Inbox
 from drake_twin.twin.physics import Moment
 from drake_twin.twin.schedule import ScheduledCommand, step_at
 from drake_twin.twin.session import Session
@@ -30,13 +31,15 @@ class Stepper:
     Args:
         session: The session.
         publish: Publishes a scheduled command as if a user had published it.
+        inbox: What other threads ask of the twin.
 
     Attributes:
         paused: Whether time stands still.
     """
 
-    def __init__(self, session: Session, publish: Callable[[str, Any], None]):
+    def __init__(self, session: Session, publish: Callable[[str, Any], None], inbox: Inbox):
         self._session = session
+        self._inbox = inbox
         self._publish = publish
         self._thread: int | None = None
         self.paused = False
@@ -78,6 +81,10 @@ class Stepper:
             while clock.step < target and not self.paused:
                 if session.subscriptions.due_step <= clock.step:
                     session.subscriptions.deliver(clock.step)
+                    if self.paused:
+                        break
+                if self._inbox.is_waiting and self._inbox.is_open:
+                    self._inbox.look()
                     if self.paused:
                         break
                 if clock.next_time_step is not None and self.change_time_step():
@@ -139,8 +146,17 @@ class Stepper:
 
     def _advance_simulator(self, step: int) -> bool:
         """Advance to a step, or to the first one at which a controller ends the advance; return whether one did."""
-        physics = self._session.physics
-        status = physics.advance_to(physics.time_of(step))
+        physics, clock = self._session.physics, self._session.clock
+        physics.meet_new_events()
+        status = None
+        if self._inbox.is_open:  # a look into it costs less than a stop
+            period = clock.steps(PERIOD)
+            for look in range((clock.step // period + 1) * period, step, period):
+                status = physics.simulator.AdvanceTo(physics.time_of(look))
+                if self._inbox.is_waiting or status.reason() == _TERMINATED:
+                    break
+                status = None
+        status = status or physics.simulator.AdvanceTo(physics.time_of(step))
         noticed = bool(status.reason() == _TERMINATED)
         if noticed:
             self._finish_step()

@@ -25,7 +25,9 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.endpoints import Endpoint, endpoints_of
 from drake_twin.twin.entities import EntityState, entity_state, make_wrench, set_entity_state, set_joint_positions
+from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.real_time import Frames, run_in_real_time
 from drake_twin.twin.recording import Recorder, Recording, recorded
 from drake_twin.twin.schedule import meeting_step
@@ -71,6 +73,7 @@ class Twin:
 
     Attributes:
         recorder: Takes note of what is done to the twin, once `record` has been called.
+        inbox: What other threads ask of the twin.
 
     Raises:
         InputError: If a file or a value of the scenario cannot be used.
@@ -87,7 +90,9 @@ class Twin:
         self._session = Session(scenario, meshcat, plans, extensions, self.recorder.note)
         self._topics = Topics(self._session)
         self._session.subscriptions.latest = self._topics.latest_or_none
-        self._stepper = Stepper(self._session, self._topics.publish)
+        self.inbox = Inbox()
+        self._stepper = Stepper(self._session, self._topics.publish, self.inbox)
+        self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
         self._real_time_rate = 1.0
         self._session.check_commands(self._topics.check)
 
@@ -158,6 +163,11 @@ class Twin:
     def robots(self) -> tuple[str, ...]:
         """The robots' names."""
         return self._session.robots
+
+    @property
+    def first_robots(self) -> tuple[str, ...]:
+        """The names of the robots that the twin started with; the others have been spawned since."""
+        return self._session.first_robots
 
     @property
     def plans(self) -> tuple[RobotPlan, ...]:
@@ -352,6 +362,18 @@ class Twin:
         """Return topic → ROS message type: what the twin publishes, then what it listens to."""
         return self._topics.types()
 
+    @property
+    def endpoints(self) -> tuple[Endpoint, ...]:
+        """The topics out and in and the actions, each with its node, robot and controller.
+
+        The same tuple is returned until a spawn, a delete or a restored state changes them.
+        """
+        diagram, known = self._endpoints
+        if diagram is not self.diagram:
+            new = endpoints_of(self._session.built)
+            self._endpoints = self.diagram, known if new == known else new
+        return self._endpoints[1]
+
     def actions(self) -> dict[str, str]:
         """Return action → ROS action type."""
         return {action: item.type for action, item in self._session.built.actions.items()}
@@ -530,6 +552,8 @@ class Twin:
             InputError: If the time is not a finite number, or lies in the past.
             RunError: If a step fails; the twin is in the state before that step then.
         """
+        if self.inbox.is_open and not self._stepper.is_advancing:
+            self.inbox.work()
         target = self._session.clock.step_at(time)
         if target < self.step_count:
             raise InputError(f"{time:g} s lies in the past: the twin is at {self.time:g} s. Use reset() to start again")

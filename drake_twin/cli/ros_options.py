@@ -1,0 +1,43 @@
+"""The options that put a twin on the ROS 2 graph."""
+
+import argparse
+
+from drake_twin.errors import InputError
+
+WIRES = ("zenoh",)
+_PORT = 7447
+
+
+def add_ros(group: argparse._ArgumentGroup) -> None:
+    """Add the options."""
+    group.add_argument("--ros", choices=WIRES, metavar="NAME", help="put the twin on the ROS 2 graph, over zenoh")
+    group.add_argument(
+        "--ros-host",
+        metavar="ADDRESS",
+        help="the address to be a Zenoh router on, where none runs on this machine (default: 127.0.0.1)",
+    )
+    group.add_argument("--ros-port", type=int, metavar="PORT", help=f"the router's port (default: {_PORT})")
+    group.add_argument("--ros-router", metavar="HOST", help="connect to the Zenoh router on HOST or HOST:PORT")
+    group.add_argument(
+        "--lockstep", action="store_true", help="advance only when the services StepSimulation or SimulateSteps say so"
+    )
+
+
+def check_ros(options: argparse.Namespace) -> None:
+    """Check the options.
+
+    Raises:
+        InputError: If a value is invalid, an option needs another one, or ``ROS_DOMAIN_ID`` is not a domain.
+    """
+    if options.ros is None:
+        for name in ("ros_host", "ros_port", "ros_router", "lockstep"):
+            if getattr(options, name):
+                raise InputError(f"--{name.replace('_', '-')} is about the ROS 2 graph: it needs --ros zenoh")
+        return
+    if options.ros_port is not None and not 1024 <= options.ros_port <= 65535:
+        raise InputError(f"--ros-port {options.ros_port}: the router's port must be from 1024 to 65535")
+    if options.ros_router is not None and options.ros_host is not None:
+        raise InputError("--ros-router connects to a router, and --ros-host makes the twin one: give one of them")
+    from drake_twin.wires.rmw_zenoh_format import domain_of_environment
+
+    domain_of_environment()

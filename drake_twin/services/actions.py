@@ -1,0 +1,183 @@
+"""Actions as ROS 2 has them on the graph: three services, feedback and a status for each action."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from typing import Any, Protocol
+
+from drake_twin.errors import TwinError
+from drake_twin.messages import time_message
+from drake_twin.services.registry import SIMULATION_NODE, Fields, Later, Service
+from drake_twin.services.running import StepsGoal, refused
+from drake_twin.twin.endpoints import PUBLISHED, Endpoint
+from drake_twin.twin.twin import Twin
+
+# action_msgs/msg/GoalStatus
+_UNKNOWN, _CANCELING = 0, 3
+_STATUSES = {"accepted": 1, "executing": 2, "succeeded": 4, "canceled": 5, "aborted": 6}
+_ACCEPTED_CANCEL, _REJECTED_CANCEL, _UNKNOWN_GOAL, _ENDED_GOAL = range(4)  # action_msgs/srv/CancelGoal
+_MOST_ENDED = 50  # goals whose results are kept
+_FEEDBACK_PERIOD = 0.05  # s of simulation time; action_monitor_rate is 20 Hz by default
+_ALL_GOALS = bytes(16)
+
+
+class Goal(Protocol):
+    """A goal that has been accepted, such as `drake_twin.twin.action.ActionGoal`."""
+
+    @property
+    def status(self) -> str:
+        """``accepted``, ``executing``, ``succeeded``, ``aborted`` or ``canceled``."""
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the goal has ended."""
+
+    @property
+    def result(self) -> Any:
+        """The result message; None before the goal ends."""
+
+    @property
+    def feedback(self) -> Any:
+        """The feedback message; None after the goal has ended."""
+
+    def cancel(self) -> None:
+        """Cancel the goal."""
+
+
+@dataclass(frozen=True)
+class _Known:
+    goal: Goal
+    stamp: Any
+
+
+class ActionServer:
+    """An action of the twin.
+
+    Args:
+        name: The action's full name.
+        type: Its ROS type.
+        node: The full name of its node.
+        start: Starts a goal; raises a `TwinError` if it is rejected.
+        time: Returns the simulation time (s).
+        proceed: Continues a running goal, each time that `news` is asked for.
+
+    Attributes:
+        feedback_topic: The topic of the feedback.
+        status_topic: The topic of the goals' statuses.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        type: str,
+        node: str,
+        start: Callable[[Any], Any],
+        time: Callable[[], float],
+        proceed: Callable[[Any], None] = lambda goal: None,
+    ):
+        self.name, self.node = name, node
+        self.feedback_topic = Endpoint(PUBLISHED, f"{name}/_action/feedback", f"{type}_FeedbackMessage", node)
+        self.status_topic = Endpoint(
+            PUBLISHED, f"{name}/_action/status", "action_msgs/msg/GoalStatusArray", node, latched=True
+        )
+        self._type, self._start, self._time, self._proceed = type, start, time, proceed
+        self._goals: dict[bytes, _Known] = {}
+        self._last_statuses: list[Fields] = []
+        self._next_feedback = 0.0
+
+    def services(self) -> Iterator[Service]:
+        """Yield the action's services."""
+        for name, kind, answer in (
+            ("send_goal", f"{self._type}_SendGoal", self._send_goal),
+            ("cancel_goal", "action_msgs/srv/CancelGoal", self._cancel_goal),
+            ("get_result", f"{self._type}_GetResult", self._get_result),
+        ):
+            yield Service(f"{self.name}/_action/{name}", kind, self.node, answer)
+
+    def news(self) -> Iterator[tuple[str, Fields]]:
+        """Yield the messages that are due: the statuses when they have changed, and feedback at 20 Hz."""
+        if not self._goals:
+            return
+        for known in self._goals.values():
+            self._proceed(known.goal)
+        statuses: list[Fields] = [
+            {"goal_info": _info(key, known), "status": _STATUSES[known.goal.status]}
+            for key, known in self._goals.items()
+        ]
+        if statuses != self._last_statuses:
+            self._last_statuses = statuses
+            yield self.status_topic.name, {"status_list": statuses}
+        now = self._time()
+        if not self._next_feedback - _FEEDBACK_PERIOD <= now < self._next_feedback:  # it is earlier after a reset
+            self._next_feedback = now + _FEEDBACK_PERIOD
+            for key, known in self._goals.items():
+                if not known.goal.is_done and (feedback := known.goal.feedback) is not None:
+                    yield self.feedback_topic.name, {"goal_id": _uuid(key), "feedback": feedback}
+
+    def _send_goal(self, request: Any) -> Fields:
+        key, stamp = bytes(request.goal_id.uuid), time_message(self._time())
+        if key in self._goals:
+            return {**refused(self.name, "a goal of this id is known already", "accepted"), "stamp": stamp}
+        try:
+            self._goals[key] = _Known(self._start(request.goal), stamp)
+        except TwinError as error:
+            return {**refused(self.name, error, "accepted"), "stamp": stamp}
+        ended = [key for key, known in self._goals.items() if known.goal.is_done]
+        for old in islice(ended, max(0, len(ended) - _MOST_ENDED)):
+            del self._goals[old]
+        return {"accepted": True, "stamp": stamp}
+
+    def _get_result(self, request: Any) -> Later:
+        known = self._goals.get(bytes(request.goal_id.uuid))
+        if known is None:
+            return {"status": _UNKNOWN}
+        while not known.goal.is_done:
+            yield
+        result = known.goal.result
+        return {"status": _STATUSES[known.goal.status], **({} if result is None else {"result": result})}
+
+    def _cancel_goal(self, request: Any) -> Fields:
+        """Cancel a goal, or with its zero those accepted until a time, or with both zero all."""
+        wanted, until = bytes(request.goal_info.goal_id.uuid), _nanoseconds(request.goal_info.stamp)
+        if wanted != _ALL_GOALS and wanted not in self._goals and not until:
+            return {"return_code": _UNKNOWN_GOAL}
+        chosen = {
+            key: known
+            for key, known in self._goals.items()
+            if key == wanted or (until and _nanoseconds(known.stamp) <= until) or (wanted == _ALL_GOALS and not until)
+        }
+        running = {key: known for key, known in chosen.items() if not known.goal.is_done}
+        if wanted in chosen and not running:
+            return {"return_code": _ENDED_GOAL}
+        for known in running.values():
+            known.goal.cancel()
+        return {
+            "return_code": _ACCEPTED_CANCEL if running or wanted == _ALL_GOALS else _REJECTED_CANCEL,
+            "goals_canceling": [_info(key, known) for key, known in running.items()],
+        }
+
+
+def action_servers(twin: Twin) -> Iterator[ActionServer]:
+    """Yield the actions of a twin: its robots' controllers', and ``simulate_steps``."""
+
+    def time() -> float:
+        return twin.time
+
+    for action, kind in twin.actions().items():
+        yield ActionServer(action, kind, action.rpartition("/")[0], partial(twin.send_goal, action), time)
+    steps = f"{SIMULATION_NODE}/simulate_steps"
+    kind = "simulation_interfaces/action/SimulateSteps"
+    yield ActionServer(steps, kind, SIMULATION_NODE, lambda goal: StepsGoal(twin, goal.steps), time, StepsGoal.proceed)
+
+
+def _uuid(key: bytes) -> Fields:
+    return {"uuid": list(key)}
+
+
+def _info(key: bytes, known: _Known) -> Fields:
+    return {"goal_id": _uuid(key), "stamp": known.stamp}
+
+
+def _nanoseconds(stamp: Any) -> int:
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)

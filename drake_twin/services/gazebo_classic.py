@@ -1,0 +1,89 @@
+"""The services of Gazebo classic's ROS 2 plugins (``gazebo_ros_factory``, ``_state``, ``_init``)."""
+
+from collections.abc import Callable
+from typing import Any
+
+from drake_twin.errors import TwinError
+from drake_twin.messages import header
+from drake_twin.services import entities
+from drake_twin.services.registry import Fields, twin_service
+from drake_twin.services.running import pause, play, refused, reset
+from drake_twin.twin.twin import Twin
+
+_NODE = "/gazebo"
+
+
+@twin_service("gazebo_msgs/srv/SpawnEntity", "/spawn_entity", _NODE, between_advances=True)
+def _spawn_entity(twin: Twin, request: Any) -> Fields:
+    return _status(lambda: _spawn(twin, request))
+
+
+def _spawn(twin: Twin, request: Any) -> str:
+    frame, pose = request.reference_frame, request.initial_pose
+    entities.spawn(twin, request.name, text=request.xml, namespace=request.robot_namespace, pose=pose, frame=frame)
+    return f"SpawnEntity: Successfully spawned entity [{request.name}]"
+
+
+@twin_service("gazebo_msgs/srv/DeleteEntity", "/delete_entity", _NODE, between_advances=True)
+def _delete_entity(twin: Twin, request: Any) -> Fields:
+    return _status(lambda: _delete(twin, request.name))
+
+
+def _delete(twin: Twin, name: str) -> str:
+    twin.delete(name)
+    return f"Successfully deleted entity [{name}]"
+
+
+def _status(do: Callable[[], str]) -> Fields:
+    try:
+        return {"success": True, "status_message": do()}
+    except TwinError as error:
+        return {"success": False, "status_message": str(error)}
+
+
+@twin_service("gazebo_msgs/srv/GetModelList", "/get_model_list", _NODE)
+def _get_model_list(twin: Twin, request: Any) -> Fields:
+    return {"header": header(twin.time, "world"), "model_names": entities.entity_names(twin), "success": True}
+
+
+@twin_service("gazebo_msgs/srv/GetEntityState", "/get_entity_state", _NODE)
+@twin_service("gazebo_msgs/srv/GetEntityState", "/gazebo/get_entity_state", _NODE)
+def _get_entity_state(twin: Twin, request: Any) -> Fields:
+    try:
+        pose, twist = entities.state_fields(twin, request.name, request.reference_frame)
+    except TwinError as error:
+        return refused("get_entity_state", error, "success")
+    state = {"name": request.name, "pose": pose, "twist": twist, "reference_frame": request.reference_frame}
+    return {"header": header(twin.time, request.reference_frame or "world"), "state": state, "success": True}
+
+
+@twin_service("gazebo_msgs/srv/SetEntityState", "/set_entity_state", _NODE)
+@twin_service("gazebo_msgs/srv/SetEntityState", "/gazebo/set_entity_state", _NODE)
+def _set_entity_state(twin: Twin, request: Any) -> Fields:
+    state = request.state
+    try:
+        entities.set_state(twin, state.name, pose=state.pose, twist=state.twist, reference=state.reference_frame)
+    except TwinError as error:
+        return refused("set_entity_state", error, "success")
+    return {"success": True}
+
+
+@twin_service("std_srvs/srv/Empty", "/pause_physics", _NODE)
+def _pause(twin: Twin, request: Any) -> Fields:
+    pause(twin)
+    return {}
+
+
+@twin_service("std_srvs/srv/Empty", "/unpause_physics", _NODE, between_advances=True)
+def _unpause(twin: Twin, request: Any) -> Fields:
+    try:
+        play(twin)
+    except TwinError as error:
+        return refused("unpause_physics", error)
+    return {}
+
+
+@twin_service("std_srvs/srv/Empty", "/reset_simulation", _NODE, between_advances=True)
+def _reset(twin: Twin, request: Any) -> Fields:
+    reset(twin)
+    return {}

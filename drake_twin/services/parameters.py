@@ -1,0 +1,138 @@
+"""The parameter services of the nodes on the graph, as in ``rcl_interfaces``.
+
+The nodes are each robot's ``robot_state_publisher``, its ``controller_manager`` and its loaded controllers. Their
+parameters are those that the robot's files give; they do not change while the twin runs.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.services.registry import Fields, Service
+from drake_twin.twin.twin import Twin
+
+_NOT_SET = 0
+_TYPES = {bool: 1, int: 2, float: 3, str: 4}  # rcl_interfaces/msg/ParameterType
+_ARRAY_TYPES = {bool: 6, int: 7, float: 8, str: 9}
+_FIELDS = {
+    1: "bool_value",
+    2: "integer_value",
+    3: "double_value",
+    4: "string_value",
+    5: "byte_array_value",
+    6: "bool_array_value",
+    7: "integer_array_value",
+    8: "double_array_value",
+    9: "string_array_value",
+}
+
+Parameters = Mapping[str, Any]
+_Answer = Callable[[Parameters, Any], Fields]
+
+
+def parameter_services(twin: Twin) -> Iterator[Service]:
+    """Yield the parameter services of all nodes of the robots."""
+    for plan in twin.plans:
+        for node, parameters in _nodes(twin, plan):
+            for name, (kind, answer) in _ANSWERS.items():
+                yield Service(f"{node}/{name}", f"rcl_interfaces/srv/{kind}", node, partial(answer, parameters))
+
+
+def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[tuple[str, Parameters]]:
+    """Yield the full names of a robot's nodes with their parameters."""
+    namespace, clock = plan.robot.topic_namespace, {"use_sim_time": True}
+    description = {"robot_description": plan.description.text, "frame_prefix": plan.frame_prefix}
+    yield f"{namespace}/robot_state_publisher", clock | description
+    types = {f"{item.name}.type": item.type for item in plan.controllers}
+    yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.update_rate)} | types
+    loaded = twin.controller_manager(plan.name).states
+    for controller in plan.controllers:
+        if controller.name in loaded:
+            yield f"{namespace}/{controller.name}", clock | dict(_flat(controller.ros_parameters))
+
+
+def _flat(parameters: Mapping[Any, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield parameters by their names in ROS: those in a nested mapping have the names above, with dots."""
+    for name, value in parameters.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value
+
+
+def _get_parameters(parameters: Parameters, request: Any) -> Fields:
+    return {"values": [_value(parameters.get(name)) for name in request.names]}
+
+
+def _get_parameter_types(parameters: Parameters, request: Any) -> Fields:
+    return {"types": [_type(parameters.get(name)) for name in request.names]}
+
+
+def _describe_parameters(parameters: Parameters, request: Any) -> Fields:
+    return {
+        "descriptors": [
+            {"name": name, "type": _type(parameters.get(name)), "read_only": name in parameters}
+            for name in request.names
+        ]
+    }
+
+
+def _list_parameters(parameters: Parameters, request: Any) -> Fields:
+    """List the parameters below prefixes, at most ``depth`` names deep; 0 is ``DEPTH_RECURSIVE``."""
+
+    def is_listed(name: str, above: str) -> bool:
+        below = name.removeprefix(f"{above}.") if above else name
+        return (not above or name == above or below != name) and (
+            request.depth == 0 or below.count(".") < request.depth
+        )
+
+    names = [name for name in parameters if any(is_listed(name, above) for above in request.prefixes or [""])]
+    prefixes = dict.fromkeys(name.rpartition(".")[0] for name in names if "." in name)
+    return {"result": {"names": names, "prefixes": [*prefixes]}}
+
+
+def _set_parameters(parameters: Parameters, request: Any) -> Fields:
+    return {"results": [_set(parameters, item) for item in request.parameters]}
+
+
+def _set_parameters_atomically(parameters: Parameters, request: Any) -> Fields:
+    results = [_set(parameters, item) for item in request.parameters]
+    return {"result": next((item for item in results if not item["successful"]), {"successful": True, "reason": ""})}
+
+
+def _set(parameters: Parameters, item: Any) -> Fields:
+    """Return whether a parameter has the value already, for it cannot be changed."""
+    field = _FIELDS.get(item.value.type)
+    wanted = None if field is None else getattr(item.value, field)
+    if isinstance(wanted, np.ndarray):
+        wanted = wanted.tolist()
+    is_same = item.name in parameters and _value(parameters[item.name]) == _value(wanted)
+    reason = f"parameter {item.name!r} cannot be changed while the twin runs: the robot's files give it"
+    return {"successful": is_same, "reason": "" if is_same else reason}
+
+
+def _type(value: Any) -> int:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        kinds = {type(item) for item in value}
+        kind = float if kinds == {int, float} else kinds.pop() if len(kinds) == 1 else None
+        return _ARRAY_TYPES.get(kind, _NOT_SET) if kind is not None else _NOT_SET
+    return _TYPES.get(type(value), _NOT_SET)
+
+
+def _value(value: Any) -> Fields:
+    """Return the fields of a ``ParameterValue``; of type 0 for what ROS has no type for."""
+    kind = _type(value)
+    return {"type": kind} if kind == _NOT_SET else {"type": kind, _FIELDS[kind]: value}
+
+
+_ANSWERS: dict[str, tuple[str, _Answer]] = {
+    "get_parameters": ("GetParameters", _get_parameters),
+    "get_parameter_types": ("GetParameterTypes", _get_parameter_types),
+    "describe_parameters": ("DescribeParameters", _describe_parameters),
+    "list_parameters": ("ListParameters", _list_parameters),
+    "set_parameters": ("SetParameters", _set_parameters),
+    "set_parameters_atomically": ("SetParametersAtomically", _set_parameters_atomically),
+}

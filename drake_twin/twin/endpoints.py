@@ -1,0 +1,60 @@
+"""What a twin offers to the world outside: topics out and in, and actions."""
+
+from dataclasses import dataclass
+
+from drake_twin.diagram.topics import CommandTopic, PublishedTopic
+from drake_twin.diagram.twin_diagram import TwinDiagram
+
+PUBLISHED, COMMANDED, ACTION = "published", "commanded", "action"
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A topic or an action.
+
+    Attributes:
+        kind: ``published``, ``commanded`` (a topic that controllers listen to) or ``action``.
+        name: Its name.
+        type: Its ROS type.
+        node: The full name of the node that has it in ROS.
+        rate: The rate at which ROS would publish it (Hz); None without one.
+        latched: Whether it is published once, and late joiners get it, too.
+        robot: The robot that it belongs to; empty for the twin's own.
+        controller: The controller that it belongs to; empty without one.
+    """
+
+    kind: str
+    name: str
+    type: str
+    node: str
+    rate: float | None = None
+    latched: bool = False
+    robot: str = ""
+    controller: str = ""
+
+
+def endpoints_of(built: TwinDiagram) -> tuple[Endpoint, ...]:
+    """Return the endpoints of a diagram; a topic of several robots is one, of the first of them."""
+    namespaces = {plan.name: plan.robot.topic_namespace for plan in built.plans}
+    found: dict[tuple[str, str], Endpoint] = {}
+
+    def add(kind: str, item: PublishedTopic | CommandTopic, **more: float | bool | None) -> None:
+        node = _node(item, namespaces.get(item.robot, ""))
+        endpoint = Endpoint(kind, item.topic, item.type, node, robot=item.robot, controller=item.controller, **more)  # type: ignore[arg-type]
+        found.setdefault((kind, item.topic), endpoint)
+
+    for published in built.published.values():
+        add(PUBLISHED, published, rate=published.rate, latched=published.rate is None)
+    for commanded in built.commanded.values():
+        add(COMMANDED, commanded)
+    for action in built.actions.values():
+        add(ACTION, action)
+    return tuple(found.values())
+
+
+def _node(item: PublishedTopic | CommandTopic, namespace: str) -> str:
+    """Return the node that a ROS user looks for."""
+    if item.controller:
+        return f"{namespace}/{item.controller}"
+    is_description = item.topic.endswith("robot_description") or item.topic in ("/tf", "/tf_static")
+    return f"{namespace}/robot_state_publisher" if is_description else "/drake_twin"

@@ -1,0 +1,129 @@
+"""What other threads ask of a twin: it waits here until the simulation's thread does it."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from threading import Event, Lock
+
+MOST = 1000  # requests that wait
+PERIOD = 0.005  # s of simulation time between two looks; each millisecond would cost half as much as the physics
+
+
+@dataclass(frozen=True)
+class _Request:
+    act: Callable[[], None]
+    topic: str | None
+    must_stay: bool
+    between_advances: bool
+
+
+class Inbox:
+    """Requests of other threads, done in the order of their arrival.
+
+    Each is done in the thread that advances the twin: at a step boundary, or, for what a callback cannot do, between
+    two advances. While nobody uses the inbox, nobody looks into it.
+
+    Attributes:
+        looks: Functions to call between two advances, before the requests.
+    """
+
+    def __init__(self) -> None:
+        self.looks: list[Callable[[], None]] = []
+        self._users = 0
+        self._waiting: deque[_Request] = deque()
+        self._lock = Lock()
+        self._arrived = Event()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether anybody uses the inbox."""
+        return self._users > 0
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a request waits."""
+        return bool(self._waiting)
+
+    def open(self) -> None:
+        """Use the inbox until `close`."""
+        self._users += 1
+
+    def close(self) -> None:
+        """End what `open` began."""
+        self._users -= 1
+
+    def put(
+        self,
+        act: Callable[[], None],
+        topic: str | None = None,
+        *,
+        must_stay: bool = False,
+        between_advances: bool = False,
+        is_urgent: bool = True,
+    ) -> bool:
+        """Put a request into the inbox, from any thread.
+
+        With `MOST` requests waiting, the oldest one of the same topic is dropped, but never one that must stay, and
+        never the newest of a topic.
+
+        Args:
+            act: Does it, in the simulation's thread; it must not raise.
+            topic: The topic of a command; None if it is not a command.
+            must_stay: Whether a later command does not make up for it, as for a stop.
+            between_advances: Whether it does what a callback cannot do, such as a spawn.
+            is_urgent: Whether it ends a `wait`.
+
+        Returns:
+            False if something was dropped: an older request, or, of no topic, this one.
+        """
+        request = _Request(act, topic, must_stay, between_advances)
+        with self._lock:
+            is_full = len(self._waiting) >= MOST
+            if is_full and topic is None:
+                return False
+            self._waiting.append(request)
+            if is_full and topic is not None:
+                self._drop_one(topic)
+        if is_urgent:
+            self._arrived.set()
+        return not is_full
+
+    def wait(self, timeout: float) -> None:
+        """Wait for a request that has not been waited for, at most for some wall time (s)."""
+        self._arrived.wait(timeout)
+        self._arrived.clear()
+
+    def look(self) -> None:
+        """Do what may be done at a step boundary."""
+        self._do(lambda item: not item.between_advances)
+
+    def work(self) -> None:
+        """Do all that waits, between two advances."""
+        for call in tuple(self.looks):
+            call()
+        self._do(lambda item: True)
+
+    def _do(self, may_be_done: Callable[[_Request], bool]) -> None:
+        """Do the pending requests, up to the first request that may not be done yet: the order of arrival stays."""
+        for _ in range(len(self._waiting)):
+            with self._lock:
+                if not self._waiting or not may_be_done(self._waiting[0]):
+                    return
+                request = self._waiting.popleft()
+            request.act()
+
+    def _drop_one(self, topic: str) -> None:
+        newest: set[str] = set()
+        of_topic: list[int] = []
+        of_others: list[int] = []
+        for index in reversed(range(len(self._waiting))):
+            item = self._waiting[index]
+            if item.topic is None:
+                continue
+            if item.topic in newest and not item.must_stay:
+                (of_topic if item.topic == topic else of_others).append(index)
+            newest.add(item.topic)
+        droppable = of_topic or of_others
+        if not droppable:  # all that wait must stay: the oldest of the topic says the same as a newer one
+            droppable = [index for index, item in enumerate(self._waiting) if item.topic == topic][:1]
+        del self._waiting[min(droppable)]

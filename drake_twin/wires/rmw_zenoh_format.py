@@ -1,0 +1,144 @@
+"""The format of rmw_zenoh for ROS 2 Jazzy: key expressions, liveliness tokens and attachments.
+
+Text and bytes only: nothing here opens a session. The upstream sources are ``liveliness_utils.cpp``,
+``attachment_helpers.cpp`` and ``qos.cpp`` in ``rmw_zenoh_cpp/src/detail``.
+"""
+
+import os
+import re
+import struct
+from dataclasses import dataclass
+
+from drake_twin.errors import InputError
+
+NO_HASH = "TypeHashNotSupported"  # what ROS 2 Humble writes, which has no type hashes
+NODE, PUBLISHER, SUBSCRIPTION, SERVICE = "NN", "MP", "MS", "SS"
+_LARGEST_DOMAIN = 232  # docs.ros.org, "The ROS_DOMAIN_ID": DDS has no ports for more
+_ATTACHMENT = struct.Struct("<qqB16s")
+
+
+@dataclass(frozen=True)
+class Qos:
+    """The quality of service that a token announces.
+
+    Attributes:
+        transient_local: Whether a late joiner gets the last messages.
+        depth: How many messages are kept.
+    """
+
+    transient_local: bool = False
+    depth: int = 10
+
+    def __str__(self) -> str:
+        # Reliable is 1, transient local 1, volatile 2, keep last 1 (rmw/types.h). They are written out: an empty field
+        # is rmw_zenoh's own default, which is not the same in all of its versions.
+        return f"1:{1 if self.transient_local else 2}:1,{self.depth}:,:,:,,"
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node on the graph.
+
+    Attributes:
+        domain: The ROS domain.
+        session: The id of the Zenoh session.
+        number: The node's number within the session.
+        name: Its name.
+        namespace: Its namespace with a leading slash; ``/`` for none.
+    """
+
+    domain: int
+    session: str
+    number: int
+    name: str
+    namespace: str = "/"
+
+    def token(self) -> str:
+        """Return the key expression of the node's liveliness token."""
+        return self._token(self.number, NODE)
+
+    def endpoint_token(self, number: int, kind: str, topic: str, ros_type: str, type_hash: str, qos: Qos) -> str:
+        """Return the key expression of an endpoint's liveliness token.
+
+        Args:
+            number: The endpoint's number within the session.
+            kind: `PUBLISHER`, `SUBSCRIPTION` or `SERVICE`.
+            topic: The topic's or service's name with a leading slash.
+            ros_type: Its type, for example ``std_msgs/msg/String``.
+            type_hash: ``RIHS01_…``, or `NO_HASH`.
+            qos: Its quality of service.
+        """
+        return "/".join((self._token(number, kind), _mangled(topic), dds_type(ros_type), type_hash, str(qos)))
+
+    def _token(self, number: int, kind: str) -> str:
+        numbers = f"{self.domain}/{self.session}/{self.number}/{number}"
+        return f"@ros2_lv/{numbers}/{kind}/%/{_mangled(self.namespace)}/{_mangled(self.name)}"
+
+
+def is_name(name: str) -> bool:
+    """Tell whether a topic's or service's full name can be part of a key expression."""
+    return re.fullmatch(r"(/[^/*$?#%@\s]+)+", name) is not None
+
+
+def dds_type(ros_type: str) -> str:
+    """Return the name that DDS has for a type: ``std_msgs::msg::dds_::String_`` for ``std_msgs/msg/String``."""
+    package, folder, name = ros_type.split("/")
+    return f"{package}::{folder}::dds_::{name}_"
+
+
+def topic_key(domain: int, topic: str, ros_type: str, type_hash: str) -> str:
+    """Return the key expression of a topic's messages or of a service's requests."""
+    return f"{domain}/{topic.strip('/')}/{dds_type(ros_type)}/{type_hash}"
+
+
+def any_type_key(domain: int, topic: str) -> str:
+    """Return the key expression of a topic's messages, whatever their type and hash."""
+    return f"{domain}/{topic.strip('/')}/*/*"
+
+
+def gid(token: str) -> bytes:
+    """Return the 16 bytes that identify an endpoint: the XXH3 of its token, the lower half first."""
+    import xxhash
+
+    return xxhash.xxh3_128_digest(token.encode())[::-1]  # xxhash's digest is big-endian
+
+
+def attachment(sequence: int, time: int, source: bytes) -> bytes:
+    """Return what accompanies a message.
+
+    Args:
+        sequence: The message's number, from 1 on; of a reply, the request's number.
+        time: When it was sent (ns).
+        source: The sender's `gid`; of a reply, the client's.
+    """
+    return _ATTACHMENT.pack(sequence, time, 16, source)
+
+
+def read_attachment(data: bytes) -> tuple[int, int, bytes]:
+    """Return sequence number, time (ns) and gid.
+
+    Raises:
+        ValueError: If the bytes are not an attachment of Jazzy's rmw_zenoh.
+    """
+    if len(data) != _ATTACHMENT.size or data[16] != 16:
+        raise ValueError(f"an attachment of {len(data)} bytes, but rmw_zenoh's has {_ATTACHMENT.size}")
+    sequence, time, _, source = _ATTACHMENT.unpack(data)
+    return sequence, time, source
+
+
+def domain_of_environment() -> int:
+    """Return ``ROS_DOMAIN_ID``, 0 by default.
+
+    Raises:
+        InputError: If it is not a domain.
+    """
+    text = os.environ.get("ROS_DOMAIN_ID", "").strip()
+    if not text:
+        return 0
+    if not text.isascii() or not text.isdigit() or int(text) > _LARGEST_DOMAIN:
+        raise InputError(f"ROS_DOMAIN_ID={text}: a ROS domain is a whole number from 0 to {_LARGEST_DOMAIN}")
+    return int(text)
+
+
+def _mangled(name: str) -> str:
+    return name.replace("/", "%")

@@ -1,0 +1,330 @@
+"""The seam between a twin and any number of wires: the only place that knows both.
+
+Out: a topic with listeners is subscribed to; its messages are handed to a thread that serializes each once
+and gives the same bytes to all wires. In: what a wire hears is decoded in the wire's thread, waits in the twin's inbox,
+and is done in the simulation's thread, by `Twin.publish` and the like, so that it is recorded.
+"""
+
+import logging
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from queue import Queue
+from threading import Thread
+from typing import Any, Protocol
+
+import numpy as np
+
+from drake_twin.errors import TwinError
+from drake_twin.messages.interface_types import definition, deserialize, make, serialize, type_hash
+from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint
+from drake_twin.twin.twin import Twin
+from drake_twin.wires.wire import Closable, Reply, Sender, Wire, WireEndpoint
+
+_log = logging.getLogger(__name__)
+_MOST_WAITING = 10_000  # messages for the sender's thread; more make the simulation wait
+_LARGEST = 1 << 20  # bytes of a message that is heard
+_MOST_LINES = 1000  # of the log
+
+
+class WiredService(Protocol):
+    """A service as `drake_twin.services.Service` has it."""
+
+    @property
+    def name(self) -> str:
+        """Its full name."""
+
+    @property
+    def type(self) -> str:
+        """Its ROS type."""
+
+    @property
+    def node(self) -> str:
+        """The full name of its node."""
+
+    @property
+    def between_advances(self) -> bool:
+        """Whether it does what a callback cannot do."""
+
+    @property
+    def answer(self) -> Callable[[Any], Any]:
+        """Takes the request; returns the response's fields, or a generator that returns them later."""
+
+
+class WiredActions(Protocol):
+    """What actions publish beside the diagram's topics."""
+
+    def loaded(self, twin: Twin) -> Any:
+        """Return a value that changes whenever services come and go without a spawn or a delete."""
+
+    def topics(self) -> Iterable[Endpoint]:
+        """Return the topics of the present actions, after their services have been asked for."""
+
+    def news(self) -> Iterable[tuple[str, Mapping[str, Any]]]:
+        """Return the messages that are due: their topics and their fields."""
+
+
+@dataclass
+class _Topic:
+    """A topic that is offered.
+
+    Attributes:
+        endpoint: The topic.
+        senders: Its sender on each wire.
+        end: Ends the subscription; None while nobody listens.
+        is_of_twin: Whether it can be subscribed to.
+    """
+
+    endpoint: Endpoint
+    senders: list[Sender] = field(default_factory=list)
+    end: Callable[[], None] | None = None
+    is_of_twin: bool = True
+
+
+class Seam:
+    """Connects a twin to wires, until it is closed.
+
+    Args:
+        twin: The twin.
+        wires: The wires; they are closed with the seam.
+        services: Returns the services of a twin with its present robots.
+        actions: What the twin's actions publish.
+    """
+
+    def __init__(
+        self,
+        twin: Twin,
+        wires: Sequence[Wire],
+        services: Callable[[Twin], Iterable[WiredService]] = lambda twin: (),
+        actions: WiredActions | None = None,
+    ):
+        self._twin = twin
+        self._wires = wires
+        self._services_of = services
+        self._actions = actions
+        self._loaded: Any = None
+        self._endpoints: tuple[Endpoint, ...] | None = None
+        self._topics: dict[str, _Topic] = {}
+        self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
+        self._served: dict[str, tuple[WiredService, list[Closable]]] = {}
+        self._has_changed = False
+        self._logged: set[tuple[str, str]] = set()
+        self._queue: Queue[tuple[_Topic, Any, int] | None] = Queue(_MOST_WAITING)
+        self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
+        self._thread.start()
+        twin.inbox.open()
+        twin.inbox.looks.append(self._look)
+        self._look()
+
+    def close(self) -> None:
+        """Send the pending messages, and end the wires."""
+        self._twin.inbox.looks.remove(self._look)
+        self._twin.inbox.close()
+        self._keep_topics(())
+        self._queue.put(None)
+        self._thread.join()
+        for wire in self._wires:
+            wire.close()
+
+    # What comes and goes ---------------------------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        """Follow spawns and deletes, and who listens."""
+        endpoints = self._twin.endpoints
+        loaded = None if self._actions is None else self._actions.loaded(self._twin)
+        if endpoints is not self._endpoints or loaded != self._loaded:
+            self._endpoints, self._loaded = endpoints, loaded
+            self._keep_topics(endpoints)
+            self._follow_listeners()
+        if self._actions is not None:
+            for name, fields in self._actions.news():
+                topic = self._topics[name]
+                if any(sender.is_heard for sender in topic.senders):
+                    self._hand_over(topic, make(topic.endpoint.type, fields))
+
+    def _keep_topics(self, endpoints: Sequence[Endpoint]) -> None:
+        """Offer these endpoints, and the services, and no others."""
+        services = {item.name: item for item in self._services_of(self._twin)} if endpoints else {}
+        of_actions = self._actions.topics() if self._actions is not None and endpoints else ()
+        offered = {item.name: item for item in (*endpoints, *of_actions) if item.kind == PUBLISHED}
+        for name in [name for name, topic in self._topics.items() if offered.get(name) != topic.endpoint]:
+            self._forget(self._topics.pop(name))
+        for name in offered.keys() - self._topics.keys():
+            self._topics[name] = topic = _Topic(offered[name], is_of_twin=offered[name] in endpoints)
+            wired = _wired(offered[name])
+            topic.senders += [wire.advertise(wired, self._note_listeners) for wire in self._wires]
+        commanded = {item.name: item for item in endpoints if item.kind == COMMANDED}
+        _close_missing(self._heard, commanded)
+        for name in commanded.keys() - self._heard.keys():
+            item = commanded[name]
+            heard = partial(self._hear, item)
+            self._heard[name] = item, [wire.listen(_wired(item), heard) for wire in self._wires]
+        _close_missing(self._served, services)
+        for name, (_, ends) in list(self._served.items()):
+            self._served[name] = services[name], ends  # the newer one knows the present robot
+        for name in services.keys() - self._served.keys():
+            service = services[name]
+            wired = WireEndpoint(name, service.type, type_hash(service.type), service.node)
+            self._served[name] = service, [wire.serve(wired, partial(self._ask, name)) for wire in self._wires]
+
+    def _note_listeners(self, is_heard: bool) -> None:
+        """Follow who listens, later, in the simulation's thread."""
+        if not self._has_changed:
+            self._has_changed = True
+            self._twin.inbox.put(self._follow_listeners)
+
+    def _follow_listeners(self) -> None:
+        self._has_changed = False
+        for topic in self._topics.values():
+            self._follow(topic)
+
+    def _follow(self, topic: _Topic) -> None:
+        """Subscribe to a topic with listeners, and to no other."""
+        is_heard = topic.is_of_twin and any(sender.is_heard for sender in topic.senders)
+        if is_heard and topic.end is None:
+            topic.end = self._twin.subscribe(topic.endpoint.name, partial(self._hand_over, topic))
+        elif not is_heard and topic.end is not None:
+            topic.end()
+            topic.end = None
+
+    def _forget(self, topic: _Topic) -> None:
+        if topic.end is not None:
+            topic.end()
+        for sender in topic.senders:
+            sender.close()
+
+    # Out -------------------------------------------------------------------------------------------------------------
+
+    def _hand_over(self, topic: _Topic, message: Any) -> None:
+        self._queue.put((topic, message, round(self._twin.time * 1e9)))
+
+    def _send(self) -> None:
+        """Serialize and send, in the sender's thread."""
+        while (item := self._queue.get()) is not None:
+            topic, message, time = item
+            try:
+                data = serialize(message)
+                for sender in topic.senders:
+                    if sender.is_heard:
+                        sender.send(data, time)
+            except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
+                self._log(topic.endpoint.name, f"a message is not sent: {error}")
+
+    # In --------------------------------------------------------------------------------------------------------------
+
+    def _hear(self, topic: Endpoint, data: bytes) -> None:
+        """Decode a command, in a wire's thread."""
+        if len(data) > _LARGEST:
+            self._log(topic.name, f"a message of more than {_LARGEST} bytes is ignored")
+            return
+        try:
+            message = deserialize(topic.type, data)
+        except ValueError as error:
+            self._log(topic.name, str(error), "decoding")
+            return
+        act = partial(self._publish, topic.name, message)
+        if not self._twin.inbox.put(act, topic.name, must_stay=_is_stop(message)):
+            self._log(topic.name, "commands come faster than they are read: older ones are dropped")
+
+    def _publish(self, topic: str, message: Any) -> None:
+        try:
+            self._twin.publish(topic, message)
+        except TwinError as error:
+            self._log(topic, str(error))
+
+    def _ask(self, name: str, data: bytes, reply: Reply) -> None:
+        """Decode a request, in a wire's thread."""
+        if name not in self._served:  # it has just been taken off
+            return
+        service, _ = self._served[name]
+        try:
+            if len(data) > _LARGEST:
+                raise ValueError(f"a request of more than {_LARGEST} bytes is ignored")
+            request = deserialize(f"{service.type}_Request", data)
+        except ValueError as error:
+            self._log(name, str(error), "decoding")
+            reply(serialize(_response(service.type, {}, str(error))))
+            return
+        act = partial(self._answer, name, request, reply)
+        if not self._twin.inbox.put(act, between_advances=service.between_advances):
+            reply(serialize(_response(service.type, {}, "too many requests wait")))
+
+    def _answer(self, name: str, request: Any, reply: Reply) -> None:
+        """Answer a request, in the simulation's thread."""
+        if name not in self._served:  # its robot was deleted while the request waited
+            return
+        service, _ = self._served[name]
+
+        def finish(fields: Mapping[str, Any]) -> None:
+            reply(serialize(_response(service.type, fields)))
+
+        try:
+            fields = service.answer(request)
+            if service.between_advances:
+                self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
+            if isinstance(fields, Generator):
+                self._continue(name, fields, finish)
+            else:
+                finish(fields)
+        except (TwinError, ValueError) as error:
+            self._log(name, str(error))
+            reply(serialize(_response(service.type, {}, str(error))))
+
+    def _continue(self, name: str, answer: Generator[Any, None, Any], finish: Callable[[Any], None]) -> None:
+        """Continue an answer that takes longer, once a look."""
+        try:
+            next(answer)
+        except StopIteration as end:
+            finish(end.value)
+        except TwinError as error:
+            self._log(name, str(error))
+            finish({})
+        else:
+            between = name in self._served and self._served[name][0].between_advances
+            act = partial(self._continue, name, answer, finish)
+            self._twin.inbox.put(act, between_advances=between, is_urgent=between)  # others wait for time to pass
+
+    def _log(self, topic: str, text: str, cause: str = "") -> None:
+        """Log once per topic and cause."""
+        key = topic, cause or text
+        if key not in self._logged and len(self._logged) < _MOST_LINES:
+            self._logged.add(key)
+            _log.warning("%s: %s", topic, text)
+
+
+def _wired(endpoint: Endpoint) -> WireEndpoint:
+    kind = endpoint.type
+    text = "" if "/action/" in kind else definition(kind)  # rosbags has none for what is made of an action's parts
+    return WireEndpoint(endpoint.name, kind, type_hash(kind), endpoint.node, endpoint.latched, text)
+
+
+def _close_missing(known: dict[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Close and forget those that are not wanted any more, or with another type."""
+    for name in [name for name, (item, _) in known.items() if name not in wanted or wanted[name].type != item.type]:
+        for end in known.pop(name)[1]:
+            end.close()
+
+
+def _response(kind: str, fields: Mapping[str, Any], reason: str = "") -> Any:
+    """Return a service's response; with a reason, in the field that it has for one."""
+    response = make(f"{kind}_Response", fields)
+    for place, name in (
+        (response, "message"),
+        (response, "status_message"),
+        (getattr(response, "result", None), "error_message"),
+    ):
+        if reason and isinstance(getattr(place, name, None), str):
+            setattr(place, name, reason)
+    return response
+
+
+def _is_stop(message: Any) -> bool:
+    """Tell whether all numbers of a command are zero."""
+    if isinstance(message, np.ndarray):
+        return not message.any()
+    if isinstance(message, list):
+        return all(map(_is_stop, message))
+    if not hasattr(message, "__msgtype__"):
+        return not isinstance(message, bool | int | float) or message == 0
+    names = [name for name in vars(message) if name not in ("header", "layout", "stamp")]
+    return all(_is_stop(getattr(message, name)) for name in names)

@@ -1,0 +1,88 @@
+"""What a wire is: it carries bytes of topics and services to and from other programs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+Reply = Callable[[bytes], None]
+
+
+@dataclass(frozen=True)
+class WireEndpoint:
+    """A topic or a service as a wire sees it.
+
+    Attributes:
+        name: Its full name.
+        type: Its ROS type.
+        hash: The type's hash, ``RIHS01_…``.
+        node: The full name of its node.
+        latched: Whether late joiners get the last message of the topic.
+        definition: The text of the topic's message type, with those of the messages in it.
+    """
+
+    name: str
+    type: str
+    hash: str
+    node: str
+    latched: bool = False
+    definition: str = ""
+
+
+class Sender(Protocol):
+    """Sends the messages of a topic.
+
+    Attributes:
+        is_heard: Whether anybody listens.
+    """
+
+    is_heard: bool
+
+    def send(self, data: bytes, time: int) -> None:
+        """Send a message, in the sender's thread.
+
+        Args:
+            data: Its CDR bytes.
+            time: The simulation time at which it was published (ns).
+        """
+
+    def close(self) -> None:
+        """End the topic."""
+
+
+class Closable(Protocol):
+    """What can be ended."""
+
+    def close(self) -> None:
+        """End it."""
+
+
+class Wire(Protocol):
+    """A wire. All methods are called in the thread that owns the twin, callbacks come in threads of the wire."""
+
+    def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
+        """Offer a topic.
+
+        Args:
+            topic: The topic.
+            listened: Is called with whether anybody listens, whenever that changes.
+        """
+
+    def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
+        """Hear a topic.
+
+        Args:
+            topic: The topic.
+            heard: Is called with each message's CDR bytes.
+        """
+
+    def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
+        """Offer a service.
+
+        Args:
+            service: The service.
+            answer: Is called with each request's CDR bytes and a function that takes the response's, once, from any
+                thread.
+        """
+
+    def close(self) -> None:
+        """End the wire."""

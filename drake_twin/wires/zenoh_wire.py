@@ -1,0 +1,323 @@
+"""The ROS 2 graph over Zenoh, in the format of rmw_zenoh for Jazzy."""
+
+import contextlib
+import itertools
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from drake_twin.wires.rmw_zenoh_format import (
+    NO_HASH,
+    PUBLISHER,
+    SERVICE,
+    SUBSCRIPTION,
+    Node,
+    Qos,
+    any_type_key,
+    attachment,
+    domain_of_environment,
+    gid,
+    is_name,
+    read_attachment,
+    topic_key,
+)
+from drake_twin.wires.wire import Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
+
+_log = logging.getLogger(__name__)
+_LARGEST = 1 << 20  # bytes of a message that is heard
+_LONGEST_CLOSE = 2.0  # s that the caller waits for the session's end
+_PERIOD = 0.02  # s between two looks at who listens
+_HEARTBEAT = 0.5  # s after which a late joiner notices a message that it has missed (rmw_publisher_data.cpp)
+
+
+class ZenohWire:
+    """A Zenoh session that stands on the graph as rmw_zenoh's nodes do.
+
+    Args:
+        domain: The ROS domain; ``ROS_DOMAIN_ID`` by default.
+        host: The address to listen on as a router, where no router runs on this machine.
+        port: The router's port.
+        router: The address of a router to connect to in any case, ``HOST`` or ``HOST:PORT``.
+
+    Attributes:
+        domain: The ROS domain.
+        place: Where it is open or connected to, in words.
+        session_id: The session's id in the graph's tokens.
+
+    Raises:
+        InputError: If Zenoh is not installed, or the domain, the address or the port cannot be used.
+    """
+
+    def __init__(
+        self,
+        domain: int | None = None,
+        host: str = "127.0.0.1",
+        port: int = ROUTER_PORT,
+        router: str | None = None,
+    ):
+        self.domain = domain_of_environment() if domain is None else domain
+        opened = open_session(host, port, router)
+        self._session = opened.session
+        self.place = f"open on {opened.address}, as router"
+        if opened.router is not None:
+            self.place = f"open on {opened.address}, connected to the router at {opened.router}"
+        self.session_id = str(self._session.zid())
+        self._graph = _Graph(self._session, self.domain)
+        self._senders: list[_Sender] = []
+        self._is_closed = threading.Event()
+        self._thread = threading.Thread(target=self._watch_listeners, name="drake_twin listeners", daemon=True)
+        self._thread.start()
+
+    def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> Sender:
+        """Offer a topic; see `drake_twin.wires.wire.Wire`."""
+        if not _has_name(topic):
+            return _Nothing()
+        sender = _Sender(self._session, self._graph, topic, listened, self._senders.remove)
+        self._senders.append(sender)
+        return sender
+
+    def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
+        """Hear a topic; see `drake_twin.wires.wire.Wire`."""
+        if not _has_name(topic):
+            return _Nothing()
+        return _Listener(self._session, self._graph, topic, heard)
+
+    def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
+        """Offer a service; see `drake_twin.wires.wire.Wire`."""
+        if not _has_name(service):
+            return _Nothing()
+        return _Server(self._session, self._graph, service, answer)
+
+    def close(self) -> None:
+        """End the session: an open one keeps the process alive.
+
+        A peer that has stopped to read makes Zenoh wait for it, and fail then; that is left to a thread.
+        """
+        self._is_closed.set()
+        self._thread.join()
+        closing = threading.Thread(target=self._close_session, name="drake_twin closing", daemon=True)
+        closing.start()
+        closing.join(_LONGEST_CLOSE)
+
+    def _close_session(self) -> None:
+        import zenoh
+
+        with contextlib.suppress(zenoh.ZError):
+            self._session.close()
+
+    def _watch_listeners(self) -> None:
+        """Look who listens, in a thread of its own.
+
+        Zenoh could call back instead. But to end a topic while it does so takes it 10 s, in which no thread of Python
+        runs: it waits for the callback, which waits for Python.
+        """
+        while not self._is_closed.wait(_PERIOD):
+            for sender in tuple(self._senders):
+                sender.look()
+
+
+def _has_name(endpoint: WireEndpoint) -> bool:
+    """Tell whether an endpoint has a name that can be on the graph; log if not."""
+    if is_name(endpoint.name) and is_name(endpoint.node):
+        return True
+    _log.warning("%s of %s is not on the graph: it is not a name of ROS", endpoint.name, endpoint.node)
+    return False
+
+
+class _Nothing:
+    """Stands for what is not on the graph."""
+
+    is_heard = False
+
+    def send(self, data: bytes, at: int) -> None:
+        """Send nothing."""
+
+    def close(self) -> None:
+        """Nothing is to be ended."""
+
+
+class _Graph:
+    """The liveliness tokens of a session; a node's lives as long as one of its endpoints."""
+
+    def __init__(self, session: Any, domain: int):
+        self.domain = domain
+        self._session_id = str(session.zid())
+        self._declare = session.liveliness().declare_token
+        self._numbers = itertools.count()
+        self._nodes: dict[str, tuple[Node, Any]] = {}
+        self._users: dict[str, int] = {}
+        self._lock = threading.Lock()
+
+    def add(self, kind: str, endpoint: WireEndpoint, qos: Qos) -> tuple[bytes, Callable[[], None]]:
+        """Put an endpoint on the graph; return its gid, and a function that takes it off."""
+        with self._lock:
+            if endpoint.node not in self._nodes:
+                namespace, _, name = endpoint.node.rpartition("/")
+                node = Node(self.domain, self._session_id, next(self._numbers), name, namespace or "/")
+                self._nodes[endpoint.node] = node, self._declare(node.token())
+            self._users[endpoint.node] = self._users.get(endpoint.node, 0) + 1
+            node, _ = self._nodes[endpoint.node]
+            type_hash = endpoint.hash or NO_HASH
+            text = node.endpoint_token(next(self._numbers), kind, endpoint.name, endpoint.type, type_hash, qos)
+            token = self._declare(text)
+        return gid(text), lambda: self._remove(endpoint.node, token)
+
+    def _remove(self, name: str, token: Any) -> None:
+        token.undeclare()
+        with self._lock:
+            self._users[name] -= 1
+            if not self._users[name]:
+                _, node_token = self._nodes.pop(name)
+                del self._users[name]
+                node_token.undeclare()
+
+
+class _Sender:
+    """Sends the messages of a topic.
+
+    Attributes:
+        is_heard: Whether anybody listens; always true for a topic whose messages are kept for late joiners.
+    """
+
+    def __init__(
+        self,
+        session: Any,
+        graph: _Graph,
+        topic: WireEndpoint,
+        listened: Callable[[bool], None],
+        closed: "Callable[[_Sender], None]",
+    ):
+        import zenoh
+        from zenoh import ext, handlers
+
+        key = topic_key(graph.domain, topic.name, topic.type, topic.hash or NO_HASH)
+        drop = zenoh.CongestionControl.DROP  # a peer that does not read must not stop the others
+        self.is_heard = topic.latched
+        self._listened = listened
+        self._sequence = itertools.count(1)
+        self._closed = closed
+        self._listeners: Any = None
+        self._lock = threading.Lock()
+        if topic.latched:
+            self._publisher: Any = ext.declare_advanced_publisher(
+                session,
+                key,
+                congestion_control=drop,
+                cache=ext.CacheConfig(1),
+                publisher_detection=True,
+                sample_miss_detection=ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=_HEARTBEAT),
+            )
+        else:
+            self._publisher = session.declare_publisher(key, congestion_control=drop)
+            self._listeners = self._publisher.declare_matching_listener(handlers.RingChannel(1))
+        self._gid, self._leave = graph.add(PUBLISHER, topic, Qos(topic.latched, 1 if topic.latched else 10))
+
+    def send(self, data: bytes, at: int) -> None:
+        """Send a message; its source timestamp is the wall clock's, as rmw_zenoh's is."""
+        self._publisher.put(data, attachment=attachment(next(self._sequence), time.time_ns(), self._gid))
+
+    def close(self) -> None:
+        """Take it off the graph."""
+        self._closed(self)
+        self._leave()
+        with self._lock:
+            if self._listeners is not None:
+                self._listeners.undeclare()
+                self._listeners = None
+        self._publisher.undeclare()
+
+    def look(self) -> None:
+        """Look whether anybody listens, and tell if that has changed."""
+        with self._lock:
+            status = None if self._listeners is None else self._listeners.try_recv()
+        if status is not None and status.matching != self.is_heard:
+            self.is_heard = status.matching
+            self._listened(self.is_heard)
+
+
+class _Listener:
+    """Hears the messages of a topic, whatever their hash, so that a wrong one can be reported."""
+
+    def __init__(self, session: Any, graph: _Graph, topic: WireEndpoint, heard: Callable[[bytes], None]):
+        from zenoh import handlers
+
+        self._topic, self._heard = topic, heard
+        self._expected = topic_key(graph.domain, topic.name, topic.type, "")
+        self._reported: set[str] = set()
+        call = handlers.Callback(self._take, indirect=False)
+        self._subscriber = session.declare_subscriber(any_type_key(graph.domain, topic.name), call)
+        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos())
+
+    def close(self) -> None:
+        """Take it off the graph."""
+        self._leave()
+        self._subscriber.undeclare()
+
+    def _take(self, sample: Any) -> None:
+        problem = self._problem(str(sample.key_expr), len(sample.payload))
+        if problem is None:
+            self._heard(sample.payload.to_bytes())
+        elif problem not in self._reported and len(self._reported) < 10:
+            self._reported.add(problem)
+            _log.warning("%s: %s", self._topic.name, problem)
+
+    def _problem(self, key: str, size: int) -> str | None:
+        """Return why a message is not heard."""
+        topic = self._topic
+        if not key.startswith(self._expected):
+            return f"a {_ros_type(key)} is ignored: the topic's type is {topic.type}"
+        type_hash = key.removeprefix(self._expected)
+        if topic.hash and type_hash not in (topic.hash, NO_HASH):
+            return f"a message is ignored: its {topic.type} is another one, with the hash {type_hash}"
+        if size > _LARGEST:
+            return f"a message of more than {_LARGEST} bytes is ignored"
+        return None
+
+
+class _Server:
+    """Answers the requests of a service."""
+
+    def __init__(
+        self,
+        session: Any,
+        graph: _Graph,
+        service: WireEndpoint,
+        answer: Callable[[bytes, Reply], None],
+    ):
+        from zenoh import handlers
+
+        self._name, self._answer = service.name, answer
+        self._key = topic_key(graph.domain, service.name, service.type, service.hash or NO_HASH)
+        call = handlers.Callback(self._take, indirect=False)
+        self._queryable = session.declare_queryable(self._key, call, complete=True)
+        _, self._leave = graph.add(SERVICE, service, Qos())
+
+    def close(self) -> None:
+        """Take it off the graph."""
+        self._leave()
+        self._queryable.undeclare()
+
+    def _take(self, query: Any) -> None:
+        try:
+            sequence, _, client = read_attachment(b"" if query.attachment is None else query.attachment.to_bytes())
+            request = b"" if query.payload is None else query.payload.to_bytes()
+        except ValueError as error:
+            _log.warning("%s: a request is ignored: %s", self._name, error)
+            query.reply_err(str(error))
+            query.drop()
+            return
+
+        def reply(data: bytes) -> None:
+            with contextlib.suppress(Exception):
+                query.reply(self._key, data, attachment=attachment(sequence, time.time_ns(), client))
+                query.drop()
+
+        self._answer(request, reply)
+
+
+def _ros_type(key: str) -> str:
+    """Return the ROS type in a key expression."""
+    return key.split("/")[-2].replace("::dds_::", "/").replace("::", "/").removesuffix("_")

@@ -1,0 +1,61 @@
+"""Types as they go over a wire, against hashes and bytes that others have published or made."""
+
+import struct
+
+import pytest
+
+from drake_twin import messages
+from drake_twin.messages.interface_types import add_definition, definition, deserialize, make, serialize, type_hash
+
+
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        # rmw_zenoh's docs/design.md and ros2 topic info --verbose of Jazzy, as published.
+        ("std_msgs/msg/String", "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"),
+        ("sensor_msgs/msg/JointState", "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"),
+        ("std_srvs/srv/Trigger", "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f"),
+    ],
+)
+def test_hashes_are_those_of_ros(name, wanted):
+    assert type_hash(name) == wanted
+
+
+def test_a_users_own_service_has_the_hash_of_ros():
+    add_definition("example_interfaces/srv/AddTwoInts", "int64 a\nint64 b\n---\nint64 sum\n")
+    wanted = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
+    assert type_hash("example_interfaces/srv/AddTwoInts") == wanted
+
+
+def test_a_users_own_message_and_action():
+    add_definition("my_msgs/msg/Speeds", "float64[] wheels\nstring name\n")
+    add_definition("my_msgs/action/Drive", "my_msgs/Speeds speeds\n---\nbool done\n---\nfloat64 way\n")
+    goal = make("my_msgs/action/Drive_SendGoal_Request", {"goal": {"speeds": {"wheels": [1.0], "name": "a"}}})
+    assert deserialize("my_msgs/action/Drive_SendGoal_Request", serialize(goal)).goal.speeds.name == "a"
+    with pytest.raises(ValueError, match="2 parts"):
+        add_definition("my_msgs/action/Other", "bool a\n---\nbool b\n")
+
+
+def test_bytes_are_cdr():
+    """XCDR1, OMG formal/08-01-07: header 00 01 00 00, then aligned little-endian values."""
+    message = make("std_srvs/srv/SetBool_Response", {"success": True, "message": "hi"})
+    assert serialize(message) == b"\0\1\0\0" + b"\1\0\0\0" + struct.pack("<I", 3) + b"hi\0"
+    assert serialize(make("std_srvs/srv/Trigger_Request", {})) == b"\0\1\0\0" + b"\0"
+
+
+def test_what_is_not_given_has_ros_default_values():
+    request = make("controller_manager_msgs/srv/SwitchController_Request", {"activate_controllers": ["a"]})
+    assert (request.strictness, request.activate_asap, request.timeout.sec) == (0, False, 0)
+    assert request.activate_controllers == ["a"]
+    assert messages.message("geometry_msgs/msg/Twist", {}).linear.x == 0.0
+
+
+def test_unknown_types_are_refused():
+    with pytest.raises(ValueError, match="unknown type 'a/msg/B'"):
+        type_hash("a/msg/B")
+
+
+def test_a_text_holds_those_of_the_messages_in_it():
+    text = definition("control_msgs/msg/DynamicJointState")
+    assert "MSG: control_msgs/InterfaceValue" in text
+    assert "float64[] values" in text
