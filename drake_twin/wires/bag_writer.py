@@ -23,7 +23,11 @@ TOPIC, MESSAGE = b"T", b"M"
 
 def main() -> int:
     """Write what comes on standard input into the folder that the command line names; return the exit code."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # sent to the whole group; the end of the pipe ends it
+    for number in (
+        signal.SIGINT,
+        signal.SIGTERM,
+        signal.SIGHUP,
+    ):  # sent to the whole group; the end of the pipe ends it
         signal.signal(number, signal.SIG_IGN)
     try:
         write_bag(sys.argv[1], sys.stdin.buffer)
