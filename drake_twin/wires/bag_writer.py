@@ -15,7 +15,7 @@ import sys
 from typing import TYPE_CHECKING, BinaryIO
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Qos
+    from rosbags.interfaces import Connection, Qos
 
 HEAD = struct.Struct("<cIqI")
 TOPIC, MESSAGE = b"T", b"M"
@@ -51,7 +51,7 @@ def write_bag(folder: str, source: BinaryIO) -> None:
 
     writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
-    connections = {}
+    connections: dict[int, Connection] = {}
     with writer:
         while len(head := source.read(HEAD.size)) == HEAD.size:
             kind, number, time, length = HEAD.unpack(head)
