@@ -209,6 +209,7 @@ class Seam:
                         sender.send(data, time)
             except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
                 self._log(topic.endpoint.name, f"a message is not sent: {error}")
+            self._queue.task_done()
 
     # In --------------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,115 @@
+"""A rosbag2 bag as a wire: every topic is heard, and nothing comes in."""
+
+import itertools
+import json
+import logging
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from drake_twin.errors import InputError
+from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC
+from drake_twin.wires.wire import Closable, Reply, WireEndpoint
+
+_log = logging.getLogger(__name__)
+
+# They are large, and each says again what other topics say.
+_LEFT_OUT = ("gazebo_msgs/msg/ModelStates", "gazebo_msgs/msg/LinkStates")
+_PICTURES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+
+
+class BagWire:
+    """Write topics into a bag (MCAP, zstd), in a process of its own.
+
+    Args:
+        folder: The bag's folder, which must not exist.
+        topics: The topics; without any, all but pictures, model states and link states.
+
+    Raises:
+        InputError: If the folder exists, or its parent does not.
+    """
+
+    def __init__(self, folder: Path, topics: Sequence[str] = ()):
+        if folder.exists():
+            raise InputError(f"{folder} exists: a bag is written into a new folder", file=folder)
+        if not folder.resolve().parent.is_dir():
+            raise InputError(f"{folder}: the folder {folder.resolve().parent} does not exist", file=folder)
+        self._folder = folder
+        self._topics = frozenset(topics)
+        self._numbers = itertools.count(1)
+        self._process: subprocess.Popen[bytes] | None = subprocess.Popen(
+            [sys.executable, "-m", "drake_twin.wires.bag_writer", str(folder)], stdin=subprocess.PIPE
+        )
+
+    def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_BagSender":
+        """Write a topic, if it is one of those that were asked for."""
+        is_wanted = topic.name in self._topics if self._topics else topic.type not in (*_LEFT_OUT, *_PICTURES)
+        return _BagSender(self, next(self._numbers), topic, is_wanted)
+
+    def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:
+        """Hear nothing."""
+        return _End()
+
+    def serve(self, service: WireEndpoint, answer: Callable[[bytes, Reply], None]) -> Closable:
+        """Serve nothing."""
+        return _End()
+
+    def close(self) -> None:
+        """Finish the bag."""
+        process, self._process = self._process, None
+        if process is not None:
+            self._finish(process)
+
+    def write(self, kind: bytes, number: int, time: int, content: bytes) -> None:
+        """Write a record; the first that fails ends the bag."""
+        process = self._process
+        if process is None:
+            return
+        try:
+            assert process.stdin is not None
+            process.stdin.write(HEAD.pack(kind, number, time, len(content)) + content)
+            process.stdin.flush()  # what waits here would be lost if this process were killed
+        except OSError:
+            self._process = None
+            self._finish(process)
+
+    def _finish(self, process: "subprocess.Popen[bytes]") -> None:
+        try:
+            process.communicate()
+        except BrokenPipeError:
+            process.wait()
+        if process.returncode:
+            _log.warning("%s: the bag's process has ended: nothing more is written into it", self._folder)
+
+
+class _End:
+    def close(self) -> None:
+        pass
+
+
+class _BagSender:
+    """Writes a topic.
+
+    Attributes:
+        is_heard: Whether the topic is written.
+    """
+
+    def __init__(self, bag: BagWire, number: int, topic: WireEndpoint, is_wanted: bool):
+        self.is_heard = is_wanted
+        self._bag, self._number = bag, number
+        if is_wanted:
+            description = {
+                "name": topic.name,
+                "type": topic.type,
+                "hash": topic.hash,
+                "definition": topic.definition,
+                "latched": topic.latched,
+            }
+            bag.write(TOPIC, number, 0, json.dumps(description).encode())
+
+    def send(self, data: bytes, time: int) -> None:
+        self._bag.write(MESSAGE, self._number, time, data)
+
+    def close(self) -> None:
+        self.is_heard = False

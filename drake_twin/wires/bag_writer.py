@@ -1,0 +1,93 @@
+"""Write a rosbag2 bag in a process of its own: ``python -m drake_twin.wires.bag_writer FOLDER``, fed on standard input.
+
+The process that simulates pays for a pipe only. When it ends, in whatever way, this one reads the end of the pipe and
+finishes the file and its ``metadata.yaml``: a twin that is killed leaves a whole bag. The other way round, a bag whose
+writer is killed can be read up to its last chunk of 1 MiB by readers that stream.
+
+Each record on the pipe is a kind (`TOPIC` or `MESSAGE`), a topic's number, a time (ns) and the length of what follows:
+a topic's description as JSON, or a message in CDR.
+"""
+
+import json
+import signal
+import struct
+import sys
+from typing import TYPE_CHECKING, BinaryIO
+
+if TYPE_CHECKING:
+    from rosbags.interfaces import Connection, Qos
+
+HEAD = struct.Struct("<cIqI")
+TOPIC, MESSAGE = b"T", b"M"
+
+
+def main() -> int:
+    """Write what comes on standard input into the folder that the command line names; return the exit code."""
+    for number in (
+        signal.SIGINT,
+        signal.SIGTERM,
+        signal.SIGHUP,
+    ):  # sent to the whole group; the end of the pipe ends it
+        signal.signal(number, signal.SIG_IGN)
+    try:
+        write_bag(sys.argv[1], sys.stdin.buffer)
+    except OSError as error:
+        print(f"the bag {sys.argv[1]} ends here: {error.strerror or error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def write_bag(folder: str, source: BinaryIO) -> None:
+    """Write records into a bag until they end; a record that is cut off is left out.
+
+    Args:
+        folder: The bag's folder, which must not exist.
+        source: The records.
+
+    Raises:
+        OSError: If the bag cannot be written.
+    """
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+
+    writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+    writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    connections: dict[int, Connection] = {}
+    with writer:
+        while len(head := source.read(HEAD.size)) == HEAD.size:
+            kind, number, time, length = HEAD.unpack(head)
+            content = source.read(length)
+            if len(content) < length:
+                return
+            if kind == MESSAGE:
+                writer.write(connections[number], time, content)
+            else:
+                topic = json.loads(content)
+                connections[number] = writer.add_connection(
+                    topic["name"],
+                    topic["type"],
+                    msgdef=topic["definition"],
+                    rihs01=topic["hash"],
+                    offered_qos_profiles=[_quality(topic["latched"])],
+                )
+
+
+def _quality(latched: bool) -> "Qos":
+    """Return the quality of service of the twin's publishers: reliable, and kept for late joiners if latched."""
+    from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+
+    forever = QosTime(2147483647, 4294967295)
+    return Qos(
+        history=QosHistory.KEEP_LAST,
+        depth=1 if latched else 10,
+        reliability=QosReliability.RELIABLE,
+        durability=QosDurability.TRANSIENT_LOCAL if latched else QosDurability.VOLATILE,
+        deadline=forever,
+        lifespan=forever,
+        liveliness=QosLiveliness.AUTOMATIC,
+        liveliness_lease_duration=forever,
+        avoid_ros_namespace_conventions=False,
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

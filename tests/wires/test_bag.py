@@ -1,0 +1,130 @@
+"""Bags, read by readers that nobody here wrote."""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+from conftest import rovers
+from mcap.exceptions import EndOfFile
+from mcap.records import Message
+from mcap.stream_reader import StreamReader
+from mcap_ros2.reader import read_ros2_messages
+from rosbags.highlevel import AnyReader
+
+from drake_twin import InputError, Robot
+from drake_twin.wires.bag_wire import BagWire
+from drake_twin.wires.seam import Seam
+
+STATES = "/robot_1/joint_states"
+ROVER = "package://rover_description/urdf/rover.urdf.xacro"
+
+
+def written(folder, topics=(), until=1.0, meanwhile=lambda twin, wire: None):
+    twin = rovers(1).build()
+    twin.publish("/robot_1/forward_velocity_controller/commands", [2.0] * 4)
+    positions = []
+    twin.subscribe(STATES, lambda message: positions.append(list(message.position)))
+    wire = BagWire(folder, topics)
+    seam = Seam(twin, [wire])
+    twin.advance_to(until / 2)
+    meanwhile(twin, wire)
+    twin.advance_to(until)
+    seam.close()
+    return positions
+
+
+def test_two_readers_find_the_same_messages(tmp_path):
+    positions = written(tmp_path / "bag")
+    with AnyReader([tmp_path / "bag"]) as reader:
+        counts = {topic: info.msgcount for topic, info in reader.topics.items()}
+        stamps, values = [], []
+        for connection, time, data in reader.messages():
+            if connection.topic == STATES:
+                stamps.append(time)
+                values.append(list(reader.deserialize(data, connection.msgtype).position))
+    assert stamps == [10_000_000 * index for index in range(100)]
+    assert values == positions
+    assert counts["/clock"] == 100
+    assert counts["/tf"] == 20
+    assert counts["/robot_1/robot_description"] == 1
+    assert "/model_states" not in counts
+    other = [item for item in read_ros2_messages(tmp_path / "bag" / "bag.mcap") if item.channel.topic == STATES]
+    assert [list(item.ros_msg.position) for item in other] == positions
+    assert sum(1 for _ in read_ros2_messages(tmp_path / "bag" / "bag.mcap")) == sum(counts.values())
+
+
+def test_only_the_topics_that_are_asked_for(tmp_path):
+    written(tmp_path / "bag", [STATES])
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert list(reader.topics) == [STATES]
+
+
+def test_a_robot_that_comes_later_is_in_the_bag(tmp_path):
+    written(
+        tmp_path / "bag",
+        meanwhile=lambda twin, wire: twin.spawn(Robot("late", ROVER, xyz=(0.0, 4.0, 0.13))),
+    )
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert reader.topics["/late/joint_states"].msgcount == 50
+
+
+def test_the_end_of_the_bags_process_does_not_end_the_run(tmp_path, caplog):
+    def kill(twin, wire):
+        os.kill(wire._process.pid, signal.SIGKILL)
+        wire._process.wait()
+
+    assert len(written(tmp_path / "bag", meanwhile=kill)) == 100
+    (line,) = caplog.messages
+    assert line.endswith("nothing more is written into it")
+
+
+def test_a_twin_that_is_killed_leaves_a_whole_bag(tmp_path):
+    program = textwrap.dedent(
+        f"""
+        import os, sys
+        sys.path.insert(0, {str(Path(__file__).parent.parent)!r})
+        from pathlib import Path
+        from conftest import rovers
+        from drake_twin.wires.bag_wire import BagWire
+        from drake_twin.wires.seam import Seam
+        twin = rovers(1).build()
+        wire = BagWire(Path({str(tmp_path / "bag")!r}))
+        seam = Seam(twin, [wire])
+        twin.advance_to(1.0)
+        seam._queue.join()
+        print(wire._process.pid, flush=True)
+        sys.stdin.read()
+        """
+    )
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, "-c", program], **pipes) as twin:
+        writer = int(twin.stdout.readline())
+        twin.kill()
+    while Path(f"/proc/{writer}").exists() and "Z" not in Path(f"/proc/{writer}/stat").read_text().split(")")[1]:
+        os.sched_yield()
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert reader.topics[STATES].msgcount == 100
+
+
+def test_a_bag_whose_writer_is_killed_can_be_read_by_readers_that_stream(tmp_path):
+    def kill(twin, wire):
+        os.kill(wire._process.pid, signal.SIGKILL)
+        wire._process.wait()
+
+    written(tmp_path / "bag", until=30.0, meanwhile=kill)
+    found = []
+    with (tmp_path / "bag" / "bag.mcap").open("rb") as file, contextlib.suppress(EndOfFile):  # where it is cut off
+        found += (1 for record in StreamReader(file).records if isinstance(record, Message))
+    assert len(found) > 1000
+
+
+@pytest.mark.parametrize("name", ["there", "no/where"])
+def test_a_folder_that_cannot_be_used_is_refused(tmp_path, name):
+    (tmp_path / "there").mkdir()
+    with pytest.raises(InputError, match="exist"):
+        BagWire(tmp_path / name)
