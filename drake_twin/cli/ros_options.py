@@ -1,6 +1,7 @@
-"""The options that put a twin on the ROS 2 graph."""
+"""The options that put a twin on the ROS 2 graph and its topics into a bag."""
 
 import argparse
+from pathlib import Path
 
 from drake_twin.errors import InputError
 
@@ -21,6 +22,10 @@ def add_ros(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--lockstep", action="store_true", help="advance only when the services StepSimulation or SimulateSteps say so"
     )
+    group.add_argument("--bag", type=Path, metavar="FOLDER", help="write the topics into a rosbag2 bag (MCAP)")
+    group.add_argument(
+        "--bag-topic", action="append", metavar="TOPIC", help="write only this topic into the bag (can be repeated)"
+    )
 
 
 def check_ros(options: argparse.Namespace) -> None:
@@ -29,6 +34,10 @@ def check_ros(options: argparse.Namespace) -> None:
     Raises:
         InputError: If a value is invalid, an option needs another one, or ``ROS_DOMAIN_ID`` is not a domain.
     """
+    if options.bag_topic and options.bag is None:
+        raise InputError("--bag-topic is about a bag: it needs --bag FOLDER")
+    if options.bag is not None and options.watch:
+        raise InputError("--bag writes one run into one folder, and --watch starts anew: give one of them")
     if options.ros is None:
         for name in ("ros_host", "ros_port", "ros_router", "lockstep"):
             if getattr(options, name):

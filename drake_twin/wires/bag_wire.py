@@ -24,7 +24,7 @@ class BagWire:
 
     Args:
         folder: The bag's folder, which must not exist.
-        topics: The topics; without any, all but pictures, model states and link states.
+        topics: The topics; without any, all but pictures, model states, link states and those of actions.
 
     Raises:
         InputError: If the folder exists, or its parent does not.
@@ -32,9 +32,9 @@ class BagWire:
 
     def __init__(self, folder: Path, topics: Sequence[str] = ()):
         if folder.exists():
-            raise InputError(f"{folder} exists: a bag is written into a new folder", file=folder)
+            raise InputError("the folder exists: a bag is written into a new one", file=folder)
         if not folder.resolve().parent.is_dir():
-            raise InputError(f"{folder}: the folder {folder.resolve().parent} does not exist", file=folder)
+            raise InputError(f"the folder {folder.resolve().parent} does not exist", file=folder)
         self._folder = folder
         self._topics = frozenset(topics)
         self._numbers = itertools.count(1)
@@ -44,7 +44,8 @@ class BagWire:
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_BagSender":
         """Write a topic, if it is one of those that were asked for."""
-        is_wanted = topic.name in self._topics if self._topics else topic.type not in (*_LEFT_OUT, *_PICTURES)
+        is_hidden = "/_" in topic.name or topic.type in (*_LEFT_OUT, *_PICTURES)
+        is_wanted = topic.name in self._topics if self._topics else not is_hidden
         return _BagSender(self, next(self._numbers), topic, is_wanted)
 
     def listen(self, topic: WireEndpoint, heard: Callable[[bytes], None]) -> Closable:

@@ -120,9 +120,13 @@ class Seam:
         """Send the pending messages, and end the wires."""
         self._twin.inbox.looks.remove(self._look)
         self._twin.inbox.close()
-        self._keep_topics(())
+        for topic in self._topics.values():
+            if topic.end is not None:
+                topic.end()
+                topic.end = None
         self._queue.put(None)
-        self._thread.join()
+        self._thread.join()  # before the topics end, so that their last messages are sent
+        self._keep_topics(())
         for wire in self._wires:
             wire.close()
 

@@ -128,3 +128,21 @@ def test_a_folder_that_cannot_be_used_is_refused(tmp_path, name):
     (tmp_path / "there").mkdir()
     with pytest.raises(InputError, match="exist"):
         BagWire(tmp_path / name)
+
+
+def test_the_program_writes_a_bag(tmp_path, capsys):
+    from drake_twin.run import main
+
+    arguments = ["--robots", "2", "--headless", "--duration", "0.5", "--bag", str(tmp_path / "bag")]
+    assert main(arguments) == 0
+    with AnyReader([tmp_path / "bag"]) as reader:
+        assert reader.topics["/robot_2/joint_states"].msgcount == 50
+        assert not [topic for topic in reader.topics if "/_action/" in topic]
+    capsys.readouterr()
+    assert main(arguments) == 2
+    assert "the folder exists: a bag is written into a new one" in capsys.readouterr().err
+    assert main([*arguments, "--watch"]) == 2
+    assert main(["--robots", "1", "--headless", "--duration", "0.1", "--bag-topic", "/tf"]) == 2
+    said = capsys.readouterr().err
+    assert "it needs --bag FOLDER" in said
+    assert "Traceback" not in said
