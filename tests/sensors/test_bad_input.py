@@ -40,8 +40,10 @@ WRONG = [
     ),
     (
         "altimeter",
-        "<altimeter><vertical_position><noise><type>gaussian</type><stddev>-1</stddev></noise></vertical_position>"
-        "</altimeter>",
+        (
+            "<altimeter><vertical_position><noise><type>gaussian</type><stddev>-1</stddev></noise></vertical_position>"
+            "</altimeter>"
+        ),
         "stddev is '-1', but it must be at least 0",
     ),
     (
