@@ -104,12 +104,20 @@ def ros_topic(plugin: GazeboPlugin, topic: str) -> str:
 def _remappings(plugin: GazeboPlugin) -> Iterator[tuple[str, str]]:
     texts: Iterable[str] = [
         *plugin.elements.get("ros/remapping", ()),
-        *(word for text in plugin.elements.get("ros/argument", ()) for word in shlex.split(text)),
+        *(word for text in plugin.elements.get("ros/argument", ()) for word in _words_of(text)),
     ]
     for text in texts:
         before, assigned, after = text.partition(":=")
         if assigned and not before.startswith("__"):
             yield before.strip(), after.strip()
+
+
+def _words_of(text: str) -> list[str]:
+    """Split an argument as a shell does; one with a quote that does not end is one word."""
+    try:
+        return shlex.split(text)
+    except ValueError:
+        return [text]
 
 
 _OF_ALL_PLUGINS = {"ros/namespace", "ros/remapping", "ros/argument"}

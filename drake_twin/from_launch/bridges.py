@@ -52,7 +52,7 @@ def bridge_lines(process: LaunchedProcess, findings: list[Finding]) -> tuple[Bri
         process: The bridge.
         findings: Takes what cannot be read, with which ROS's bridge would end.
     """
-    words = [word for word in _words(process.arguments) if word]
+    words = [word for word in process.arguments if word and not word.startswith("-")]
     if process.executable == "image_bridge":
         return tuple(_line(process, word, word, _IMAGE, "GZ_TO_ROS", process.place) for word in words)
     found = []
@@ -77,15 +77,6 @@ def renamed(lines: Iterable[BridgeLine]) -> dict[str, str]:
 def stamped(lines: Iterable[BridgeLine]) -> tuple[str, ...]:
     """Return the Gazebo topics that are ``TwistStamped`` in ROS."""
     return tuple(line.gz for line in lines if line.ros_type == _STAMPED)
-
-
-def _words(arguments: Iterable[str]) -> Iterator[str]:
-    """Yield a node's own arguments, without those of ROS and without flags."""
-    is_ros = False
-    for word in arguments:
-        is_ros = word == "--ros-args" or (is_ros and word != "--")
-        if not is_ros and not word.startswith("-"):
-            yield word
 
 
 def _line(

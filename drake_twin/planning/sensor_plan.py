@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.description.robot_description import RobotDescription, Sensor
 from drake_twin.description.sensor_element import SensorElement
-from drake_twin.description.sensors import sensor_text
+from drake_twin.description.sensors import SENSOR_PLUGINS, sensor_text
 from drake_twin.findings import Finding, Kind, at_places
 from drake_twin.scenario import Robot
 from drake_twin.sensors.noise import SILENT, Noise
@@ -97,7 +97,8 @@ def plan_sensors(
     taken: dict[str, str] = {}
     for sensor in description.sensors:
         what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
-        kind = sensor_class(sensor.kind)
+        is_plugin = sensor.text.startswith("<plugin")
+        kind = sensor_class(sensor.kind) if is_plugin == (sensor.kind in SENSOR_PLUGINS) else None
         reason = _wrong_place(sensor, kind, description) if kind is not None else "the twin has no such sensor"
         element = SensorElement(sensor)
         settings = None if reason or kind is None else kind.read(element)

@@ -177,3 +177,21 @@ def test_a_level_robot_is_seen_from_north_east_down_as_upside_down():
     # Its x axis points east, which is y in north-east-down; its z axis points up, which is -z there.
     np.testing.assert_allclose(R_NS[:, 0], [0, 1, 0], atol=1e-12)
     np.testing.assert_allclose(R_NS[:, 2], [0, 0, -1], atol=1e-12)
+
+
+@pytest.mark.parametrize(("angle", "rate"), [(0.3, 0.0), (-1.1, 2.5), (2.0, -4.0), (3.1, 0.7)])
+def test_a_pendulum_at_any_angle_and_rate_has_the_acceleration_of_the_closed_form(angle, rate):
+    """At the point mass on a rod the IMU feels what pulls along the rod, m (g cos θ + ω² l), and nothing else."""
+    length = 0.8
+    rod = f"""<robot name="r"><link name="base"/><link name="rod">
+      <inertial><origin xyz="0 0 {-length}"/><mass value="1"/>
+      <inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="axle" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="1 0 0"/></joint>
+    </robot>"""
+    rig = Rig(rod, Sensor("imu", "imu", link="rod", pose=Pose((0, 0, -length))), weld="base")
+    axle = rig.plant.GetJointByName("axle")
+    axle.set_angle(rig.context, angle)
+    axle.set_angular_rate(rig.context, rate)
+    _, angular_velocity, acceleration = rig.measure()
+    np.testing.assert_allclose(acceleration, [0, 0, G * cos(angle) + rate**2 * length], atol=1e-6)
+    np.testing.assert_allclose(angular_velocity, [rate, 0, 0], atol=1e-12)

@@ -145,6 +145,7 @@ def test_two_sensors_with_one_topic_are_a_warning_and_the_first_one_publishes(tm
         ),
         (gazebo(kind="wideanglecamera"), "the twin has no such sensor"),
         (gazebo(kind=""), "the twin has no such sensor"),
+        (gazebo(kind="gazebo_ros_p3d"), "the twin has no such sensor"),
     ],
 )
 def test_a_sensor_that_cannot_be_is_not_started_with_its_place(tmp_path, sensor, reason):

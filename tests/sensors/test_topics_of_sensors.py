@@ -1,5 +1,7 @@
 """A sensor from its file to its topic: names, frames, rates, stamps, and what nobody listens to."""
 
+from math import atan2
+
 import pytest
 
 from drake_twin import TwinBuilder
@@ -98,3 +100,36 @@ def test_what_no_kind_reads_is_ignored_with_its_line(tmp_path):
     )
     (finding,) = [item for item in twin.findings if "magic" in item.what]
     assert (finding.kind, finding.what, finding.lines) == (Kind.IGNORED, "<magic> in <imu> of sensor 'imu'", (5,))
+
+
+def test_an_imu_without_orientation_says_so_as_the_message_defines_it(tmp_path):
+    inside = "<imu><enable_orientation>false</enable_orientation></imu>"
+    message = twin_with(tmp_path, imu(inside), rpy=(0, 0, 1.0)).latest("/box/imu/imu")
+    assert message.orientation_covariance[0] == -1.0
+    turn = message.orientation
+    assert (turn.w, turn.x, turn.y, turn.z) == (1.0, 0.0, 0.0, 0.0)
+
+
+def test_an_imu_of_gazebo_classic_measures_its_orientation_in_the_world(tmp_path):
+    """REP 145: gazebo_ros_imu_sensor.cpp sets the reference to the identity unless it is told otherwise."""
+    plugin = '<plugin name="p" filename="libgazebo_ros_imu_sensor.so">{}</plugin>'
+    for inside, expected in (
+        ("", 1.0),
+        ("<initial_orientation_as_reference>true</initial_orientation_as_reference>", 0.0),
+    ):
+        message = twin_with(tmp_path, imu(plugin.format(inside)), rpy=(0, 0, 1.0)).latest("/box/p/out")
+        turn = message.orientation
+        assert 2 * atan2(turn.z, turn.w) == pytest.approx(expected)
+
+
+def test_ros_1s_imu_plugin_of_a_model_has_noise_on_all_ten_numbers(tmp_path):
+    plugin = """<gazebo><plugin name="p" filename="libgazebo_ros_imu.so"><bodyName>box</bodyName>
+      <topicName>imu/data</topicName><updateRate>20</updateRate><gaussianNoise>0.1</gaussianNoise></plugin></gazebo>"""
+    twin = twin_with(tmp_path, plugin)
+    messages = heard(twin, "/box/imu/data")
+    twin.advance_to(0.5)
+    assert len(messages) == 10
+    for part, names in (("orientation", "wxyz"), ("angular_velocity", "xyz"), ("linear_acceleration", "xyz")):
+        for name in names:
+            assert len({getattr(getattr(message, part), name) for message in messages}) == 10
+        assert getattr(messages[0], f"{part}_covariance")[4] == pytest.approx(0.01)
