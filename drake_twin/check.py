@@ -119,6 +119,7 @@ def _describe(twin: "Twin") -> dict[str, Any]:
         }
         | {name: [*gpio.states] for name, gpio in description.gpios.items() if gpio.states},
         "controllers": [controller.name for controller in plan.controllers],
+        "sensors": [sensor.as_plain() for sensor in plan.sensors],
         "meshes": {str(mesh): mesh.stat().st_size for mesh in plan.model.meshes},
         "contact": [
             {
@@ -161,6 +162,7 @@ def _robot_lines(robot: dict[str, Any]) -> Iterator[str]:
         for names, of_joints in by_names.items():
             yield f"  {kind.replace('_', ' ')}: {names}: {', '.join(of_joints)}"
     yield f"  active controllers: {', '.join(robot['controllers']) or 'none'}"
+    yield from map(_sensor_line, robot["sensors"])
     for touches, meaning in _TOUCHES.items():
         links = Counter(item["link"] for item in robot["contact"] if item["touches"] == touches)
         if links:
@@ -171,6 +173,14 @@ def _robot_lines(robot: dict[str, Any]) -> Iterator[str]:
         yield f"  meshes: {len(robot['meshes'])} files, {total / 1e6:.2f} MB"
     for mesh, size in robot["meshes"].items():
         yield f"    {size / 1e3:9.1f} kB  {mesh}"
+
+
+def _sensor_line(sensor: dict[str, Any]) -> str:
+    topics = ", ".join(f"{topic} ({kind})" for topic, kind in sensor["topics"].items()) or "no topic"
+    rate = f"{sensor['rate']:g} Hz" if sensor["rate"] else "every step"
+    noise = "; ".join(f"{channel}: {text}" for channel, text in sensor["noise"].items()) or "none"
+    frame = f"frame {sensor['frame']}" if sensor["frame"] else "no frame"
+    return f"  sensor {sensor['name']} ({sensor['kind']}) on {sensor['on']}: {topics}, {frame}, {rate}, noise: {noise}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

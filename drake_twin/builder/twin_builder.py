@@ -44,6 +44,8 @@ class TwinBuilder:
         engine: ``discrete``, or ``cenic`` for Drake's convex integrator with error control.
         accuracy: The accuracy of ``cenic``.
         world: The world: gravity, ground, and a world file.
+        seed: What the noise of sensors is drawn from.
+        sensor_noise: Whether sensors have the noise that their files give them.
     """
 
     def __init__(
@@ -53,7 +55,10 @@ class TwinBuilder:
         world: World | None = None,
         engine: str = DISCRETE,
         accuracy: float = 1e-3,
+        seed: int = 0,
+        sensor_noise: bool = True,
     ):
+        self._seed, self._sensor_noise = seed, sensor_noise
         self._engine, self._accuracy = engine, float(accuracy)
         self._time_step = None if time_step is None else float(time_step)
         self._launched_step = 0.001
@@ -248,6 +253,8 @@ class TwinBuilder:
             static_transforms=tuple(self._static_transforms),
             commands=tuple(self._commands),
             findings=tuple(self._findings),
+            seed=self._seed,
+            sensor_noise=self._sensor_noise,
         )
 
     def build(self, meshcat: Meshcat | None = None) -> Twin:

@@ -43,6 +43,7 @@ def parser() -> ArgumentParser:
     add_plugin(parser)
     _add_robots(parser.add_argument_group("robots"))
     _add_time(parser.add_argument_group("time"))
+    _add_sensors(parser.add_argument_group("sensors"))
     _add_page(parser.add_argument_group("page"))
     add_ros(parser.add_argument_group("ROS 2"))
     _add_launch_files(parser.add_argument_group("launch files"))
@@ -92,6 +93,11 @@ def _add_time(group: argparse._ArgumentGroup) -> None:
         metavar="R",
         help="simulated seconds per second (default: 1 with a page, as fast as possible without)",
     )
+
+
+def _add_sensors(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--seed", type=int, metavar="N", help="what the noise of sensors is drawn from (default: 0)")
+    group.add_argument("--no-sensor-noise", action="store_true", help="let sensors measure without noise")
 
 
 def _add_page(group: argparse._ArgumentGroup) -> None:

@@ -13,6 +13,7 @@ def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | 
     - ``robots``: name → ``joints`` (names of the movable joints), ``positions`` (rad or m), ``velocities``,
       ``efforts`` (that actuators apply, N·m or N; None after a failure, for they are those of the next step),
       ``base_pose`` [x, y, z, qw, qx, qy, qz] of the root link
+    - ``seed`` and ``sensor_noise``: what the noise of sensors is drawn from, and whether there is any
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
     - ``findings``: what of the files is not used as it is: ``kind`` (mended, warning, ignored, not started,
@@ -42,6 +43,8 @@ def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | 
         "real_time_factor": simulated / wall_time if wall_time > 0 else 0.0,
         "time_step": twin.scenario.time_step,
         "steps": twin.step_count,
+        "seed": twin.scenario.seed,
+        "sensor_noise": twin.scenario.sensor_noise,
         "robots": robots,
         "topics": twin.topics(),
         "warnings": list(twin.warnings),

@@ -116,6 +116,10 @@ def _with_options(target: Target, options: argparse.Namespace, commands: tuple[C
         scenario = replace(scenario, accuracy=options.accuracy)
     if options.time_step is not None:
         scenario = replace(scenario, time_step=options.time_step)
+    if options.seed is not None:
+        scenario = replace(scenario, seed=options.seed)
+    if options.no_sensor_noise:
+        scenario = replace(scenario, sensor_noise=False)
     if commands:
         topics = {command.topic for command in commands}
         kept = tuple(command for command in scenario.commands if command.topic not in topics)
@@ -139,6 +143,8 @@ def _saved(options: argparse.Namespace) -> Target:
         raise InputError(
             f"{option} continues as it was saved: it cannot be combined with --engine, --accuracy or --pub"
         )
+    if options.seed is not None or options.no_sensor_noise:
+        raise InputError(f"{option} continues as it was saved: it cannot be combined with --seed or --no-sensor-noise")
     if options.load_state:
         snapshot = Snapshot.load(options.load_state)
         return Target(ScenarioFile(snapshot.scenario, options.load_state).scenario, snapshot=snapshot)

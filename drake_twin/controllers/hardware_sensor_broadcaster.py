@@ -2,13 +2,9 @@
 
 from typing import Any
 
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
-
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.sensors.sensor_system import SensorSystem
 
 
 class HardwareSensorBroadcaster(SensorBroadcaster):
@@ -33,10 +29,6 @@ class HardwareSensorBroadcaster(SensorBroadcaster):
         if not description.hardware_sensors:
             has = "it has no sensor"
         return f"<ros2_control> has no state interface {', '.join(missing)} ({has})"
-
-    def simulated_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> SensorSystem | None:
-        """Return None: nothing measures the sensor's values."""
-        return None
 
 
 def check_given(parameters: Any, *names: str) -> None:

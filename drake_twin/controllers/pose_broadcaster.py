@@ -15,7 +15,6 @@ from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBro
 from drake_twin.controllers.registry import controller
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.sensors.pose_sensor import PoseSensor
-from drake_twin.sensors.sensor_system import SensorSystem
 
 _INTERFACES = (*(f"position.{axis}" for axis in "xyz"), *(f"orientation.{axis}" for axis in "xyzw"))
 _LENGTH_TOLERANCE = 0.01  # of a quaternion's squared length: upstream's 10e-3
@@ -111,7 +110,7 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
         self.odometry_frames = (setup.frame(parameters.frame_id), setup.frame_prefix + child)
         self.declare_topic_output("tf_odometry", "tf2_msgs/msg/TFMessage", self._calc_tf, self._present())
 
-    def simulated_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> SensorSystem | None:
+    def own_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> PoseSensor | None:
         """Return a sensor of the link's pose; None if no link is named."""
         if self._link is None:
             return None

@@ -9,8 +9,7 @@ from pydrake.systems.framework import InputPort
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.sensors.registry import sensor_class
-from drake_twin.sensors.sensor_system import SensorSystem
+from drake_twin.sensors.plant_reader import PlantReader
 
 
 class SensorReader(Controller):
@@ -54,10 +53,14 @@ class SensorReader(Controller):
         """Return the port of the sensor's values."""
         return self._sensor
 
-    def simulated_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> SensorSystem | None:
-        """Return a new system that measures the sensor's values in a finalized plant; None if nothing does."""
-        sensor = self.setup.description.sensor(self.sensor_name(self.setup.parameters), self.kind)
-        return None if sensor is None else sensor_class(sensor.kind).of(plant, instance, sensor)
+    @property
+    def simulated_sensor(self) -> tuple[str, str]:
+        """The name and the kind of the robot's sensor that it reads, if the robot has it."""
+        return self.sensor_name(self.setup.parameters).strip("/"), self.kind
+
+    def own_sensor(self, plant: MultibodyPlant, instance: ModelInstanceIndex) -> PlantReader | None:
+        """Return a new system that measures the values in a finalized plant; None if no such system is needed."""
+        return None
 
     def initial_values(self) -> np.ndarray:
         """Return the value of each state interface that nothing sets: its ``initial_value``, or NaN."""

@@ -19,18 +19,23 @@ _CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
     """Read the plugins at a path of a document: ``gazebo/plugin`` in a URDF, ``model/plugin`` in an SDF."""
     for plugin in reader.root.iterfind(path):
-        elements: dict[str, tuple[str, ...]] = {}
-        for name, text in _texts(plugin):
-            elements[name] = (*elements.get(name, ()), text)
-        namespace = plugin.findtext("ros/namespace")
-        yield GazeboPlugin(
-            filename=plugin.get("filename", ""),
-            name=plugin.get("name", ""),
-            parameters=tuple(text for text in elements.get("parameters", ()) if text),
-            namespace=None if namespace is None else namespace.strip(),
-            elements=elements,
-            place=reader.place(plugin),
-        )
+        yield read_plugin(reader, plugin)
+
+
+def read_plugin(reader: XmlReader, plugin: etree._Element) -> GazeboPlugin:
+    """Read a ``<plugin>``."""
+    elements: dict[str, tuple[str, ...]] = {}
+    for name, text in _texts(plugin):
+        elements[name] = (*elements.get(name, ()), text)
+    namespace = plugin.findtext("ros/namespace")
+    return GazeboPlugin(
+        filename=plugin.get("filename", ""),
+        name=plugin.get("name", ""),
+        parameters=tuple(text for text in elements.get("parameters", ()) if text),
+        namespace=None if namespace is None else namespace.strip(),
+        elements=elements,
+        place=reader.place(plugin),
+    )
 
 
 def _texts(element: etree._Element, above: str = "") -> Iterator[tuple[str, str]]:

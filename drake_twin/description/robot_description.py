@@ -174,40 +174,38 @@ class HardwareSystem:
 
 @dataclass(frozen=True)
 class Sensor:
-    """An IMU or a force/torque sensor that Gazebo would simulate.
+    """A sensor that Gazebo would simulate: a ``<sensor>``, or a plugin of Gazebo classic that is one.
 
     Attributes:
         name: Its name; a ``<sensor>`` of ``<ros2_control>`` with the same name is this one, as for gz_ros2_control.
-        kind: Its type: ``imu``, ``force_torque`` or one that another package has added.
+        kind: Its type as written, such as ``imu`` or ``gpu_ray``; of a plugin its kind, such as ``gazebo_ros_p3d``.
         link: The link that it is attached to; empty for one on a joint.
         joint: The joint that it is on; empty for one on a link.
+        gazebo_link: The link that Gazebo attaches it to, which is the parent of the link's fixed joints, as Gazebo
+            folds these; of a joint its child.
         pose: The sensor in the link's frame, or in the joint's frame.
+        pose_frame: The frame that the pose is relative to; empty for the link or joint.
         frame: The frame that the file gives its values; empty where it gives none.
         topic: Gazebo's own topic; empty where the file gives none.
         update_rate: The rate of its measurements (Hz); 0 for at every step.
-        orientation_reference: Of an IMU, the frame that its orientation is relative to, as roll, pitch, yaw in the
-            world (rad); None for its orientation at the start, as in Gazebo.
-        measured_on: Of a force/torque sensor, the link that the measured wrench acts on: ``parent`` (that of the child
-            on the parent, Gazebo's default) or ``child``.
-        axes: Of a force/torque sensor, whose axes its values have: ``child`` (Gazebo's default), ``parent`` or
-            ``sensor``.
         place: Where it was written.
-        text: Its ``<sensor>`` element, for what a type of sensor reads of it beyond this.
+        text: Its element, for what its kind reads of it beyond this.
+        places: Where each element of ``text`` was written, in the order of the document.
     """
 
     name: str
     kind: str
     link: str = ""
     joint: str = ""
+    gazebo_link: str = ""
     pose: Pose = Pose()
+    pose_frame: str = ""
     frame: str = ""
     topic: str = ""
     update_rate: float = 0.0
-    orientation_reference: Vector3 | None = None
-    measured_on: str = "parent"
-    axes: str = "child"
     place: Place = field(default=Place(""), compare=False)
-    text: str = field(default="", compare=False)
+    text: str = field(default="<sensor/>", compare=False)
+    places: tuple[Place, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -251,7 +249,7 @@ class RobotDescription:
         systems: Its ``<ros2_control>`` tags.
         plugins: The plugins of its ``<gazebo>`` tags.
         surfaces: Link name → its surface by ``<gazebo reference>``.
-        sensors: The IMUs and force/torque sensors of its ``<gazebo>`` tags.
+        sensors: The sensors of its ``<gazebo>`` tags, or of an SDF's links and joints.
         text: The expanded URDF (or the SDF), which is also published as ``robot_description``.
         file: The file it was read from.
         base_joints: Joints that the twin adds between the world and the root link, so that the base can be commanded;

@@ -1,45 +1,59 @@
-"""The ``<sensor>`` tags of ``<gazebo>`` and ``<ros2_control>`` in a URDF, and of an SDF's links and joints."""
+"""The ``<sensor>`` tags of ``<gazebo>`` and ``<ros2_control>`` in a URDF, and of an SDF's links and joints.
 
-from collections.abc import Iterator
+Name, place, pose, rate, topic and frame are read here; the rest of the element is left to its kind, in
+`drake_twin.sensors`.
+"""
+
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from math import pi
 from pathlib import Path
 
 from lxml import etree
 
-from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor, Vector3
+from drake_twin.description.gazebo_plugins import plugin_kind, read_plugin
+from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.extensions import load_extensions
+from drake_twin.values import is_true
 
-# Sensor type → the element that it is on; drake_twin.sensors.registry adds the types of others.
-SENSOR_KINDS = {"imu": "link", "force_torque": "joint"}
+# Plugins of Gazebo classic that are sensors by themselves, outside of a <sensor>: the element that names their link
+# or joint, and the one of their rate (Hz).
+SENSOR_PLUGINS = {
+    "gazebo_ros_p3d": ("link", "body_name", "update_rate"),
+    "gazebo_ros_ft_sensor": ("joint", "joint_name", "update_rate"),
+    "gazebo_ros_imu": ("link", "bodyName", "updateRate"),  # ROS 1's, which still stands in files
+}
 
-# The frames that an IMU's orientation can be relative to, in a world whose x, y and z are east, north and up.
-_LOCALIZATIONS: dict[str, Vector3] = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, pi / 2), "NED": (pi, 0.0, pi / 2)}
+_FRAMES = ("frame_id", "gz_frame_id", "ignition_frame_id", "plugin/frame_name")
 
 
 def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
-    """Read the IMUs and force/torque sensors of a URDF's ``<gazebo reference>`` tags.
+    """Read the sensors of a URDF's ``<gazebo>`` tags.
 
     A sensor at a link or joint that the robot lacks is left out, as in Gazebo.
 
     Raises:
         InputError: If a value is invalid.
     """
-    for element in reader.root.iterfind("gazebo[@reference]/sensor"):
-        place = element.getparent()
-        assert place is not None
-        reference = reader.text(place, "reference")
-        sensor = _sensor(reader, element)
-        if sensor is None:
+    root = reader.root
+    links, joints = ({item.get("name", "").strip() for item in root.iterfind(tag)} for tag in ("link", "joint"))
+    lumped, children = lumped_links(root), _children(root)
+    for place in root.iterfind("gazebo"):
+        reference = (place.get("reference") or "").strip()
+        if reference and reference not in links | joints:
             continue
-        tag = SENSOR_KINDS[sensor.kind]
-        if reference in {item.get("name", "").strip() for item in reader.root.iterfind(tag)}:
-            yield replace(sensor, link=reference) if tag == "link" else replace(sensor, joint=reference)
+        on_link = reference in links
+        for element in place.iterfind("sensor"):
+            sensor = _sensor(reader, element)
+            if on_link:
+                yield replace(sensor, link=reference, gazebo_link=lumped.get(reference, reference))
+            else:
+                yield replace(sensor, joint=reference, gazebo_link=children.get(reference, ""))
+        for element in place.iterfind("plugin"):
+            yield from _of_plugin(reader, element, lumped, children)
 
 
 def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
-    """Read the IMUs and force/torque sensors of an SDF model's links and joints.
+    """Read the sensors of an SDF model's links and joints.
 
     Raises:
         InputError: If a value is invalid.
@@ -49,10 +63,52 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
         for element in reader.root.iterfind(f"model/{tag}/sensor"):
             place = element.getparent()
             assert place is not None
-            sensor = _sensor(reader, element)
-            if sensor is not None and SENSOR_KINDS[sensor.kind] == tag:
-                name = reader.text(place, "name")
-                yield replace(sensor, link=name) if tag == "link" else replace(sensor, joint=name)
+            sensor, name = _sensor(reader, element), reader.text(place, "name")
+            if tag == "link":
+                yield replace(sensor, link=name, gazebo_link=name)
+            else:
+                yield replace(sensor, joint=name, gazebo_link=_text(place, "child"))
+    model = reader.root.find("model")
+    for element in reader.root.iterfind("model/plugin"):
+        yield from _of_plugin(reader, element, {}, {} if model is None else _children(model))
+
+
+def _children(root: etree._Element) -> dict[str, str]:
+    """Return joint → child link."""
+    found = {}
+    for joint in root.iterfind("joint"):
+        child = joint.find("child")
+        if child is not None:
+            found[(joint.get("name") or "").strip()] = (child.get("link") or child.text or "").strip()
+    return found
+
+
+def lumped_links(root: etree._Element) -> dict[str, str]:
+    """Return link → the link into which Gazebo folds it, for the links on fixed joints.
+
+    libsdformat's ``FixedJointShouldBeReduced`` (src/parser_urdf.cc): every fixed joint that is not marked by
+    ``<preserveFixedJoint>`` or ``<disableFixedJointLumping>`` and whose parent is not ``world``.
+    """
+    kept = {
+        (element.get("reference") or "").strip()
+        for element in root.iterfind("gazebo[@reference]")
+        for tag in ("preserveFixedJoint", "disableFixedJointLumping")
+        if is_true(element.findtext(tag))
+    }
+    parents: dict[str, str] = {}
+    for joint in root.iterfind("joint"):
+        parent, child = joint.find("parent"), joint.find("child")
+        is_folded = joint.get("type") == "fixed" and (joint.get("name") or "").strip() not in kept
+        if is_folded and parent is not None and child is not None and parent.get("link", "").strip() != "world":
+            parents[child.get("link", "").strip()] = parent.get("link", "").strip()
+    found = {}
+    for link in parents:
+        last, seen = link, {link}
+        while last in parents and parents[last] not in seen:
+            last = parents[last]
+            seen.add(last)
+        found[link] = last
+    return found
 
 
 def sensor_text(name: str, kind: str, place: str, topic: str) -> str:
@@ -85,69 +141,69 @@ def _initial_value(reader: XmlReader, element: etree._Element) -> float:
     return reader.parse_number(element, text, "initial_value") if truth is None else truth
 
 
-def _sensor(reader: XmlReader, element: etree._Element) -> Sensor | None:
-    """Read a ``<sensor>`` tag, without its link or joint; return None for one of another kind."""
-    kind = element.get("type", "").strip()
-    load_extensions("drake_twin.sensors")
-    if kind not in SENSOR_KINDS:
-        return None
-    frames = ("gz_frame_id", "ignition_frame_id", "frame_id", "plugin/frame_name", "plugin/frameName")
+def _sensor(reader: XmlReader, element: etree._Element) -> Sensor:
+    """Read a ``<sensor>`` tag, without its link or joint."""
     rate = _text(element, "update_rate")
+    pose = element.find("pose")
     sensor = Sensor(
         name=reader.text(element, "name"),
-        kind=kind,
+        kind=element.get("type", "").strip(),
         pose=_pose(reader, element),
-        frame=next((text for tag in frames if (text := _text(element, tag))), ""),
+        pose_frame="" if pose is None else (pose.get("relative_to") or "").strip(),
+        frame=next((text for tag in _FRAMES if (text := _text(element, tag))), ""),
         topic=_text(element, "topic"),
         update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
         place=reader.place(element),
         text=etree.tostring(element, encoding="unicode", with_tail=False),
+        places=tuple(map(reader.place, element.iter(etree.Element))),
     )
     if sensor.update_rate < 0.0:
         raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
-    if kind == "imu":
-        return replace(sensor, orientation_reference=_orientation_reference(reader, element))
-    if kind != "force_torque":
-        return sensor
-    direction = _choice(reader, element, "measure_direction", ("child_to_parent", "parent_to_child"))
-    axes = _choice(reader, element, "frame", ("child", "parent", "sensor"))
-    return replace(sensor, measured_on=direction.rpartition("_")[2], axes=axes)
+    return sensor
+
+
+def _of_plugin(
+    reader: XmlReader, element: etree._Element, lumped: Mapping[str, str], children: Mapping[str, str]
+) -> Iterator[Sensor]:
+    """Yield the sensor that a plugin outside of a ``<sensor>`` is, if it is one."""
+    kind = plugin_kind(read_plugin(reader, element))
+    if kind not in SENSOR_PLUGINS:
+        return
+    on, *tags = SENSOR_PLUGINS[kind]
+    where, rate = (_text(element, tag) for tag in tags)
+    sensor = Sensor(
+        name=(element.get("name") or kind).strip(),
+        kind=kind,
+        frame=_text(element, "frame_name") or _text(element, "frameName"),
+        update_rate=reader.parse_number(element, rate, "update_rate") if rate else 0.0,
+        place=reader.place(element),
+        text=etree.tostring(element, encoding="unicode", with_tail=False),
+        places=tuple(map(reader.place, element.iter(etree.Element))),
+    )
+    if sensor.update_rate < 0.0:
+        raise reader.error(element, f"update_rate is {rate!r}, but it cannot be negative")
+    if on == "joint":
+        yield replace(sensor, joint=where, gazebo_link=children.get(where, ""))
+    else:
+        yield replace(sensor, link=where, gazebo_link=lumped.get(where, where))
 
 
 def _text(element: etree._Element, path: str) -> str:
     return (element.findtext(path) or "").strip()
 
 
-def _choice(reader: XmlReader, element: etree._Element, tag: str, choices: tuple[str, ...]) -> str:
-    """Read a child of ``<force_torque>`` that is one of a few words; the first where it is not given."""
-    text = _text(element, f"force_torque/{tag}") or choices[0]
-    if text not in choices:
-        raise reader.error(element, f"unknown {tag} {text!r}", value=text, valid=choices)
-    return text
-
-
 def _pose(reader: XmlReader, element: etree._Element) -> Pose:
+    found = element.find("pose")
+    if found is not None and (found.get("rotation_format") or found.get("degrees")):
+        from pydrake.math import RollPitchYaw
+
+        from drake_twin.description.sdf_pose import transform_of
+
+        transform = transform_of(found, reader)
+        xyz, rpy = transform.translation().tolist(), RollPitchYaw(transform.rotation()).vector().tolist()
+        return Pose(tuple(xyz), tuple(rpy))
     text = _text(element, "pose") or _text(element, "origin")
     if not text:
         return Pose()
     x, y, z, roll, pitch, yaw = reader.parse_numbers(element, text, "pose", 6)
     return Pose((x, y, z), (roll, pitch, yaw))
-
-
-def _orientation_reference(reader: XmlReader, element: etree._Element) -> Vector3 | None:
-    """Read the reference as gz-sim does: a named frame, one of the file's own, or the orientation at the start."""
-    for tag in ("initial_orientation_as_reference", "initialOrientationAsReference"):
-        if _text(element, f"plugin/{tag}").lower() in ("0", "false"):  # Gazebo classic's plugin for ROS
-            return _LOCALIZATIONS["ENU"]
-    frame = element.find("imu/orientation_reference_frame")
-    if frame is None:
-        return None
-    localization = _text(frame, "localization") or "CUSTOM"
-    if localization in _LOCALIZATIONS:
-        return _LOCALIZATIONS[localization]
-    if localization not in ("CUSTOM", "GRAV_UP", "GRAV_DOWN"):
-        valid = ("CUSTOM", *_LOCALIZATIONS)
-        raise reader.error(frame, f"unknown localization {localization!r}", value=localization, valid=valid)
-    text = _text(frame, "custom_rpy") or "0 0 0"
-    roll, pitch, yaw = reader.parse_numbers(frame, text, "custom_rpy", 3)
-    return roll, pitch, yaw

@@ -6,40 +6,26 @@ from difflib import get_close_matches
 from lxml import etree
 
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
+from drake_twin.description.gazebo_plugins import plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
-from drake_twin.description.sensors import SENSOR_KINDS, sensor_text
+from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.unused_contact import is_unused
-from drake_twin.description.used_elements import DRAKE, REPORTED, ROS2_CONTROL, SDF_MODEL, SENSOR, SEVERAL, URDF, Part
+from drake_twin.description.used_elements import DRAKE, REPORTED, ROS2_CONTROL, SDF_MODEL, SEVERAL, URDF, Part
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, at_places
 
-_SENSORS = {
-    "camera": "the twin has no cameras",
-    "depth": "the twin has no cameras",
-    "rgbd": "the twin has no cameras",
-    "ray": "the twin has no lidar",
-    "lidar": "the twin has no lidar",
-    "contact": "the twin has no contact sensors",
-    "bumper": "the twin has no contact sensors",
-    "gps": "the twin has no satellite navigation",
-    "navsat": "the twin has no satellite navigation",
-    "magnetometer": "the twin has no magnetic field",
-    "sonar": "the twin has no range sensors",
-    "altimeter": "the twin has no altimeter",
-    "pressure": "the twin has no air",
-}
+_SENSOR_SYSTEMS = (
+    *("sensors-system", "imu-system", "forcetorque-system", "contact-system", "navsat-system"),
+    *("magnetometer-system", "altimeter-system", "air-pressure-system"),
+)
 _PLUGINS = {
-    **_SENSORS,
-    "p3d": "true poses are on the topic ground_truth/odom of each robot",
-    "laser": "the twin has no lidar",
-    "imu": "an imu_sensor_broadcaster in the controllers' file publishes an IMU",
-    "ft_sensor": "a force_torque_sensor_broadcaster in the controllers' file publishes it",
+    **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
     "buoyancy": "the twin has no water and no air",
     "lift": "the twin has no water and no air",
     "hydrodynamics": "the twin has no water and no air",
     "wind": "the twin has no water and no air",
     "thruster": "the twin has no water and no air",
-    "sensors-system": "sensors are read without it",
+    **dict.fromkeys(_SENSOR_SYSTEMS, "sensors are simulated without it"),
     "battery": "the twin has no batteries",
 }
 
@@ -90,7 +76,7 @@ def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Elemen
         elif tag in ("gazebo", "model", "sensor") and name == "plugin":
             yield from _unread_plugin(child)
         elif tag in ("gazebo", "link", "joint") and name == "sensor":
-            yield from _unread_sensor(child, element.get("reference") or element.get("name") or "?")
+            continue  # `drake_twin.planning.sensor_plan` says what becomes of it
         elif known is not REPORTED and not is_unused(child):
             yield child, f"<{name}>" + (f" in <{tag}>" if tag != "robot" else "")
 
@@ -106,22 +92,11 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str
                 yield plugin, f"the attribute {attribute} of <plugin>"
         return
     called = f"{name} ({filename})" if name and filename else name or filename or "?"
+    if plugin_kind(GazeboPlugin(filename, name)) in SENSOR_PLUGINS:
+        return
     close = get_close_matches(filename.rpartition("/")[2], known_libraries(), n=1, cutoff=0.85)
     absent = "the twin has no such plugin" + (f". Did you mean {close[0]!r}?" if close else "")
     yield plugin, f"Gazebo plugin {called}: {_reason(_PLUGINS, filename + name, absent)}"
-
-
-def _unread_sensor(sensor: etree._Element, place: str) -> Iterator[tuple[etree._Element, str]]:
-    kind = sensor.get("type", "").strip()
-    if kind in SENSOR_KINDS and kind not in ("imu", "force_torque"):
-        return  # of another package, which reads the whole tag
-    if kind in SENSOR_KINDS:
-        for noise in sensor.iter("noise"):
-            yield noise, f"<noise> of sensor {sensor.get('name', '')}: the twin's sensors are exact"
-        yield from _unread(sensor, SENSOR)
-        return
-    what = sensor_text(sensor.get("name", ""), kind, place, (sensor.findtext("topic") or "").strip())
-    yield sensor, f"{what}: {_reason(_SENSORS, kind, 'the twin has no such sensor')}"
 
 
 def _reason(reasons: Mapping[str, str], name: str, otherwise: str) -> str:

@@ -151,30 +151,6 @@ ROS2_CONTROL = _part(
     robot_param=_TEXT,
     robot_param_node=_TEXT,
 )
-_NOISE = _part(noise=REPORTED)
-_NOISES = _part(x=_NOISE, y=_NOISE, z=_NOISE)
-# Sensors are always on here, and are not shown in a window.
-SENSOR = _part(
-    "name type",
-    pose=_POSE,
-    origin=_TEXT,
-    update_rate=_TEXT,
-    topic=_TEXT,
-    gz_frame_id=_TEXT,
-    ignition_frame_id=_TEXT,
-    frame_id=_TEXT,
-    always_on=_TEXT,
-    visualize=_TEXT,
-    enable_metrics=_TEXT,
-    noise=REPORTED,
-    imu=_part(
-        orientation_reference_frame=_part(localization=_TEXT, custom_rpy=_part("parent_frame")),
-        angular_velocity=_NOISES,
-        linear_acceleration=_NOISES,
-        noise=REPORTED,
-    ),
-    force_torque=_part(frame=_TEXT, measure_direction=_TEXT, force=_NOISES, torque=_NOISES, noise=REPORTED),
-)
 
 # Parent and child, where several children are used; of any other only the first one is.
 SEVERAL = {

@@ -20,6 +20,7 @@ from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.source_file import read_xml
+from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.world_frames import WorldFrames
 from drake_twin.description.xacro_file import expand_xacro
@@ -42,8 +43,8 @@ BUILT_IN_WORLDS = ("empty.sdf", "empty.world", "default.sdf")
 _DONE_HERE = ("physics", "usercommands", "scenebroadcaster", "gazeborosinit", "gazeborosfactory", "gazeborosclock")
 
 # Elements of a world that are used; and those that are not worth a finding.
-_USED = {"gravity", "physics", "model", "include", "frame", "state"}
-_SILENT = {"magnetic_field", "atmosphere", "spherical_coordinates", "light", "wind", "audio"}
+_USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates"}
+_SILENT = {"atmosphere", "light", "wind", "audio"}
 
 
 @dataclass(frozen=True)
@@ -94,6 +95,7 @@ class WorldFile:
         models: The models, in file order.
         findings: What was left out or changed.
         file: The file it was read from; None for a built-in world.
+        surroundings: Where on Earth it is, and its magnetic field.
     """
 
     name: str
@@ -102,6 +104,7 @@ class WorldFile:
     models: tuple[WorldModel, ...]
     findings: tuple[Finding, ...] = ()
     file: Path | None = None
+    surroundings: Surroundings = field(default_factory=Surroundings)
 
 
 def read_world(address: str, packages: PackageIndex, without: Collection[str] = ()) -> WorldFile:
@@ -209,6 +212,7 @@ class _World:
                 *self._grouped(),
             ),
             file=self._reader.file,
+            surroundings=read_surroundings(self._reader, world),
         )
 
     def _gravity(self, physics: etree._Element | None) -> Vector3:

@@ -5,26 +5,22 @@ from dataclasses import dataclass, field
 from math import ceil, nextafter
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
-from pydrake.systems.primitives import ConstantVectorSource
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup, Upstream
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
 from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
-from drake_twin.controllers.sensor_reader import SensorReader
-from drake_twin.description.robot_description import Sensor
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.diagram.plant import RobotInPlant
+from drake_twin.diagram.plant_inputs import PlantInputs, free_name
+from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_read_sensors
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
 from drake_twin.diagram.servo_modes import velocity_limits
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.sensors.registry import sensor_class
 from drake_twin.systems.gpio_hardware import GpioHardware
 from drake_twin.systems.joint_servo import COMMANDS, JointServo
 from drake_twin.systems.state_layout import StateLayout
@@ -42,7 +38,7 @@ class RobotDiagram:
         joints: The joint of each actuator; None for one that models friction.
         plant_inputs: Input port → the plant's output port to connect; only ports that a system needs.
         always_published: Output port → message type of the topics that no controller publishes.
-        sensors: Output port → the sensor that publishes its own topic there.
+        sensors: The output ports of the topics of sensors that controllers read.
         warnings: Update rates that cannot be met, parameters without effect.
     """
 
@@ -53,13 +49,11 @@ class RobotDiagram:
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
     always_published: dict[str, str] = field(default_factory=dict)
-    sensors: dict[str, Sensor] = field(default_factory=dict)
+    sensors: tuple[SensorPort, ...] = ()
     warnings: tuple[str, ...] = ()
 
 
-def build_robot_diagram(
-    plan: RobotPlan, plant: MultibodyPlant, in_plant: RobotInPlant, time_step: float
-) -> RobotDiagram:
+def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_plant: RobotInPlant) -> RobotDiagram:
     """Build a robot's sub-diagram.
 
     Its input ports are those of ``plant_inputs``, ``<controller>/<topic>`` and ``<controller>/<vector input>``; its
@@ -68,13 +62,13 @@ def build_robot_diagram(
 
     Args:
         plan: The robot.
-        plant: The finalized plant.
+        surroundings: The finalized plant, the physics step (or the grid of a continuous plant) and what sensors need.
         in_plant: The robot in the plant.
-        time_step: The physics step, or the grid of a continuous plant (s).
     """
+    plant, time_step = surroundings.plant, surroundings.time_step
     instance, layout = in_plant.instance, in_plant.layout
     builder = DiagramBuilder()
-    inputs = _PlantInputs(builder)
+    inputs = PlantInputs(builder)
     from_plant = {
         "state": plant.get_state_output_port(instance),
         "net_actuation": plant.get_net_actuation_output_port(instance),
@@ -103,37 +97,11 @@ def build_robot_diagram(
             if source in from_plant:
                 inputs.connect(from_plant[source], source, port)
         _wire_controller(builder, name, controller, controllers)
-    _add_sensors(builder, plan, plant, instance, controllers, inputs)
-    sensors = _add_publishing_sensors(builder, plan, plant, instance, inputs)
+    sensors, about_sensors = add_read_sensors(builder, plan, instance, surroundings, controllers, inputs)
+    warnings += about_sensors
     diagram = builder.Build()
     diagram.set_name(plan.name)
     return RobotDiagram(diagram, controllers, servo, gpios, joints, inputs.needed, always_published, sensors, warnings)
-
-
-class _PlantInputs:
-    """Export an input port for each port of the plant that a system of the robot needs.
-
-    Attributes:
-        needed: Input port → the plant's output port.
-    """
-
-    def __init__(self, builder: DiagramBuilder):
-        self._builder = builder
-        self.needed: dict[str, OutputPort] = {}
-
-    def connect(self, output: OutputPort, name: str, port: InputPort) -> None:
-        """Connect a system's port to an output port of the plant.
-
-        Args:
-            output: The plant's port.
-            name: The name of the sub-diagram's input port.
-            port: The port of a system in the sub-diagram.
-        """
-        if name in self.needed:
-            self._builder.ConnectInput(name, port)
-        else:
-            self._builder.ExportInput(port, name)
-            self.needed[name] = output
 
 
 def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout) -> JointStateBroadcaster:
@@ -141,16 +109,9 @@ def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayo
     parameters = JointStateBroadcasterParameters(frame_id="")
     setup = ControllerSetup("joint_state_broadcaster", parameters, (), plan.description, layout)
     broadcaster: JointStateBroadcaster = builder.AddNamedSystem(
-        _free_name(builder, setup.name), JointStateBroadcaster(setup)
+        free_name(builder, setup.name), JointStateBroadcaster(setup)
     )
     return broadcaster
-
-
-def _free_name(builder: DiagramBuilder, name: str) -> str:
-    """Return a name that no system has: Drake ends the process if two systems have the same one."""
-    while builder.HasSubsystemNamed(name):
-        name += "_"
-    return name
 
 
 def _add_controllers(
@@ -272,7 +233,7 @@ def _add_servo(
     own_velocities = {BRAKE: still, REST: still, UP: fastest.tolist(), DOWN: (-fastest).tolist()}
     sizes = {name: len(item.interfaces) for name, item in driving.items()}
     servo: JointServo = builder.AddNamedSystem(
-        _free_name(builder, "joint_servo"),
+        free_name(builder, "joint_servo"),
         JointServo(
             sizes,
             assignment,
@@ -304,45 +265,3 @@ def _wire_controller(
             builder.Connect(
                 controllers[other].get_command_interfaces_output_port(), controller.get_upstream_input_port(other)
             )
-
-
-def _add_sensors(
-    builder: DiagramBuilder,
-    plan: RobotPlan,
-    plant: MultibodyPlant,
-    instance: ModelInstanceIndex,
-    controllers: Mapping[str, Controller],
-    inputs: _PlantInputs,
-) -> None:
-    """Add the sensors that controllers read; one that nothing simulates has constant values."""
-    for name, controller in controllers.items():
-        if not isinstance(controller, SensorReader):
-            continue
-        system = controller.simulated_sensor(plant, instance)
-        source = ConstantVectorSource(controller.initial_values()) if system is None else system
-        builder.AddNamedSystem(_free_name(builder, f"{name}_sensor"), source)
-        builder.Connect(source.get_output_port(), controller.get_sensor_input_port())
-        if system is not None:
-            for output, port in system.inputs_from(plant):
-                inputs.connect(output, output.get_name(), port)
-
-
-def _add_publishing_sensors(
-    builder: DiagramBuilder,
-    plan: RobotPlan,
-    plant: MultibodyPlant,
-    instance: ModelInstanceIndex,
-    inputs: _PlantInputs,
-) -> dict[str, Sensor]:
-    """Add the sensors that publish their own topics; return them by the names of their ports."""
-    found = {}
-    for sensor in plan.description.sensors:
-        kind = sensor_class(sensor.kind)
-        if kind.message_type is not None:
-            name = _free_name(builder, f"{sensor.name}_sensor")
-            system = builder.AddNamedSystem(name, kind.of(plant, instance, sensor))
-            for output, port in system.inputs_from(plant):
-                inputs.connect(output, output.get_name(), port)
-            builder.ExportOutput(system.GetOutputPort("message"), name)
-            found[name] = sensor
-    return found

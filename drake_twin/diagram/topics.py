@@ -24,6 +24,7 @@ class PublishedTopic:
         rate: The rate at which ROS would publish it (Hz); None if it never changes, so that once is enough.
         robot: The robot that it belongs to; empty for the twin's own.
         controller: The controller that publishes it while active; empty if it is always published.
+        sensor: The sensor that measures it, at multiples of 1 / rate only: its link or joint and its name.
     """
 
     topic: str
@@ -32,6 +33,7 @@ class PublishedTopic:
     rate: float | None
     robot: str = ""
     controller: str = ""
+    sensor: str = ""
 
 
 @dataclass(frozen=True)
@@ -59,19 +61,26 @@ class Topics:
     """Collect the topics while the diagram is built, and export each topic's port under its name.
 
     Attributes:
-        published: Port → topic, message type, rate (Hz), robot and controller.
+        published: Port → topic, message type, rate (Hz), robot, controller and sensor.
         subscribed: Port → topic, message type, robot, controller and the controller's own topic.
         actions: The same, for actions.
     """
 
     def __init__(self, builder: DiagramBuilder):
         self._builder = builder
-        self.published: dict[str, tuple[str, str, float | None, tuple[str, str]]] = {}
+        self.published: dict[str, tuple[str, str, float | None, tuple[str, str, str]]] = {}
         self.subscribed: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
         self.actions: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
 
     def publish(
-        self, topic: str, port: OutputPort, kind: str, rate: float | None, robot: str = "", controller: str = ""
+        self,
+        topic: str,
+        port: OutputPort,
+        kind: str,
+        rate: float | None,
+        robot: str = "",
+        controller: str = "",
+        sensor: str = "",
     ) -> None:
         """Export an output port under a topic's name.
 
@@ -81,13 +90,13 @@ class Topics:
             InputError: If another message type is published on the topic.
         """
         if topic in self.published:
-            _, known, _, (owner, _) = self.published[topic]
+            _, known, _, (owner, *_) = self.published[topic]
             if robot and (known, owner) == (kind, robot):
                 return
             _refuse_other_type(topic, known, kind, owner, robot)
         name = _port_name(topic, self.published, robot, controller)
         self._builder.ExportOutput(port, name[1:])
-        self.published[name] = (topic, kind, rate, (robot, controller))
+        self.published[name] = (topic, kind, rate, (robot, controller, sensor))
 
     def listen(self, topic: str, port: InputPort, kind: str, *owner: str, action: bool = False) -> None:
         """Export an input port under the name of a topic or an action.

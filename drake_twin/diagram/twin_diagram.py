@@ -21,22 +21,24 @@ from pydrake.systems.framework import (
 
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.surroundings import Surroundings
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
+from drake_twin.diagram.robot_sensors import SensorSurroundings
+from drake_twin.diagram.sensors_of_twin import add_sensors, publish_sensors
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.plans import plan_robots
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic, sensor_topic
+from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
-from drake_twin.sensors.registry import sensor_class
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
@@ -208,10 +210,19 @@ def _build(
 ) -> TwinDiagram:
     """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
+    surroundings = SensorSurroundings(
+        plant=parts.plant,
+        scene_graph=parts.scene_graph,
+        time_step=scenario.time_step,
+        seed=scenario.seed,
+        noise=scenario.sensor_noise,
+        world=Surroundings() if world_file is None else world_file.surroundings,
+    )
     robots = {
-        plan.name: _add_robot(builder, parts, plan, topics, scenario.time_step)
+        plan.name: _add_robot(builder, parts, plan, topics, surroundings)
         for plan in told("connecting", plans, lambda plan: plan.name)
     }
+    about_sensors = tuple(add_sensors(builder, parts, plans, robots, topics, surroundings))
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
@@ -251,6 +262,7 @@ def _build(
         findings=(
             *scenario.findings,
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
+            *about_sensors,
             *colliding_transforms(robots),
             *(() if world_file is None else world_file.findings),
             *parts.findings,
@@ -308,11 +320,11 @@ def _add_robot(
     parts: PlantOfTwin,
     plan: RobotPlan,
     topics: Topics,
-    time_step: float,
+    surroundings: SensorSurroundings,
 ) -> RobotDiagram:
     plant, in_plant = parts.plant, parts.robots[plan.name]
     instance, layout = in_plant.instance, in_plant.layout
-    robot = build_robot_diagram(plan, plant, in_plant, time_step)
+    robot = build_robot_diagram(plan, surroundings, in_plant)
     system = builder.AddNamedSystem(plan.name, robot.diagram)
     if layout.num_actuators:
         builder.Connect(system.GetOutputPort("desired_state"), plant.get_desired_state_input_port(instance))
@@ -323,10 +335,7 @@ def _add_robot(
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
         topics.publish(robot_topic(plan, name), system.GetOutputPort(name), kind, plan.update_rate, plan.name)
-    for name, sensor in robot.sensors.items():
-        message_type = sensor_class(sensor.kind).message_type or ""
-        rate = sensor.update_rate or 1.0 / time_step
-        topics.publish(sensor_topic(plan, sensor), system.GetOutputPort(name), message_type, rate, plan.name)
+    publish_sensors(plan, robot.sensors, system, topics, surroundings.time_step)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
             if (listened := controller_topic(plan, plans[name], own)) is not None:

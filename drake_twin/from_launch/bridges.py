@@ -1,44 +1,127 @@
-"""The Gazebo topics that a parameter_bridge renames."""
+"""The Gazebo topics that the bridges of a launch file carry: parameter_bridge and image_bridge."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from drake_twin.description.yaml_document import YamlDocument
+from drake_twin.findings import Finding, Kind, Place
 from drake_twin.from_launch.launched_robots import parameters
-from drake_twin.ros2.launched import LaunchedProcess
+from drake_twin.ros2.launched import LaunchedProcess, absolute_name
+from drake_twin.values import is_true
 
-
-def bridged_topics(process: LaunchedProcess) -> dict[str, str]:
-    """Return Gazebo topic → ROS topic of a parameter_bridge, if the names differ."""
-    found = {}
-    for word in process.arguments:
-        topic = word.partition("@")[0]
-        if "@" in word and process.resolve(topic) != topic:
-            found[topic if topic.startswith("/") else f"/{topic}"] = process.resolve(topic)
-    in_file = {f"/{gz.strip('/')}": process.resolve(ros) for gz, ros, _ in _entries(process)}
-    return found | {gz: ros for gz, ros in in_file.items() if gz != ros}
-
-
-def stamped_topics(process: LaunchedProcess) -> tuple[str, ...]:
-    """Return the Gazebo topics of a parameter_bridge that are ``TwistStamped`` in ROS."""
-    words = [word.partition("@") for word in process.arguments if "@" in word]
-    found = [topic for topic, _, kinds in words if kinds.startswith(_STAMPED)]
-    found += [gz for gz, _, kind in _entries(process) if kind == _STAMPED]
-    return tuple(f"/{topic.strip('/')}" for topic in found)
-
-
+_PACKAGES = ("ros_gz_bridge", "ros_ign_bridge", "ros_gz_image", "ros_ign_image")
 _STAMPED = "geometry_msgs/msg/TwistStamped"
+_IMAGE = "sensor_msgs/msg/Image"
+_DIRECTIONS = {"@": "BIDIRECTIONAL", "[": "GZ_TO_ROS", "]": "ROS_TO_GZ"}
 
 
-def _entries(process: LaunchedProcess) -> Iterator[tuple[str, str, str]]:
-    """Yield Gazebo topic, ROS topic and ROS type of each entry in the file of a bridge."""
-    name = parameters(process).get("config_file")
-    if not isinstance(name, str) or not Path(name).is_file():
+@dataclass(frozen=True)
+class BridgeLine:
+    """One topic of a bridge.
+
+    Attributes:
+        gz: Its name in Gazebo, with a leading slash.
+        ros: Its name in ROS.
+        ros_type: The ROS message type; empty where the line gives none.
+        direction: ``GZ_TO_ROS``, ``ROS_TO_GZ`` or ``BIDIRECTIONAL``.
+        place: Where it was written.
+    """
+
+    gz: str
+    ros: str
+    ros_type: str = ""
+    direction: str = "BIDIRECTIONAL"
+    place: Place = field(default=Place(""), compare=False)
+
+    @property
+    def is_to_ros(self) -> bool:
+        """Whether ROS hears what Gazebo publishes."""
+        return self.direction != "ROS_TO_GZ"
+
+
+def is_bridge(process: LaunchedProcess) -> bool:
+    """Return whether a node is a bridge of topics."""
+    return process.package in _PACKAGES and process.executable in ("parameter_bridge", "bridge_node", "image_bridge")
+
+
+def bridge_lines(process: LaunchedProcess, findings: list[Finding]) -> tuple[BridgeLine, ...]:
+    """Return the topics of a bridge.
+
+    Args:
+        process: The bridge.
+        findings: Takes what cannot be read, with which ROS's bridge would end.
+    """
+    words = [word for word in _words(process.arguments) if word]
+    if process.executable == "image_bridge":
+        return tuple(_line(process, word, word, _IMAGE, "GZ_TO_ROS", process.place) for word in words)
+    found = []
+    for word in words:
+        topic, at, kinds = word.partition("@")
+        place = min((kinds.find(mark) for mark in _DIRECTIONS if mark in kinds), default=-1)
+        service = "/srv/" in word and place < 0
+        if not topic or not at or (place <= 0 and not service):
+            what = f"{process.what}: {word!r} is not TOPIC@ROS_TYPE@GZ_TYPE, with [ or ] for one direction only"
+            findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, process.place))
+        elif not service:
+            direction = _DIRECTIONS[kinds[place]]
+            found.append(_line(process, topic, topic, kinds[:place], direction, process.place))
+    return (*found, *_in_file(process, findings))
+
+
+def renamed(lines: Iterable[BridgeLine]) -> dict[str, str]:
+    """Return Gazebo topic → ROS topic where the names differ."""
+    return {line.gz: line.ros for line in lines if line.gz != line.ros}
+
+
+def stamped(lines: Iterable[BridgeLine]) -> tuple[str, ...]:
+    """Return the Gazebo topics that are ``TwistStamped`` in ROS."""
+    return tuple(line.gz for line in lines if line.ros_type == _STAMPED)
+
+
+def _words(arguments: Iterable[str]) -> Iterator[str]:
+    """Yield a node's own arguments, without those of ROS and without flags."""
+    is_ros = False
+    for word in arguments:
+        is_ros = word == "--ros-args" or (is_ros and word != "--")
+        if not is_ros and not word.startswith("-"):
+            yield word
+
+
+def _line(
+    process: LaunchedProcess, gz: str, ros: str, ros_type: str, direction: str, place: Place, *, expand: bool = False
+) -> BridgeLine:
+    name = absolute_name(gz, process.namespace) if expand else f"/{gz.strip('/')}"
+    return BridgeLine(name, process.resolve(ros), ros_type, direction, place)
+
+
+def _in_file(process: LaunchedProcess, findings: list[Finding]) -> Iterator[BridgeLine]:
+    """Yield the topics in the YAML file of a bridge."""
+    given = parameters(process)
+    name = given.get("config_file")
+    if not isinstance(name, str) or not name:
         return
-    entries = YamlDocument(Path(name).read_text(encoding="utf-8"), Path(name)).data
-    for entry in entries if isinstance(entries, list) else []:
-        if isinstance(entry, dict):
-            ros = str(entry.get("ros_topic_name") or entry.get("topic_name") or "")
-            gz = str(entry.get("gz_topic_name") or entry.get("topic_name") or ros)
-            if ros and gz:
-                yield gz, ros, str(entry.get("ros_type_name") or "")
+    file = Path(name)
+    if not file.is_file():
+        what = f"{process.what}: its config_file {name} does not exist"
+        findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, process.place))
+        return
+    document = YamlDocument(file.read_text(encoding="utf-8", errors="replace"), file)
+    entries = document.data
+    if not isinstance(entries, list):
+        what = f"{process.what}: its config_file is not a list of topics"
+        findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, Place(str(file))))
+        return
+    expand = is_true(str(given.get("expand_gz_topic_names", False)))
+    for index, entry in enumerate(entries):
+        place = Place(str(file), document.line((index,)))
+        values = {key: str(value) for key, value in entry.items() if value} if isinstance(entry, dict) else {}
+        gz = values.get("gz_topic_name") or values.get("topic_name") or values.get("ros_topic_name", "")
+        ros = values.get("ros_topic_name") or values.get("topic_name") or values.get("gz_topic_name", "")
+        direction = values.get("direction", "BIDIRECTIONAL")
+        if not gz or direction not in _DIRECTIONS.values():
+            valid = ", ".join(_DIRECTIONS.values())
+            why = f"its direction is {direction!r}, where valid are {valid}" if gz else "it names no topic"
+            findings.append(Finding.at(Kind.REFUSED_BY_ROS, f"{process.what}: an entry of its file: {why}", place))
+            continue
+        yield _line(process, gz, ros, values.get("ros_type_name", ""), direction, place, expand=expand)

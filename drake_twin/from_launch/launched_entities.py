@@ -18,7 +18,7 @@ import yaml
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place, at_places
-from drake_twin.from_launch.bridges import bridged_topics, stamped_topics
+from drake_twin.from_launch.bridges import BridgeLine, bridge_lines, is_bridge, renamed, stamped
 from drake_twin.from_launch.controller_managers import requests_by_robot
 from drake_twin.from_launch.launched_controllers import (
     ACTIVE,
@@ -47,8 +47,7 @@ from drake_twin.scenario import Command, Robot, StaticTransform, World, name_in_
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
 
 # The nodes whose work the twin does itself.
-_BRIDGES = {("ros_gz_bridge", "parameter_bridge"), ("ros_ign_bridge", "parameter_bridge")}
-_BUILT_IN = {*_BRIDGES, ("controller_manager", "ros2_control_node")}
+_BUILT_IN = {("controller_manager", "ros2_control_node")}
 
 
 @dataclass(frozen=True)
@@ -88,6 +87,7 @@ class LaunchedEntities:
         folders: The folders of these packages.
         paused: Whether the simulator starts paused, like gz without ``-r``.
         only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
+        bridges: The topics that bridges carry; None where no bridge is started.
         findings: The findings of what the twin does not do.
         log: The output of the launch file, and the assumptions made.
     """
@@ -101,6 +101,7 @@ class LaunchedEntities:
     folders: tuple[str, ...]
     paused: bool
     only_displayed: bool
+    bridges: tuple[BridgeLine, ...] | None = None
     findings: tuple[Finding, ...] = ()
     log: tuple[str, ...] = field(default=())
 
@@ -132,17 +133,13 @@ class _Sorter:
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[LaunchedFrame] = []
-        self._bridged: dict[str, str] = {}  # topic in Gazebo → in ROS
-        self._stamped: tuple[str, ...] = ()
+        self._bridges: tuple[BridgeLine, ...] | None = None
         self._worlds: list[tuple[WorldStart, LaunchedProcess]] = []
 
     def entities(self) -> LaunchedEntities:
         found = LaunchedRobots(self._processes, self._packages)
         for process in self._processes:
             self._sort(process, found)
-            if (process.package, process.executable) in _BRIDGES:
-                self._bridged |= bridged_topics(process)
-                self._stamped += stamped_topics(process)
         world = launched_world(self._worlds, self._file, self._packages, self._findings)
         found.add_those_of_world(world)
         if found.only_displayed:
@@ -163,12 +160,16 @@ class _Sorter:
             folders=self._folders,
             paused=bool(self._worlds) and self._worlds[-1][0].paused,
             only_displayed=found.only_displayed,
+            bridges=self._bridges,
             findings=tuple(self._findings),
             log=tuple(self._log),
         )
 
     def _sort(self, process: LaunchedProcess, found: LaunchedRobots) -> None:
         try:
+            if is_bridge(process):
+                self._bridges = (*(self._bridges or ()), *bridge_lines(process, self._findings))
+                return
             requests = controller_requests(process)
             commands = published_commands(process)
             if requests is not None:
@@ -230,7 +231,10 @@ class _Sorter:
                 inactive_controllers=tuple(item.name for item in requests if item.state == INACTIVE),
                 unconfigured_controllers=tuple(item.name for item in requests if item.state == UNCONFIGURED),
                 remappings=self._remappings(launched, requests, namespace),
-                stamped_topics=self._stamped,
+                stamped_topics=stamped(self._bridges or ()),
+                bridged=None
+                if self._bridges is None
+                else {line.gz: line.ros for line in self._bridges if line.is_to_ros},
             )
             yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
 
@@ -283,7 +287,7 @@ class _Sorter:
             topic = launched.publisher.resolve("robot_description")
             if topic != f"{own}/robot_description":
                 found[f"{own}/robot_description"] = topic
-        return found | self._bridged
+        return found | renamed(self._bridges or ())
 
     def _no_robot(self) -> InputError:
         text = "the launch file starts no robot"

@@ -1,6 +1,30 @@
 """ROS 2 message types that rosbags' type store lacks, by the text of their ``.msg`` files."""
 
 DEFINITIONS = {
+    "gazebo_msgs/msg/ContactState": (
+        "string info\nstring collision1_name\nstring collision2_name\n"
+        "geometry_msgs/Wrench[] wrenches\ngeometry_msgs/Wrench total_wrench\n"
+        "geometry_msgs/Vector3[] contact_positions\ngeometry_msgs/Vector3[] contact_normals\nfloat64[] depths\n"
+    ),
+    "gazebo_msgs/msg/ContactsState": "std_msgs/Header header\ngazebo_msgs/ContactState[] states\n",
+    "ros_gz_interfaces/msg/Altimeter": (
+        "std_msgs/Header header\nfloat64 vertical_position\nfloat64 vertical_velocity\nfloat64 vertical_reference\n"
+    ),
+    "ros_gz_interfaces/msg/Entity": (
+        "uint8 NONE=0\nuint8 LIGHT=1\nuint8 MODEL=2\nuint8 LINK=3\nuint8 VISUAL=4\nuint8 COLLISION=5\n"
+        "uint8 SENSOR=6\nuint8 JOINT=7\nuint64 id\nstring name\nuint8 type\n"
+    ),
+    "ros_gz_interfaces/msg/JointWrench": (
+        "std_msgs/Header header\nstd_msgs/String body_1_name\nstd_msgs/UInt32 body_1_id\n"
+        "std_msgs/String body_2_name\nstd_msgs/UInt32 body_2_id\n"
+        "geometry_msgs/Wrench body_1_wrench\ngeometry_msgs/Wrench body_2_wrench\n"
+    ),
+    "ros_gz_interfaces/msg/Contact": (
+        "ros_gz_interfaces/Entity collision1\nros_gz_interfaces/Entity collision2\n"
+        "geometry_msgs/Vector3[] positions\ngeometry_msgs/Vector3[] normals\nfloat64[] depths\n"
+        "ros_gz_interfaces/JointWrench[] wrenches\n"
+    ),
+    "ros_gz_interfaces/msg/Contacts": "std_msgs/Header header\nros_gz_interfaces/Contact[] contacts\n",
     "gazebo_msgs/msg/LinkStates": "string[] name\ngeometry_msgs/Pose[] pose\ngeometry_msgs/Twist[] twist\n",
     "gazebo_msgs/msg/ModelStates": "string[] name\ngeometry_msgs/Pose[] pose\ngeometry_msgs/Twist[] twist\n",
     "control_msgs/action/FollowJointTrajectory_Feedback": (

@@ -1,6 +1,6 @@
 """The plan of a robot whose files have been read: its model, its controllers, its frames."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, nan
 
@@ -11,7 +11,6 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel
 from drake_twin.description.robot_models import RobotModels
-from drake_twin.description.sensors import sensor_text
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
@@ -20,8 +19,8 @@ from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.plan_controllers import plan_controllers
+from drake_twin.planning.sensor_plan import SensorPlan, plan_sensors
 from drake_twin.scenario import Robot, ScenarioError
-from drake_twin.sensors.registry import sensor_class
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,7 @@ class RobotPlan:
         hardware_states: ``<ros2_control>`` tag → ``inactive`` or ``unconfigured`` where it is not active.
         strictness: The strictness of a switch that names none, as in ``controller_manager_msgs/srv/SwitchController``.
         uses_inactive_hardware: Whether controllers may claim interfaces of inactive hardware.
+        sensors: The sensors that are simulated.
     """
 
     robot: Robot
@@ -57,6 +57,7 @@ class RobotPlan:
     hardware_states: Mapping[str, str] = field(default_factory=dict)
     strictness: int = 1
     uses_inactive_hardware: bool = False
+    sensors: tuple[SensorPlan, ...] = ()
 
     @property
     def idle_joints(self) -> dict[str, str]:
@@ -164,6 +165,8 @@ def plan_robot(
     starts = {joint: position for drive in drives for joint, position in drive.start.items()}
     positions, position_warnings = _start_positions(robot, path, description, starts)
     warnings += position_warnings
+    frame_prefix = _frame_prefix(robot, description)
+    sensors, sensor_findings = plan_sensors(robot, description, frame_prefix)
     files = robot.controllers or own.controller_files
     if files and not manager.controllers:
         warnings.append(
@@ -178,7 +181,7 @@ def plan_robot(
         enforce_limits=manager.enforce_command_limits,
         hold_joints=_hold_joints(description),
         position_time_constant=_position_time_constant(description, manager.update_rate),
-        frame_prefix=_frame_prefix(robot, description),
+        frame_prefix=frame_prefix,
         start_positions=positions,
         findings=tuple(
             replace(finding, robot=robot.name, file=finding.file or str(file))
@@ -188,25 +191,14 @@ def plan_robot(
                 *manager.findings,
                 *controller_findings,
                 *(Finding(Kind.WARNING, warning) for warning in warnings),
-                *_unpublished_sensors(description, controllers),
+                *sensor_findings,
             )
         ),
         hardware_states={name: state for name, (state, _) in manager.hardware_states.items() if name in hardware},
         strictness=manager.strictness,
         uses_inactive_hardware=manager.uses_inactive_hardware,
+        sensors=sensors,
     )
-
-
-def _unpublished_sensors(description: RobotDescription, controllers: Sequence[ControllerPlan]) -> Iterator[Finding]:
-    """Yield the IMUs and force/torque sensors that Gazebo would simulate and no broadcaster publishes here."""
-    published = {name for controller in controllers if (name := controller.sensor) is not None}
-    for sensor in description.sensors:
-        if sensor_class(sensor.kind).message_type is not None:
-            continue  # it publishes its own topic
-        if sensor.name.strip("/") not in published and sensor.name not in published:
-            what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
-            reason = f"no controller publishes it; the controllers' file has no {sensor.kind}_sensor_broadcaster for it"
-            yield Finding.at(Kind.IGNORED, f"{what}: {reason}", sensor.place)
 
 
 def _settings(description: RobotDescription, name: str) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.registry import controller_class
-from drake_twin.description.robot_description import Sensor
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 
@@ -38,12 +37,6 @@ def controller_topic(plan: RobotPlan, controller: ControllerPlan, own: str) -> s
     if in_gazebo in plan.robot.remappings:  # by a parameter_bridge
         return plan.robot.remapped(in_gazebo)
     return plan.robot.remapped(topic) if topic.startswith("/") else robot_topic(plan, topic)
-
-
-def sensor_topic(plan: RobotPlan, sensor: Sensor) -> str:
-    """Return the full name of the topic of a sensor that publishes by itself: its ``<topic>``, or its name."""
-    name = sensor.topic or sensor.name
-    return plan.robot.remapped(name) if name.startswith("/") else robot_topic(plan, name)
 
 
 def topics_with_one_owner(plan: RobotPlan) -> set[str]:

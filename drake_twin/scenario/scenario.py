@@ -36,6 +36,7 @@ RESERVED_NAMES = frozenset(
         "tf",
         "ground_truth",
         "entity_states",
+        "sensors",
         "meshcat_visualizer",
         "WorldModelInstance",
         "DefaultModelInstance",
@@ -103,6 +104,8 @@ class Robot:
         remappings: Topic → the topic in its place, both in full.
         stamped_topics: Topics of its Gazebo drives that are ``TwistStamped`` in ROS in place of ``Twist``, by their
             names in Gazebo.
+        bridged: Topic in Gazebo → the topic in ROS that a bridge publishes it on; None where no bridge runs, so that
+            each sensor is published below the robot's namespace.
         without_repairs: Names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
         added_controllers: Controller name → its ``type`` and its parameters, beside those of the parameters files.
     """
@@ -126,6 +129,7 @@ class Robot:
     without_repairs: tuple[str, ...] = ()
     added_controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     unconfigured_controllers: tuple[str, ...] = ()
+    bridged: Mapping[str, str] | None = None
 
     @property
     def topic_namespace(self) -> str:
@@ -186,6 +190,8 @@ class Scenario:
         package_paths: Folders of ROS packages to search first.
         static_transforms: Further frames.
         commands: Messages to publish, with their times.
+        seed: What the noise of sensors is drawn from.
+        sensor_noise: Whether sensors have the noise that their files give them.
         findings: What a launch file asks for and the twin does not do, each with the reason.
 
     Raises:
@@ -202,6 +208,8 @@ class Scenario:
     static_transforms: tuple[StaticTransform, ...] = ()
     commands: tuple[Command, ...] = ()
     findings: tuple[Finding, ...] = ()
+    seed: int = 0
+    sensor_noise: bool = True
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -245,6 +253,8 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     for name, valid in (("engine", ENGINES), ("contact_approximation", CONTACT_APPROXIMATIONS)):
         if getattr(scenario, name) not in valid:
             yield (name,), _unknown(getattr(scenario, name), valid)
+    if scenario.seed < 0:
+        yield ("seed",), f"{scenario.seed} is below zero"
     if not 1e-9 <= scenario.accuracy <= 1.0:
         yield ("accuracy",), f"{scenario.accuracy:g} is out of bounds: valid are 1e-9 to 1"
     if scenario.world.ground_friction is not None and not scenario.world.ground_friction >= 0:

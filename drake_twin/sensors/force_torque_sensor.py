@@ -1,27 +1,52 @@
 """A force/torque sensor in a joint."""
 
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
 import numpy as np
-from pydrake.common.value import Value
-from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Joint, ModelInstanceIndex
+from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import BasicVector, Context, InputPort, OutputPort
 
+from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
+from drake_twin.description.sensor_element import SensorElement
+from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
+from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.registry import sensor
-from drake_twin.sensors.sensor_system import SensorSystem
-from drake_twin.systems.weak_callback import weakly
+from drake_twin.sensors.sensor_setup import SensorSetup
+from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
+
+_CHANNELS = tuple(f"{part}.{axis}" for part in ("force", "torque") for axis in "xyz")
 
 
-@sensor("force_torque", on="joint")
+@dataclass(frozen=True)
+class ForceTorqueSettings:
+    """What a force/torque sensor reads of its element.
+
+    Attributes:
+        measured_on: The link that the measured wrench acts on: ``parent`` (that of the child on the parent, Gazebo's
+            default) or ``child``.
+        axes: Whose axes its values have: ``child`` (Gazebo's default), ``parent`` or ``sensor``.
+        noises: Channel → its noise (N, N·m), where it has some.
+        link: The link of a plugin of Gazebo classic that is not in a joint.
+    """
+
+    measured_on: str = "parent"
+    axes: str = "child"
+    noises: dict[str, Noise] = field(default_factory=dict)
+    link: str = ""
+
+
+@sensor("force_torque", "gazebo_ros_ft_sensor", on="joint")
 class ForceTorqueSensor(SensorSystem):
-    """Measure the wrench that a joint's two links exert on each other, without noise.
+    """Measure the wrench that a joint's two links exert on each other.
 
-    Like gz-sim's ForceTorque system: the torque is about the sensor's origin, the axes are those of the child link, the
-    parent link or the sensor, and the wrench is the child's on the parent (SDF's ``child_to_parent``, the default) or
-    the parent's on the child. It includes the actuator's effort. It is computed on demand. A discrete plant without
-    sampled output ports reports the forces of the next step with the present commands.
+    Like gz-sensors' ForceTorqueSensor (src/ForceTorqueSensor.cc) and gz-sim's ForceTorque system: the torque is about
+    the sensor's origin, the axes are those of the child link, the parent link or the sensor, and the wrench is the
+    child's on the parent (SDF's ``child_to_parent``, the default) or the parent's on the child. It includes the
+    actuator's effort. It is computed on demand. A discrete plant without sampled output ports reports the forces of the
+    next step with the present commands. Gazebo classic's gazebo_ros_ft_sensor measures the child's wrench, in the
+    child's axes and about its origin.
 
     .. pydrake_system::
 
@@ -31,52 +56,80 @@ class ForceTorqueSensor(SensorSystem):
         - body_poses
         output_ports:
         - wrench
+        - message
 
     - ``reaction_forces``: the plant's port of this name.
     - ``body_poses``: the plant's port of this name; only declared for the axes of the parent link.
-    - ``wrench``: vector ``[fx fy fz, tx ty tz]`` (N, N·m).
-
-    Args:
-        joint: The joint.
-        pose: The pose of the sensor S in the joint's frame J, which moves with the child link C.
-        measured_on: The link that the measured wrench acts on: ``parent`` or ``child``.
-        axes: ``child``, ``parent`` or ``sensor``.
+    - ``wrench``: vector ``[fx fy fz, tx ty tz]`` (N, N·m), with noise.
+    - ``message``: the same as ``geometry_msgs/msg/WrenchStamped`` of the present time.
     """
 
-    size = 6
+    message_type = "geometry_msgs/msg/WrenchStamped"
+    gz_topic = "forcetorque"
+    values_port = "wrench"
 
-    def __init__(self, joint: Joint, pose: RigidTransform, measured_on: str = "parent", axes: str = "child"):
-        super().__init__()
+    @classmethod
+    def read(cls, element: SensorElement) -> ForceTorqueSettings:
+        """Read direction, axes and noise.
+
+        Raises:
+            InputError: If a value is invalid.
+        """
+        if element.sensor.kind == "gazebo_ros_ft_sensor":
+            stddev = element.number("gaussian_noise", 0.0, least=0.0)
+            noises = dict.fromkeys(_CHANNELS, Noise(stddev=stddev)) if stddev else {}
+            # physics::JointWrench::body2Force: what the parent exerts on the child.
+            return ForceTorqueSettings("child", "child", noises, element.text("body_name"))
+        direction = element.choice("force_torque/measure_direction", ("child_to_parent", "parent_to_child"))
+        axes = element.choice("force_torque/frame", ("child", "parent", "sensor"))
+        noises = {
+            channel: noise
+            for channel in _CHANNELS
+            if (noise := read_noise(element, f"force_torque/{channel.replace('.', '/')}/noise")) != SILENT
+        }
+        return ForceTorqueSettings(direction.rpartition("_")[2], axes, noises)
+
+    @classmethod
+    def problem(cls, settings: ForceTorqueSettings) -> str | None:
+        """Return that the force on a whole link is not simulated."""
+        if settings.link:
+            return f"the sum of all forces on the link {settings.link!r} is not simulated: name a <joint_name>"
+        return None
+
+    @classmethod
+    def topics(cls, sensor: Sensor, settings: ForceTorqueSettings, base: str) -> Iterable[SensorTopic]:
+        """Return its topic: ``wrench`` of Gazebo classic's plugin."""
+        plugin = classic_plugin(sensor, "gazebo_ros_ft_sensor")
+        name = base if plugin is None else classic_topic(plugin, "wrench")
+        return (SensorTopic("message", cls.message_type, name, is_ros=plugin is not None),)
+
+    @classmethod
+    def default_frame(cls, sensor: Sensor, settings: ForceTorqueSettings, scoped: str) -> str:
+        """Return the child link for Gazebo classic's plugin, else the scoped name."""
+        return classic_frame(sensor, scoped)
+
+    @classmethod
+    def noises(cls, settings: ForceTorqueSettings) -> dict[str, Noise]:
+        """Return the noise of each channel."""
+        return settings.noises
+
+    def __init__(self, setup: SensorSetup):
+        super().__init__(setup)
+        settings: ForceTorqueSettings = setup.settings
+        joint, pose = setup.joint, setup.pose
         self._joint = int(joint.index())
         self._parent, self._child = int(joint.parent_body().index()), int(joint.child_body().index())
         self._p_JS_J = np.array(pose.translation())
-        self._sign = {"parent": -1.0, "child": 1.0}[measured_on]
+        self._sign = {"parent": -1.0, "child": 1.0}[settings.measured_on]
         R_CJ = joint.frame_on_child().GetFixedPoseInBodyFrame().rotation()
         self._R_CJ = R_CJ.matrix()
-        self._R_AJ = {"child": R_CJ, "parent": R_CJ, "sensor": pose.rotation().inverse()}[axes].matrix()
-        self._forces = self.DeclareAbstractInputPort("reaction_forces", Value[list[SpatialForce]]())
-        ports = [self._forces]
+        self._R_AJ = {"child": R_CJ, "parent": R_CJ, "sensor": pose.rotation().inverse()}[settings.axes].matrix()
+        self._forces = self.declare_plant_input("reaction_forces")
         self._poses: InputPort | None = None
-        if axes == "parent":
-            self._poses = self.DeclareAbstractInputPort("body_poses", Value[list[RigidTransform]]())
-            ports.append(self._poses)
-        self._wrench = self.DeclareVectorOutputPort(
-            "wrench",
-            self.size,
-            weakly(self._calc_wrench),
-            {self.input_port_ticket(port.get_index()) for port in ports},
-        )
-
-    @classmethod
-    def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> "ForceTorqueSensor":
-        """Return the sensor of a robot in a finalized plant."""
-        pose = RigidTransform(RollPitchYaw(*sensor.pose.rpy), np.array(sensor.pose.xyz))
-        return cls(plant.GetJointByName(sensor.joint, instance), pose, sensor.measured_on, sensor.axes)
-
-    def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Return pairs of the plant's output ports and this system's input ports to connect."""
-        forces = (plant.get_reaction_forces_output_port(), self._forces)
-        return (forces,) if self._poses is None else (forces, (plant.get_body_poses_output_port(), self._poses))
+        if settings.axes == "parent":
+            self._poses = self.declare_plant_input("body_poses")
+        self._wrench = self.declare_values_output(len(_CHANNELS), self._calc_wrench)
+        self.declare_message_output(self._calc_message)
 
     def get_wrench_output_port(self) -> OutputPort:
         """Return the port ``wrench``."""
@@ -91,4 +144,14 @@ class ForceTorqueSensor(SensorSystem):
             poses = self._poses.Eval(context)
             R_PC = poses[self._parent].rotation().inverse() @ poses[self._child].rotation()
             R_AJ = R_PC.matrix() @ self._R_CJ
-        output.SetFromVector(self._sign * np.concatenate([R_AJ @ force, R_AJ @ torque]))
+        values = self._sign * np.concatenate([R_AJ @ force, R_AJ @ torque])
+        if self.is_noisy:
+            time = context.get_time()
+            noisy = [self.noisy(channel, value, time) for channel, value in zip(_CHANNELS, values, strict=True)]
+            values = np.array(noisy)
+        output.SetFromVector(values)
+
+    def _calc_message(self, context: Context, output: AbstractValue) -> None:
+        fx, fy, fz, tx, ty, tz = self._wrench.Eval(context).tolist()
+        wrench = messages.Wrench(force=messages.Vector3(x=fx, y=fy, z=fz), torque=messages.Vector3(x=tx, y=ty, z=tz))
+        output.set_value(messages.WrenchStamped(header=self.header(context), wrench=wrench))

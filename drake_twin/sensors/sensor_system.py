@@ -1,45 +1,182 @@
 """The base of all sensors of a robot."""
 
-from collections.abc import Callable, Collection
-from typing import Any, ClassVar, Self
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
-from pydrake.systems.framework import Context, InputPort, OutputPort
+from pydrake.systems.framework import BasicVector, CacheEntry, Context, InputPort, OutputPort, ValueProducer
 
+from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
+from drake_twin.description.sensor_element import SensorElement
+from drake_twin.sensors.noise import SILENT, Noise
+from drake_twin.sensors.sensor_host import SensorHost
+from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.systems.weak_callback import weakly
-from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 
-class SensorSystem(WitnesslessSystem):
-    """A sensor: a LeafSystem that measures what the plant's ports carry.
-
-    One that a broadcaster of ros2_control publishes has one vector output port. One that publishes its own topic, as
-    Gazebo's sensors do, has a ``message_type`` and declares its port with `declare_message_output`.
+@dataclass(frozen=True)
+class SensorTopic:
+    """A topic of a sensor.
 
     Attributes:
-        size: The number of values of the vector port.
-        message_type: The ROS type of its topic; None for a sensor that needs a broadcaster.
+        own: The name of the sensor's output port.
+        type: The ROS message type.
+        name: Its name in Gazebo; of a plugin of Gazebo classic, which publishes on ROS itself, its name in ROS below
+            the robot's namespace, or with a leading slash elsewhere.
+        is_ros: Whether the name is one in ROS, so that no bridge is needed.
     """
 
-    size: ClassVar[int] = 0
-    message_type: ClassVar[str | None] = None
+    own: str
+    type: str
+    name: str
+    is_ros: bool = False
+
+
+class SensorSystem:
+    """A sensor: it measures what the plant's and the scene graph's ports carry, on ports of a `SensorHost`.
+
+    A message is computed when someone asks for it, at t = k / rate, and is stamped with that time. There are no events:
+    a sensor without listeners costs nothing. A broadcaster of ros2_control reads the vector port of a sensor that
+    has one.
+
+    Attributes:
+        message_type: The ROS type of its topic, for a kind with one topic.
+        gz_topic: The last part of the topic that Gazebo gives a sensor without ``<topic>``.
+        values_port: The vector port that a broadcaster of ros2_control reads; empty without one.
+        on: The element that such a sensor is on: ``link`` or ``joint``; set by the registry.
+        setup: What it was built from.
+        host: The system that has its ports.
+        warnings: Why it does not measure all that its file asks for, as sentences.
+    """
+
+    message_type: ClassVar[str] = ""
+    gz_topic: ClassVar[str] = ""
+    values_port: ClassVar[str] = ""
+    on: ClassVar[str] = "link"
 
     @classmethod
-    def of(cls, plant: MultibodyPlant, instance: ModelInstanceIndex, sensor: Sensor) -> Self:
-        """Return the sensor of a robot in a finalized plant, whose defaults are the robot's start state."""
-        raise TypeError(f"{cls.__name__} does not say how it is made of a <sensor> tag: define of()")
+    def read(cls, element: SensorElement) -> Any:
+        """Read the kind's own part of a sensor's element; what it does not read is reported as ignored.
 
-    def inputs_from(self, plant: MultibodyPlant) -> tuple[tuple[OutputPort, InputPort], ...]:
-        """Return pairs of one of the plant's output ports and the input port of this system that takes it."""
-        return ()
+        Raises:
+            InputError: If a value is invalid.
+        """
+        element.take_all()
+        return None
+
+    @classmethod
+    def problem(cls, settings: Any) -> str | None:
+        """Return why a sensor with these settings is not simulated; None if it is."""
+        return None
+
+    @classmethod
+    def topics(cls, sensor: Sensor, settings: Any, base: str) -> Iterable[SensorTopic]:
+        """Return the topics of a sensor.
+
+        Args:
+            sensor: The sensor.
+            settings: What `read` has returned.
+            base: Its topic in Gazebo: its ``<topic>``, or the default.
+        """
+        return (SensorTopic("message", cls.message_type, base),)
+
+    @classmethod
+    def default_frame(cls, sensor: Sensor, settings: Any, scoped: str) -> str:
+        """Return the ``frame_id`` of a sensor whose file gives none.
+
+        Args:
+            sensor: The sensor.
+            settings: What `read` has returned.
+            scoped: The name that Gazebo gives it: ``ROBOT/LINK/SENSOR``.
+        """
+        return scoped
+
+    @classmethod
+    def rate(cls, sensor: Sensor, settings: Any) -> float:
+        """Return the rate of its measurements (Hz); 0 for at every step."""
+        return sensor.update_rate
+
+    @classmethod
+    def noises(cls, settings: Any) -> dict[str, Noise]:
+        """Return the noise of each channel."""
+        return {}
+
+    def __init__(self, setup: SensorSetup):
+        self.setup = setup
+        self.host = SensorHost() if setup.host is None else setup.host
+        self.host.sensors.append(self)
+        self.warnings: tuple[str, ...] = ()
+        self._inputs: list[InputPort] = []
+        self._channels = {
+            name: setup.noise.channel(name, noise)
+            for name, noise in self.noises(setup.settings).items()
+            if noise != SILENT
+        }
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether a channel has noise."""
+        return bool(self._channels)
+
+    def noisy(self, channel: str, value: Any, time: float) -> Any:
+        """Return a measured value, or an array, with the noise of a channel at a time (s)."""
+        found = self._channels.get(channel)
+        return value if found is None else found.apply(value, time)
+
+    def header(self, context: Context) -> Any:
+        """Return the header of a message of the present time."""
+        return messages.header(context.get_time(), self.setup.frame)
+
+    def measurement_tickets(self) -> set[Any]:
+        """Return what a measurement depends on: the plant's ports declared so far, and time if it has noise."""
+        tickets = {self.host.input_port_ticket(port.get_index()) for port in self._inputs}
+        return tickets | ({self.host.time_ticket()} if self.is_noisy else set())
+
+    def declare_plant_input(self, name: str) -> InputPort:
+        """Return the port that carries a port of the plant, or ``query`` of the scene graph.
+
+        Args:
+            name: One of those of `PlantReader.declare_plant_input`.
+        """
+        port = self.host.declare_plant_input(name)
+        self._inputs.append(port)
+        return port
+
+    def declare_values_output(self, size: int, calc: Callable[[Context, BasicVector], None]) -> OutputPort:
+        """Declare the vector port `values_port`, set by ``calc(context, output)`` from the plant's ports so far."""
+        name = self.port_name(self.values_port)
+        return self.host.DeclareVectorOutputPort(name, size, weakly(calc), self.measurement_tickets())
+
+    def declare_cache_entry(self, name: str, calc: Callable[[Context, AbstractValue], None]) -> CacheEntry:
+        """Declare what several topics have in common, set by ``calc(context, value)`` from the plant's ports so far.
+
+        Its value is any Python object: ``entry.Eval(context)``.
+        """
+        producer = ValueProducer(allocate=lambda: AbstractValue.Make(None), calc=weakly(calc))
+        return self.host.DeclareCacheEntry(self.port_name(name), producer, self.measurement_tickets())
 
     def declare_message_output(
-        self, calc: Callable[[Context, AbstractValue], None], prerequisites: Collection[Any]
+        self, calc: Callable[[Context, AbstractValue], None], own: str = "message"
     ) -> OutputPort:
-        """Declare the output port ``message``, set by ``calc(context, output)``."""
-        return self.DeclareAbstractOutputPort(
-            "message", lambda: AbstractValue.Make(None), weakly(calc), set(prerequisites)
+        """Declare the output port of a topic, set by ``calc(context, output)`` from the plant's ports so far, and time.
+
+        Args:
+            calc: Sets a message, or None while it has none.
+            own: The topic's `SensorTopic.own`.
+        """
+        return self.host.DeclareAbstractOutputPort(
+            self.port_name(own),
+            lambda: AbstractValue.Make(None),
+            weakly(calc),
+            {*self.measurement_tickets(), self.host.time_ticket()},
         )
+
+    def port_name(self, own: str) -> str:
+        """Return the name of one of its ports of the host."""
+        return f"{self.setup.prefix}{own}"
+
+    def output(self, own: str) -> OutputPort:
+        """Return the port of one of its topics, or its `values_port`."""
+        return self.host.GetOutputPort(self.port_name(own))

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable
+from math import ceil
 from typing import Any
 
 from pydrake.systems.framework import Context, OutputPort
@@ -157,6 +158,8 @@ class Topics:
             raise InputError(f"invalid rate {rate!r} Hz: it must be a number above zero")
         own_rate = self.published_topic(topic).rate
         rate = own_rate and (rate or own_rate)
+        if own_rate and rate and self.published_topic(topic).sensor:
+            rate = own_rate / max(1, ceil(own_rate / rate - 1e-9))  # it measures at multiples of its own period only
         period = None if rate is None else 1.0 / rate
         session = self._session
         ports = session.built.publishers[self.published_topic(topic).topic]

@@ -44,7 +44,7 @@ def counted(monkeypatch):
     count(plans, "plan_robot")
     count(robot_plan, "plan_controllers")
     count(robot_models, "load_robot_model")
-    count(launched_entities, "bridged_topics")
+    count(launched_entities, "bridge_lines")
     count(installed_xacro(), "process_file")
     return calls
 
@@ -68,7 +68,7 @@ def fleet(folder, masses):
 
 def test_each_robot_of_a_launch_file_is_planned_once(counted):
     twin_of(MAIN)
-    expected = {"plan_robot": 2, "plan_controllers": 2, "load_robot_model": 2, "process_file": 2, "bridged_topics": 1}
+    expected = {"plan_robot": 2, "plan_controllers": 2, "load_robot_model": 2, "process_file": 2, "bridge_lines": 1}
     assert counted == expected  # two rovers, each with a name of its own in its xacro arguments; a bridge for /clock
 
 
@@ -77,7 +77,7 @@ def test_robots_of_one_command_share_its_expansion_and_their_model(counted, tmp_
     assert [robot.name for robot in twin.scenario.robots] == [f"cart_{number}" for number in range(5)]
     assert counted["plan_robot"] == counted["plan_controllers"] == 5
     assert counted["load_robot_model"] == 1
-    assert counted["bridged_topics"] == 5  # once a bridge, not once a bridge and robot
+    assert counted["bridge_lines"] == 5  # once a bridge, not once a bridge and robot
     assert counted["process_file"] == 1
 
 

@@ -33,45 +33,63 @@ def test_an_imu_is_read_with_its_place_frame_topic_and_rate():
     inside = """<pose>1 2 3 0 0 0.5</pose><update_rate>50</update_rate><topic>imu/raw</topic>
         <gz_frame_id>imu_frame</gz_frame_id><always_on>1</always_on>"""
     pose = Pose((1.0, 2.0, 3.0), (0.0, 0.0, 0.5))
-    assert imu(inside) == (
-        Sensor("imu", "imu", link="base", pose=pose, frame="imu_frame", topic="imu/raw", update_rate=50.0),
-    )
+    expected = Sensor("imu", "imu", "base", "", "base", pose, frame="imu_frame", topic="imu/raw", update_rate=50.0)
+    assert imu(inside) == (expected,)
+
+
+def test_sensors_at_links_that_are_not_there_are_left_out_and_all_others_are_found():
+    (eye,) = robot('<gazebo reference="base"><sensor name="eye" type="camera"/></gazebo>').sensors
+    assert (eye.kind, eye.link) == ("camera", "base")
+    assert imu(link="elsewhere") == ()
+    assert [(sensor.link, sensor.joint) for sensor in imu(link="flange")] == [("", "flange")]
+
+
+CHAIN = """<link name="base"/><link name="mast"/><link name="head"/><link name="arm"/>
+<joint name="a" type="fixed"><parent link="base"/><child link="mast"/></joint>
+<joint name="b" type="fixed"><parent link="mast"/><child link="head"/></joint>
+<joint name="c" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/>
+  <limit effort="1" velocity="1" lower="-1" upper="1"/></joint>"""
 
 
 @pytest.mark.parametrize(
-    ("inside", "reference"),
+    ("link", "more", "expected"),
     [
-        ("", None),
-        ("<imu/>", None),
-        ("<localization>ENU</localization>", (0.0, 0.0, 0.0)),
-        ("<localization>NED</localization>", (pi, 0.0, pi / 2)),
-        ("<localization>NWU</localization>", (0.0, 0.0, pi / 2)),
-        ("<localization>CUSTOM</localization><custom_rpy>0 0 1.5</custom_rpy>", (0.0, 0.0, 1.5)),
+        ("base", "", "base"),
+        ("mast", "", "base"),
+        ("head", "", "base"),
+        ("arm", "", "arm"),
+        ("head", '<gazebo reference="b"><preserveFixedJoint>true</preserveFixedJoint></gazebo>', "head"),
+        ("head", '<gazebo reference="a"><disableFixedJointLumping>1</disableFixedJointLumping></gazebo>', "mast"),
+        ("head", '<gazebo reference="b"><preserveFixedJoint>false</preserveFixedJoint></gazebo>', "base"),
     ],
 )
-def test_an_imus_orientation_is_relative_to_the_start_or_to_the_frame_that_is_named(inside, reference):
-    if "<imu/>" not in inside and inside:
-        inside = f"<imu><orientation_reference_frame>{inside}</orientation_reference_frame></imu>"
-    assert imu(inside)[0].orientation_reference == reference
+def test_gazebo_folds_links_on_fixed_joints_into_their_parents(link, more, expected):
+    text = f'<gazebo reference="{link}"><sensor name="s" type="imu"/></gazebo>'
+    (sensor,) = parse_urdf(f'<robot name="r">{CHAIN}{more}{text}</robot>', Path("arm.urdf")).sensors
+    assert (sensor.link, sensor.gazebo_link) == (link, expected)
 
 
-def test_gazebo_classics_plugin_may_ask_for_an_orientation_in_the_world():
-    inside = "<plugin><initial_orientation_as_reference>false</initial_orientation_as_reference></plugin>"
-    assert imu(inside)[0].orientation_reference == (0.0, 0.0, 0.0)
+def test_a_robot_that_is_fixed_to_the_world_keeps_its_first_link():
+    text = """<robot name="r"><link name="world"/><link name="base"/>
+      <joint name="a" type="fixed"><parent link="world"/><child link="base"/></joint>
+      <gazebo reference="base"><sensor name="s" type="imu"/></gazebo></robot>"""
+    (sensor,) = parse_urdf(text, Path("arm.urdf")).sensors
+    assert sensor.gazebo_link == "base"
 
 
-def test_a_force_torque_sensor_measures_the_childs_wrench_on_the_parent_unless_told_otherwise():
-    (sensor,) = force_torque()
-    assert (sensor.joint, sensor.link, sensor.measured_on, sensor.axes) == ("flange", "", "parent", "child")
-    inside = "<force_torque><frame>sensor</frame><measure_direction>parent_to_child</measure_direction></force_torque>"
-    (sensor,) = force_torque(inside)
-    assert (sensor.measured_on, sensor.axes) == ("child", "sensor")
+def test_a_plugin_of_gazebo_classic_may_be_a_sensor_by_itself():
+    (sensor,) = robot("""<gazebo><plugin name="truth" filename="libgazebo_ros_p3d.so"><body_name>tool</body_name>
+      <update_rate>20</update_rate><frame_name>base</frame_name></plugin></gazebo>""").sensors
+    found = (sensor.name, sensor.kind, sensor.link, sensor.gazebo_link, sensor.update_rate, sensor.frame)
+    assert found == ("truth", "gazebo_ros_p3d", "tool", "base", 20.0, "base")
 
 
-def test_sensors_of_other_kinds_and_at_links_that_are_not_there_are_left_out():
-    assert robot('<gazebo reference="base"><sensor name="eye" type="camera"/></gazebo>').sensors == ()
-    assert imu(link="elsewhere") == ()
-    assert imu(link="flange") == ()
+def test_a_pose_in_an_sdf_may_be_in_degrees_and_relative_to_a_frame():
+    text = """<sdf version="1.9"><model name="m"><link name="base"><sensor name="imu" type="imu">
+      <pose degrees="true" relative_to="mast">0 0 1 0 0 90</pose></sensor></link></model></sdf>"""
+    (sensor,) = sensors_in_sdf(text, Path("m.sdf"))
+    assert sensor.pose.rpy == pytest.approx((0, 0, pi / 2))
+    assert sensor.pose_frame == "mast"
 
 
 @pytest.mark.parametrize(
@@ -80,7 +98,6 @@ def test_sensors_of_other_kinds_and_at_links_that_are_not_there_are_left_out():
         (imu, "<update_rate>fast</update_rate>", "update_rate is 'fast', which is not a number"),
         (imu, "<update_rate>-1</update_rate>", "update_rate is '-1', but it cannot be negative"),
         (imu, "<pose>1 2 3</pose>", "pose is '1 2 3', where six numbers are needed"),
-        (force_torque, "<force_torque><frame>world</frame></force_torque>", "unknown frame 'world'. Valid: child"),
     ],
 )
 def test_a_wrong_value_is_refused_with_its_line(call, inside, text):
@@ -105,8 +122,9 @@ def test_sensors_of_an_sdf_model_belong_to_its_links_and_joints():
     text = """<sdf version="1.9"><model name="m"><link name="base"><sensor name="imu" type="imu">
       <pose>0 0 1 0 0 0</pose></sensor><sensor name="eye" type="camera"/></link>
       <joint name="flange" type="fixed"><sensor name="fts" type="force_torque"/></joint></model></sdf>"""
-    imu_sensor, fts = sensors_in_sdf(text, Path("m.sdf"))
-    assert imu_sensor == Sensor("imu", "imu", link="base", pose=Pose((0.0, 0.0, 1.0)))
+    imu_sensor, eye, fts = sensors_in_sdf(text, Path("m.sdf"))
+    assert imu_sensor == Sensor("imu", "imu", link="base", gazebo_link="base", pose=Pose((0.0, 0.0, 1.0)))
+    assert eye == Sensor("eye", "camera", link="base", gazebo_link="base")
     assert fts == Sensor("fts", "force_torque", joint="flange")
 
 

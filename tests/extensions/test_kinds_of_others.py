@@ -28,8 +28,8 @@ wave: {ros__parameters: {joint: j, amplitude: 2.0}}
 """
 DROP = """<robot name="stone"><link name="stone"><inertial><mass value="1"/>
 <inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<gazebo reference="stone"><sensor name="height" type="altimeter"><topic>altitude</topic>
-<update_rate>100</update_rate><altimeter><vertical_position/></altimeter></sensor></gazebo></robot>"""
+<gazebo reference="stone"><sensor name="height" type="height"><topic>altitude</topic>
+<update_rate>100</update_rate><height><vertical_position/></height></sensor></gazebo></robot>"""
 
 
 @pytest.fixture
@@ -149,7 +149,7 @@ def test_without_it_the_type_is_said_to_be_unknown(files):
 def test_a_sensor_of_others_publishes_what_it_measures(others, files):
     (files / "stone.urdf").write_text(DROP)
     twin = TwinBuilder().robot("stone", files / "stone.urdf", xyz=(0, 0, 50.0)).build()
-    assert [finding.what for finding in twin.findings if "altimeter" in finding.what] == []
+    assert [finding.what for finding in twin.findings if "height" in finding.what] == []
     assert twin.topics()["/stone/altitude"] == "std_msgs/msg/Float64"
     heights = []
     twin.subscribe("/stone/altitude", lambda message: heights.append(message.data))
@@ -158,8 +158,8 @@ def test_a_sensor_of_others_publishes_what_it_measures(others, files):
     assert heights[50] == pytest.approx(-9.81 * 0.5**2 / 2, rel=0.01)  # as a stone falls
 
 
-def test_an_altimeter_is_a_finding_where_nobody_has_one(files):
-    (files / "stone.urdf").write_text(DROP.replace("altimeter", "barometer"))
+def test_a_kind_is_a_finding_where_nobody_has_one(files):
+    (files / "stone.urdf").write_text(DROP.replace('type="height"', 'type="barometer"'))
     twin = TwinBuilder().robot("stone", files / "stone.urdf", xyz=(0, 0, 50.0)).build()
     (text,) = [finding.what for finding in twin.findings if "barometer" in finding.what]
     assert text.startswith("sensor 'height' of type barometer on 'stone'")

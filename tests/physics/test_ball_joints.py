@@ -14,7 +14,8 @@ from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
-from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor
+from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor, ForceTorqueSettings
+from drake_twin.sensors.sensor_setup import SensorSetup
 
 discrete_engines = pytest.mark.parametrize("engine", ["1ms", "10ms"])
 
@@ -242,9 +243,10 @@ def test_a_sensor_beside_a_ball_joint_measures_and_one_in_it_is_named(tmp_path):
     assert "m: sensor inside: it cannot measure in the ball joint joint" in twin.warnings
     twin.advance_to(0.1)
     described = twin.plans[0].description.sensor("beside", "force_torque")
-    dut = ForceTorqueSensor.of(twin.plant, twin.plant.GetModelInstanceByName("m"), described)
-    ((forces, own),) = dut.inputs_from(twin.plant)
-    context = dut.CreateDefaultContext()
+    instance = twin.plant.GetModelInstanceByName("m")
+    dut = ForceTorqueSensor(SensorSetup(described, ForceTorqueSettings(), twin.plant, instance))
+    ((forces, own),) = dut.host.inputs_from(twin.plant)
+    context = dut.host.CreateDefaultContext()
     own.FixValue(context, Value[list[SpatialForce]](twin.evaluate(forces)))
     assert dut.get_wrench_output_port().Eval(context) == pytest.approx([0, 0, -MASS * G, 0, 0, 0], abs=1e-6)
 

@@ -10,7 +10,8 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.robot_description import Pose, Sensor
-from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor
+from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor, ForceTorqueSettings
+from drake_twin.sensors.sensor_setup import SensorSetup
 
 G, MASS, LEVER = 9.81, 1.5, 0.4
 
@@ -41,7 +42,7 @@ LEVEL = f"""<robot name="lever">
 class Rig:
     """A robot fixed to the world, with one force/torque sensor."""
 
-    def __init__(self, urdf, sensor, time_step=1e-3):
+    def __init__(self, urdf, sensor, time_step=1e-3, **settings):
         builder = DiagramBuilder()
         config = MultibodyPlantConfig(
             time_step=time_step, discrete_contact_approximation="lagged", use_sampled_output_ports=False
@@ -50,19 +51,20 @@ class Rig:
         (instance,) = Parser(self.plant).AddModelsFromString(urdf, "urdf")
         self.plant.WeldFrames(self.plant.world_frame(), self.plant.GetFrameByName("base"))
         self.plant.Finalize()
-        self.sensor = builder.AddSystem(ForceTorqueSensor.of(self.plant, instance, sensor))
-        for source, target in self.sensor.inputs_from(self.plant):
+        self.sensor = ForceTorqueSensor(SensorSetup(sensor, ForceTorqueSettings(**settings), self.plant, instance))
+        builder.AddSystem(self.sensor.host)
+        for source, target in self.sensor.host.inputs_from(self.plant):
             builder.Connect(source, target)
         self.simulator = Simulator(builder.Build())
         self.root = self.simulator.get_mutable_context()
         self.context = self.plant.GetMyMutableContextFromRoot(self.root)
 
     def wrench(self):
-        return self.sensor.get_wrench_output_port().Eval(self.sensor.GetMyContextFromRoot(self.root))
+        return self.sensor.get_wrench_output_port().Eval(self.sensor.host.GetMyContextFromRoot(self.root))
 
 
-def statically(roll=0.0, **sensor):
-    rig = Rig(LEVEL.replace("ROLL", str(roll)), Sensor("fts", "force_torque", joint="mount", **sensor))
+def statically(roll=0.0, pose=Pose(), **settings):  # noqa: B008
+    rig = Rig(LEVEL.replace("ROLL", str(roll)), Sensor("fts", "force_torque", joint="mount", pose=pose), **settings)
     rig.simulator.AdvanceTo(0.01)
     return rig.wrench()
 
@@ -104,7 +106,7 @@ def test_it_measures_before_the_first_step():
 def test_a_falling_arm_has_the_forces_of_pinocchios_inverse_dynamics(wrist):
     pinocchio = pytest.importorskip("pinocchio")
     urdf = ARM.replace("WRIST", wrist)
-    rig = Rig(urdf, Sensor("fts", "force_torque", joint="wrist", measured_on="child"))
+    rig = Rig(urdf, Sensor("fts", "force_torque", joint="wrist"), measured_on="child")
     plant, context = rig.plant, rig.context
     plant.SetVelocities(context, np.array([2.0, -5.0])[: plant.num_velocities()])
     rig.simulator.AdvanceTo(0.3)

@@ -1,0 +1,161 @@
+"""The sensors of a robot's sub-diagram, and the broadcasters that read them."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
+
+from drake_twin.controllers.base_controller import Controller
+from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.description.surroundings import Surroundings
+from drake_twin.diagram.plant_inputs import PlantInputs, free_name
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.sensor_plan import PlannedTopic, SensorPlan
+from drake_twin.sensors.noise import NoiseSource
+from drake_twin.sensors.sensor_host import SensorHost
+from drake_twin.sensors.sensor_setup import SensorSetup
+from drake_twin.sensors.sensor_system import SensorSystem
+
+
+@dataclass(frozen=True)
+class SensorSurroundings:
+    """What the sensors of all robots are built in.
+
+    Attributes:
+        plant: The finalized plant.
+        scene_graph: The scene graph with all shapes.
+        time_step: The physics step (s).
+        seed: What noise is drawn from.
+        noise: Whether there is noise.
+        world: Where on Earth the world is, and its magnetic field.
+    """
+
+    plant: MultibodyPlant
+    scene_graph: SceneGraph | None = None
+    time_step: float = 1e-3
+    seed: int = 0
+    noise: bool = True
+    world: Surroundings = field(default_factory=Surroundings)
+
+
+@dataclass(frozen=True)
+class SensorPort:
+    """The port of a sensor's topic: the sensor's plan, the topic, and the name of the port on its host."""
+
+    plan: SensorPlan
+    topic: PlannedTopic
+    name: str
+
+
+def add_read_sensors(
+    builder: DiagramBuilder,
+    plan: RobotPlan,
+    instance: ModelInstanceIndex,
+    surroundings: SensorSurroundings,
+    controllers: Mapping[str, Controller],
+    inputs: PlantInputs,
+) -> tuple[tuple[SensorPort, ...], tuple[str, ...]]:
+    """Add the sensors that a robot's controllers read to its sub-diagram, and connect them.
+
+    Returns:
+        The sub-diagram's output ports for the sensors' topics, and the sensors' warnings.
+    """
+    readers = {name: item for name, item in controllers.items() if isinstance(item, SensorReader)}
+    wanted = {item.simulated_sensor for item in readers.values()}
+    read = [item for item in plan.sensors if _key(item) in wanted]
+    host = SensorHost()
+    systems, ports, warnings = _add(host, plan, read, instance, surroundings, "sensor ")
+    if read:
+        builder.AddNamedSystem(free_name(builder, "sensors"), host)
+        for output, port in host.inputs_from(surroundings.plant, surroundings.scene_graph):
+            inputs.connect(output, output.get_name(), port)
+        for item in ports:
+            builder.ExportOutput(host.GetOutputPort(item.name), item.name)
+    for name, controller in readers.items():
+        _connect(builder, name, controller, instance, surroundings, systems, inputs)
+    return ports, warnings
+
+
+def add_other_sensors(
+    host: SensorHost,
+    plan: RobotPlan,
+    instance: ModelInstanceIndex,
+    surroundings: SensorSurroundings,
+    known: Iterable[SensorPort],
+) -> tuple[tuple[SensorPort, ...], tuple[str, ...]]:
+    """Give a host the sensors of a robot that none of its controllers reads.
+
+    Returns:
+        The host's output ports for the sensors' topics, and the sensors' warnings.
+    """
+    there = {item.plan.place for item in known}
+    others = [item for item in plan.sensors if item.place not in there]
+    _, ports, warnings = _add(host, plan, others, instance, surroundings, f"{plan.name}/")
+    return ports, warnings
+
+
+def _add(
+    host: SensorHost,
+    plan: RobotPlan,
+    sensors: Iterable[SensorPlan],
+    instance: ModelInstanceIndex,
+    surroundings: SensorSurroundings,
+    prefix: str,
+) -> tuple[dict[tuple[str, str], SensorSystem], tuple[SensorPort, ...], tuple[str, ...]]:
+    systems: dict[tuple[str, str], SensorSystem] = {}
+    ports: list[SensorPort] = []
+    warnings: list[str] = []
+    for item in sensors:
+        noise = NoiseSource(
+            surroundings.seed, plan.name, item.place, item.rate, surroundings.time_step, is_on=surroundings.noise
+        )
+        setup = SensorSetup(
+            sensor=item.sensor,
+            settings=item.settings,
+            plant=surroundings.plant,
+            instance=instance,
+            scene_graph=surroundings.scene_graph,
+            frame=item.frame,
+            noise=noise,
+            description=plan.description,
+            frame_prefix=plan.frame_prefix,
+            host=host,
+            prefix=f"{prefix}{item.place}/",
+            surroundings=surroundings.world,
+        )
+        system = item.kind(setup)
+        systems[_key(item)] = system
+        ports += [SensorPort(item, topic, system.port_name(topic.own)) for topic in item.topics if topic.topic]
+        warnings += [f"sensor {item.place}: {text}" for text in system.warnings]
+    return systems, tuple(ports), tuple(warnings)
+
+
+def _key(item: SensorPlan) -> tuple[str, str]:
+    return item.sensor.name.strip("/"), item.sensor.kind
+
+
+def _connect(
+    builder: DiagramBuilder,
+    name: str,
+    controller: SensorReader,
+    instance: ModelInstanceIndex,
+    surroundings: SensorSurroundings,
+    systems: Mapping[tuple[str, str], SensorSystem],
+    inputs: PlantInputs,
+) -> None:
+    """Connect a controller to the sensor that it reads; one that nothing simulates has constant values."""
+    system = systems.get(controller.simulated_sensor)
+    if system is not None:
+        builder.Connect(system.output(system.values_port), controller.get_sensor_input_port())
+        return
+    own = controller.own_sensor(surroundings.plant, instance)
+    source = ConstantVectorSource(controller.initial_values()) if own is None else own
+    builder.AddNamedSystem(free_name(builder, f"{name}_sensor"), source)
+    builder.Connect(source.get_output_port(), controller.get_sensor_input_port())
+    if own is not None:
+        for output, port in own.inputs_from(surroundings.plant):
+            inputs.connect(output, output.get_name(), port)

@@ -1,0 +1,48 @@
+"""The topics of sensors that a bridge carries and that no robot has."""
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from drake_twin.description.robot_description import Sensor
+from drake_twin.findings import Finding, Kind
+from drake_twin.from_launch.bridges import BridgeLine
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.sensor_plan import gazebo_default, is_same_topic, valid_topic
+
+# Types that only Gazebo's sensors publish.
+_OF_SENSORS = {
+    *(
+        f"sensor_msgs/msg/{name}"
+        for name in (
+            *("CameraInfo", "FluidPressure", "Image", "Imu", "LaserScan", "MagneticField", "NavSatFix", "PointCloud2"),
+        )
+    ),
+    "ros_gz_interfaces/msg/Altimeter",
+    "ros_gz_interfaces/msg/Contacts",
+    "ros_gz_interfaces/msg/LogicalCameraImage",
+    "gps_msgs/msg/GPSFix",
+}
+
+
+def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan]) -> Iterator[Finding]:
+    """Yield a warning of each line of a bridge that names the topic of a sensor that no robot has.
+
+    The topics of a sensor that the twin does not simulate are known by its ``<topic>``, or by the beginning of its
+    default topic.
+    """
+    for line in lines:
+        if not line.is_to_ros or line.ros_type not in _OF_SENSORS:
+            continue
+        if not any(_is_of(sensor, plan, line.gz) for plan in plans for sensor in plan.description.sensors):
+            what = f"the bridge carries {line.gz} to {line.ros}, but no sensor of a robot publishes it in Gazebo"
+            yield Finding.at(Kind.WARNING, what, line.place)
+
+
+def _is_of(sensor: Sensor, plan: RobotPlan, gz: str) -> bool:
+    known = [topic.in_gazebo for item in plan.sensors if item.sensor is sensor for topic in item.topics]
+    if known:
+        return any(is_same_topic(name, gz) for name in known)
+    if sensor.topic:
+        topic = f"/{valid_topic(sensor.topic)}"
+        beside = f"{topic.rpartition('/')[0]}/camera_info"
+        return gz in (topic, beside) or gz.startswith(f"{topic}/") or gz.strip("/") in sensor.text
+    return is_same_topic(gazebo_default(plan.name, sensor, gz.rpartition("/")[2]), gz)

@@ -1,0 +1,59 @@
+"""The names that Gazebo gives the collision shapes of a link, with those of the links that it folds into it."""
+
+from collections.abc import Iterator
+
+from lxml import etree
+from pydrake.geometry import GeometryId, Role, SceneGraphInspector
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex
+
+from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.sensors import lumped_links
+
+_LUMP, _COLLISION = "_fixed_joint_lump__", "_collision"
+
+
+def collision_names(description: RobotDescription, link: str) -> dict[tuple[str, int], str]:
+    """Return link and index of each collision shape that a link has in Gazebo → its name there.
+
+    libsdformat's ``CreateCollisions`` (src/parser_urdf.cc): ``NAME_collision``, or ``LINK_collision`` without a name,
+    with a number from the second on; of a link that is folded into another ``OTHER_fixed_joint_lump__NAME_collision``.
+    An SDF's names are kept.
+    """
+    root = etree.fromstring(description.text.encode())
+    if root.tag != "robot":
+        collisions = root.iterfind(f"model/link[@name='{link}']/collision")
+        return {(link, index): item.get("name", "") for index, item in enumerate(collisions)}
+    parents = lumped_links(root)
+    found: dict[tuple[str, int], str] = {}
+    for own in (link, *(other for other in description.links if parents.get(other) == link)):
+        prefix = "" if own == link else f"{link}{_LUMP}"
+        for index, item in enumerate(root.iterfind(f"link[@name='{own}']/collision")):
+            number = f"_{len(found)}" if found else ""
+            found[own, index] = f"{prefix}{item.get('name') or own}{_COLLISION}{number}"
+    return found
+
+
+def collision_geometries(
+    description: RobotDescription,
+    links: list[str],
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    inspector: SceneGraphInspector,
+) -> Iterator[tuple[GeometryId, tuple[str, int]]]:
+    """Yield the geometries of some links, with link and index of the collision shape that each one is of."""
+    root = etree.fromstring(description.text.encode())
+    for link in links:
+        elements = root.findall(f".//link[@name='{link}']/collision")
+        named = {item.get("name", ""): index for index, item in enumerate(elements) if item.get("name")}
+        unnamed = [index for index, item in enumerate(elements) if not item.get("name")]
+        known: dict[str, int] = {}
+        body = plant.GetBodyByName(drake_link_name(link), instance)
+        for geometry in inspector.GetGeometries(plant.GetBodyFrameIdOrThrow(BodyIndex(body.index())), Role.kProximity):
+            name = inspector.GetName(geometry).rpartition("::")[2].partition("|")[0]
+            if name not in known:
+                known[name] = named[name] if name in named else unnamed.pop(0) if len(unnamed) > 1 else -1
+                if known[name] < 0:
+                    known[name] = unnamed[0] if unnamed else 0
+            yield geometry, (link, known[name])

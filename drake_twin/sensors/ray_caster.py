@@ -1,0 +1,241 @@
+"""What rays meet first among the shapes of a scene graph; nothing else knows Embree.
+
+What does not move is one scene of triangles in the world's axes. Each moving body is a small scene in its own axes:
+rays are turned into them, and only those that meet the body's bounding sphere. Round shapes and half spaces have no
+triangles: they are met by formula.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import Box, Convex, GeometryId, HalfSpace, Mesh, Role, SceneGraphInspector, Shape
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+
+from drake_twin.errors import InputError
+from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of
+
+_BLOCK = 1024  # rays at a time, which fit into the processor's cache
+_MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
+
+
+@dataclass
+class _Group:
+    """Shapes that do not move relative to each other, in the axes of their body.
+
+    Attributes:
+        body: The body's index in the plant; None for what does not move.
+        triangles: Vertices and faces of each shape.
+        round: Round shapes with their poses.
+        planes: Half spaces with their poses.
+    """
+
+    body: int | None
+    triangles: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    round: list[tuple[Shape, RigidTransform]] = field(default_factory=list)
+    planes: list[RigidTransform] = field(default_factory=list)
+
+    @cached_property
+    def scene(self) -> Any:
+        """The triangles in Embree; None without any."""
+        if not self.triangles:
+            return None
+        rtcore_scene, mesh_construction = _embree()
+        scene = rtcore_scene.EmbreeScene()
+        for vertices, faces in self.triangles:
+            mesh_construction.TriangleMesh(scene, vertices.astype(np.float32), faces.astype(np.int32))
+        return scene
+
+    @cached_property
+    def sphere(self) -> tuple[np.ndarray, float]:
+        """Center and radius of a sphere about all shapes but the half spaces."""
+        corners = [vertices for vertices, _ in self.triangles]
+        corners += [
+            pose.translation() + radius_of(shape) * np.vstack([np.eye(3), -np.eye(3)]) for shape, pose in self.round
+        ]
+        points = np.vstack(corners)
+        center = (points.min(axis=0) + points.max(axis=0)) / 2
+        reach = [np.linalg.norm(vertices - center, axis=1).max() for vertices, _ in self.triangles]
+        reach += [np.linalg.norm(pose.translation() - center) + radius_of(shape) for shape, pose in self.round]
+        return center, float(max(reach))
+
+    def cast(self, origin: np.ndarray, directions: np.ndarray, nearest: float) -> np.ndarray:
+        """Return how far away rays meet the shapes, in the group's axes."""
+        found = np.full(len(directions), np.inf)
+        if self.scene is not None:
+            starts = (origin + nearest * directions).astype(np.float32)
+            ways = np.full(len(directions), 1e37, dtype=np.float32)
+            ways = self.scene.run(starts, directions.astype(np.float32), query="DISTANCE", dists=ways).astype(float)
+            found = np.where(ways < 1e30, ways + nearest, np.inf)
+        for shape, pose in self.round:
+            turn = pose.rotation().matrix()
+            start = (origin - pose.translation()) @ turn
+            rays = np.flatnonzero(_meets(directions @ turn, -start[np.newaxis], np.array([radius_of(shape)]))[0])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                met = distances(shape, start, directions[rays] @ turn, nearest)
+            found[rays] = np.minimum(found[rays], met)
+        for pose in self.planes:
+            normal = pose.rotation().matrix()[:, 2]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ways = (normal @ (pose.translation() - origin)) / (directions @ normal)
+            found = np.minimum(found, np.where(ways >= nearest, ways, np.inf))
+        return found
+
+
+class RayCaster:
+    """Casts rays from one point into a scene.
+
+    Args:
+        plant: The finalized plant whose bodies have the shapes.
+        inspector: The scene graph's.
+        role: Which shapes are seen: ``Role.kIllustration`` or ``Role.kProximity``.
+
+    Raises:
+        InputError: If Embree is not installed.
+    """
+
+    def __init__(self, plant: MultibodyPlant, inspector: SceneGraphInspector, role: Role):
+        _embree()
+        fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
+        start = plant.CreateDefaultContext()
+        self._static = _Group(None)
+        meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]] = {}
+        self._moving: list[_Group] = []
+        for frame in inspector.GetAllFrameIds():
+            body = plant.GetBodyFromFrameId(frame)
+            geometries = inspector.GetGeometries(frame, role)
+            if body is None or not geometries:
+                continue
+            index = int(body.index())
+            if index in fixed:
+                group, pose = self._static, plant.EvalBodyPoseInWorld(start, body)
+            else:
+                group, pose = _Group(index), RigidTransform()
+                self._moving.append(group)
+            for geometry in geometries:
+                _add(group, inspector, geometry, pose, meshes)
+        if role is not Role.kProximity:  # the ground is seen, whether or not it is drawn
+            for geometry in inspector.GetGeometries(inspector.world_frame_id(), Role.kProximity):
+                if isinstance(inspector.GetShape(geometry), HalfSpace):
+                    _add(self._static, inspector, geometry, RigidTransform(), meshes)
+
+    def cast(
+        self,
+        poses: Sequence[RigidTransform],
+        origin: np.ndarray,
+        directions: np.ndarray,
+        nearest: float = 0.0,
+        farthest: float = np.inf,
+    ) -> np.ndarray:
+        """Return how far away each ray first meets a shape (m); infinite where it meets none.
+
+        Args:
+            poses: The pose of each body in the world, by its index.
+            origin: Where all rays begin, in the world (m).
+            directions: Unit vectors in the world, one a row.
+            nearest: Shapes that are nearer are not seen (m).
+            farthest: Shapes that are farther away need not be seen (m).
+        """
+        found = self._static.cast(origin, directions, nearest)
+        if not self._moving:
+            return found
+        turns = np.array([poses[group.body or 0].rotation().matrix() for group in self._moving])
+        positions = np.array([poses[group.body or 0].translation() for group in self._moving])
+        centers, radii = self._spheres
+        ways = positions + np.einsum("bij,bj->bi", turns, centers) - origin
+        meets = _meets(directions, ways, radii)
+        meets[np.sqrt(np.einsum("bi,bi->b", ways, ways)) - radii > farthest] = False
+        for index in np.flatnonzero(meets.any(axis=1)):
+            rays, turn = np.flatnonzero(meets[index]), turns[index]
+            start = (origin - positions[index]) @ turn
+            found[rays] = np.minimum(found[rays], self._moving[index].cast(start, directions[rays] @ turn, nearest))
+        return found
+
+    @cached_property
+    def _spheres(self) -> tuple[np.ndarray, np.ndarray]:
+        """The bounding spheres of the moving bodies: their centers, one a row, and their radii."""
+        centers, radii = zip(*(group.sphere for group in self._moving), strict=True)
+        return np.array(centers), np.array(radii)
+
+
+def _meets(directions: np.ndarray, ways: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """Return which spheres (rows) which rays (columns) may meet, by the ways from the rays' origin to their centers."""
+    squares = np.einsum("bi,bi->b", ways, ways)[:, np.newaxis]
+    reach = (radii + _MARGIN * (radii + np.sqrt(squares[:, 0])))[:, np.newaxis] ** 2
+    found = np.empty((len(ways), len(directions)), dtype=bool)
+    for begin in range(0, len(directions), _BLOCK):
+        along = ways @ directions[begin : begin + _BLOCK].T
+        near = squares - along**2 <= reach
+        near &= along > 0.0
+        found[:, begin : begin + _BLOCK] = near
+    return np.asarray(found | (squares <= reach))
+
+
+def _add(
+    group: _Group,
+    inspector: SceneGraphInspector,
+    geometry: GeometryId,
+    pose: RigidTransform,
+    meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]],
+) -> None:
+    """Add a shape to a group; files are read once."""
+    shape, X_BG = inspector.GetShape(geometry), pose @ inspector.GetPoseInFrame(geometry)
+    if isinstance(shape, HalfSpace):
+        group.planes.append(X_BG)
+    elif isinstance(shape, ROUND_SHAPES):
+        group.round.append((shape, X_BG))
+    else:
+        vertices, faces = _triangles(shape, meshes)
+        group.triangles.append((vertices @ X_BG.rotation().matrix().T + X_BG.translation(), faces))
+
+
+def _triangles(
+    shape: Shape, meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices and faces of a box, a mesh or a convex hull, in its frame."""
+    if isinstance(shape, Box):
+        corners = np.array(np.meshgrid([-0.5, 0.5], [-0.5, 0.5], [-0.5, 0.5], indexing="ij")).reshape(3, 8).T
+        quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+        faces = [half for a, b, c, d in quads for half in ((a, b, c), (a, c, d))]
+        return corners * shape.size(), np.array(faces)
+    if isinstance(shape, Mesh) and shape.extension() in (".obj", ".gltf", ".glb"):
+        file, scale = Path(shape.source().path()), np.array(shape.scale3())
+        key = (str(file), *map(str, scale))
+        if key not in meshes:
+            meshes[key] = _of_file(file, scale)
+        return meshes[key]
+    if isinstance(shape, Mesh | Convex):
+        hull = shape.GetConvexHull()
+        vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
+        faces = []
+        for index in range(hull.num_elements()):
+            face = hull.element(index)
+            corners_of = [face.vertex(corner) for corner in range(face.num_vertices())]
+            faces += [(corners_of[0], b, c) for b, c in pairwise(corners_of[1:])]
+        return vertices, np.array(faces)
+    raise InputError(f"a lidar cannot see a {type(shape).__name__}")
+
+
+def _of_file(file: Path, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    import trimesh  # importing it takes a third of a second
+
+    mesh = trimesh.load_scene(file).to_mesh()
+    vertices = np.asarray(mesh.vertices)
+    if file.suffix in (".gltf", ".glb"):  # y is up in the file
+        vertices = np.column_stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]])
+    return vertices * scale, np.asarray(mesh.faces)
+
+
+def _embree() -> tuple[Any, Any]:
+    try:
+        from embreex import mesh_construction, rtcore_scene
+    except ImportError as error:
+        raise InputError(
+            f"lidars need the package embreex, which this platform does not have ({error}): pip install embreex"
+        ) from error
+    return rtcore_scene, mesh_construction

@@ -1,0 +1,120 @@
+"""The messages of lidars, as functions of ranges."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drake_twin import messages
+
+_FLOAT32, _UINT16 = 7, 4  # sensor_msgs/msg/PointField
+_OFFSETS, _POINT_STEP = (0, 4, 8, 16, 24), 32
+
+
+@dataclass(frozen=True)
+class ScanGrid:
+    """The directions of a lidar's rays: rows from the lowest, each row from its first angle to its last, which count.
+
+    Attributes:
+        samples: The number of rays in a row.
+        angle_min: The first one's angle about z (rad).
+        angle_max: The last one's.
+        rows: The number of rows.
+        row_min: The lowest row's angle above the xy plane (rad).
+        row_max: The highest one's.
+        range_min: The least range (m).
+        range_max: The largest range (m).
+    """
+
+    samples: int
+    angle_min: float
+    angle_max: float
+    rows: int
+    row_min: float
+    row_max: float
+    range_min: float
+    range_max: float
+
+    @property
+    def angle_increment(self) -> float:
+        """The angle between two rays of a row (rad)."""
+        return (self.angle_max - self.angle_min) / max(1, self.samples - 1)
+
+    def directions(self) -> np.ndarray:
+        """Return unit vectors in the sensor's frame, one a row, in the order of the ranges."""
+        angles = np.linspace(self.angle_min, self.angle_max, self.samples)
+        heights = np.linspace(self.row_min, self.row_max, self.rows) if self.rows > 1 else np.array([self.row_min])
+        height, angle = (grid.ravel() for grid in np.meshgrid(heights, angles, indexing="ij"))
+        across = np.cos(height)
+        return np.column_stack([across * np.cos(angle), across * np.sin(angle), np.sin(height)])
+
+
+def laser_scan(header: Any, grid: ScanGrid, ranges: np.ndarray) -> Any:
+    """Return the middle row as a ``LaserScan`` (ros_gz_bridge/src/convert/sensor_msgs.cpp)."""
+    row = ranges.reshape(grid.rows, grid.samples)[grid.rows // 2].astype(np.float32)
+    return messages.LaserScan(
+        header=header,
+        angle_min=grid.angle_min,
+        angle_max=grid.angle_max,
+        angle_increment=grid.angle_increment,
+        time_increment=0.0,
+        scan_time=0.0,
+        range_min=grid.range_min,
+        range_max=grid.range_max,
+        ranges=row,
+        intensities=np.zeros(grid.samples, dtype=np.float32),
+    )
+
+
+def points(grid: ScanGrid, directions: np.ndarray, ranges: np.ndarray) -> np.ndarray:
+    """Return the points that rays met (m), one a row; infinite where they met nothing."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray((ranges[:, np.newaxis] * directions).astype(np.float32))
+
+
+def point_cloud2(header: Any, grid: ScanGrid, directions: np.ndarray, ranges: np.ndarray) -> Any:
+    """Return all rows as a ``PointCloud2``: x, y, z, intensity, ring (gz-sensors, src/GpuLidarSensor.cc).
+
+    The fields are aligned to 8 bytes, as gz-msgs does it (PointCloudPackedUtils.hh).
+    """
+    names, kinds = ("x", "y", "z", "intensity", "ring"), (*["<f4"] * 4, "<u2")
+    layout = np.dtype({"names": names, "formats": kinds, "offsets": _OFFSETS, "itemsize": _POINT_STEP})
+    data = np.zeros(len(ranges), dtype=layout)
+    for name, values in zip("xyz", points(grid, directions, ranges).T, strict=True):
+        data[name] = values
+    data["ring"] = np.repeat(np.arange(grid.rows), grid.samples)
+    fields = [
+        messages.PointField(name=name, offset=offset, datatype=_UINT16 if kind == "<u2" else _FLOAT32, count=1)
+        for name, offset, kind in zip(names, _OFFSETS, kinds, strict=True)
+    ]
+    return messages.PointCloud2(
+        header=header,
+        height=grid.rows,
+        width=grid.samples,
+        fields=fields,
+        is_bigendian=False,
+        point_step=_POINT_STEP,
+        row_step=_POINT_STEP * grid.samples,
+        data=data.view(np.uint8),
+        is_dense=bool(np.isfinite(ranges).all()),
+    )
+
+
+def point_cloud(header: Any, directions: np.ndarray, ranges: np.ndarray) -> Any:
+    """Return what was met as a ``PointCloud``."""
+    met = np.isfinite(ranges)
+    xyz = (ranges[met, np.newaxis] * directions[met]).astype(np.float32).tolist()
+    return messages.PointCloud(header=header, points=[messages.Point32(x=x, y=y, z=z) for x, y, z in xyz], channels=[])
+
+
+def nearest_range(header: Any, grid: ScanGrid, ranges: np.ndarray, radiation: int) -> Any:
+    """Return the least range as a ``Range`` (gazebo_plugins/src/gazebo_ros_ray_sensor.cpp)."""
+    return messages.Range(
+        header=header,
+        radiation_type=radiation,
+        field_of_view=grid.angle_max - grid.angle_min,
+        min_range=grid.range_min,
+        max_range=grid.range_max,
+        range=float(ranges.min()),
+        variance=0.0,
+    )

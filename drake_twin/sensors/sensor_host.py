@@ -1,0 +1,25 @@
+"""The system that has the ports of many sensors."""
+
+from typing import TYPE_CHECKING, Any
+
+from drake_twin.sensors.plant_reader import PlantReader
+
+if TYPE_CHECKING:
+    from drake_twin.sensors.sensor_system import SensorSystem
+
+
+class SensorHost(PlantReader):
+    """Have the ports of many sensors.
+
+    In each physics step Drake visits every system and tells its input ports that they have changed: as 72 systems, the
+    sensors of eight robots slowed the steps of a simple scene by 28 %, though nobody listened to them.
+
+    Attributes:
+        sensors: The sensors; their ports' callbacks hold them weakly.
+        shared: What some of them share, by what it is.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.sensors: list[SensorSystem] = []
+        self.shared: dict[str, Any] = {}

@@ -1,0 +1,89 @@
+"""What a sensor is built from."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
+
+from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.robot_description import Pose, RobotDescription, Sensor
+from drake_twin.description.surroundings import Surroundings
+from drake_twin.errors import InputError
+from drake_twin.sensors.noise import NoiseSource
+from drake_twin.sensors.sensor_host import SensorHost
+
+
+@dataclass(frozen=True)
+class SensorSetup:
+    """What a sensor is built from.
+
+    Attributes:
+        sensor: The sensor as the file describes it.
+        settings: What its kind's `SensorSystem.read` has returned.
+        plant: The finalized plant, whose defaults are the robot's start state.
+        instance: The robot in the plant.
+        scene_graph: The scene graph with all shapes.
+        frame: The ``frame_id`` of its messages.
+        noise: What its noise is drawn from.
+        description: The robot.
+        host: The system that has its ports; a new one by default.
+        prefix: The beginning of its ports' names there.
+        surroundings: Where on Earth the world is, and its magnetic field.
+        frame_prefix: The prefix of its link names in tf messages.
+    """
+
+    sensor: Sensor
+    settings: Any
+    plant: MultibodyPlant
+    instance: ModelInstanceIndex
+    scene_graph: SceneGraph | None = None
+    frame: str = ""
+    noise: NoiseSource = field(default_factory=NoiseSource)
+    description: RobotDescription | None = None
+    frame_prefix: str = ""
+    host: SensorHost | None = None
+    prefix: str = ""
+    surroundings: Surroundings = field(default_factory=Surroundings)
+
+    @property
+    def body(self) -> RigidBody:
+        """The body of its link."""
+        return self.plant.GetBodyByName(drake_link_name(self.sensor.link), self.instance)
+
+    @property
+    def joint(self) -> Joint:
+        """Its joint."""
+        return self.plant.GetJointByName(self.sensor.joint, self.instance)
+
+    @property
+    def pose(self) -> RigidTransform:
+        """The pose of the sensor S in its link's body B, or in its joint's frame on the child.
+
+        Raises:
+            InputError: If the file's pose is relative to an unknown frame.
+        """
+        sensor = self.sensor
+        own = transform(sensor.pose)
+        if not sensor.pose_frame or sensor.pose_frame in (sensor.link, sensor.joint):
+            return own
+        if not self.plant.HasFrameNamed(sensor.pose_frame, self.instance):
+            what = f"sensor {sensor.name!r}: its pose is relative to the unknown frame {sensor.pose_frame!r}"
+            raise InputError(what, file=sensor.place.file or None, line=sensor.place.line)
+        frame = self.plant.GetFrameByName(sensor.pose_frame, self.instance)
+        start = self.plant.CreateDefaultContext()
+        base = self.body.body_frame() if sensor.link else self.joint.frame_on_child()
+        return self.plant.CalcRelativeTransform(start, base, frame) @ own
+
+    @property
+    def start(self) -> RigidTransform:
+        """The pose of the sensor in the world at the start."""
+        body = self.plant.EvalBodyPoseInWorld(self.plant.CreateDefaultContext(), self.body)
+        return body @ self.pose
+
+
+def transform(pose: Pose) -> RigidTransform:
+    """Return a pose as Drake's transform."""
+    return RigidTransform(RollPitchYaw(*pose.rpy), pose.xyz)
