@@ -5,6 +5,7 @@ and gives the same bytes to all wires. In: what a wire hears is decoded in the w
 and is done in the simulation's thread, by `Twin.publish` and the like, so that it is recorded.
 """
 
+import contextlib
 import logging
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -298,9 +299,12 @@ class Seam:
 
 
 def _wired(endpoint: Endpoint) -> WireEndpoint:
-    kind = endpoint.type
-    text = "" if "/action/" in kind else definition(kind)  # rosbags has none for what is made of an action's parts
-    return WireEndpoint(endpoint.name, kind, type_hash(kind), endpoint.node, endpoint.latched, text)
+    kind, text, its_hash = endpoint.type, "", ""
+    with contextlib.suppress(ValueError):  # of a type that only the user's own controller knows
+        its_hash = type_hash(kind)
+        if "/action/" not in kind:  # rosbags has no text for what is made of an action's parts
+            text = definition(kind)
+    return WireEndpoint(endpoint.name, kind, its_hash, endpoint.node, endpoint.latched, text)
 
 
 def _close_missing(known: dict[str, Any], wanted: Mapping[str, Any]) -> None:

@@ -14,7 +14,7 @@ class WireEndpoint:
     Attributes:
         name: Its full name.
         type: Its ROS type.
-        hash: The type's hash, ``RIHS01_…``.
+        hash: The type's hash, ``RIHS01_…``; empty if it is not known.
         node: The full name of its node.
         latched: Whether late joiners get the last message of the topic.
         definition: The text of the topic's message type, with those of the messages in it.

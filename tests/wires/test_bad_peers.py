@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from conftest import rovers
 from wires.ros_client import while_running
-from wires.zenoh_peer import Heard, free_port, peer
+from wires.zenoh_peer import Heard, free_port, peer, tokens
 
 from drake_twin.messages import message
 from drake_twin.messages.interface_types import deserialize, make, serialize, type_hash
@@ -147,3 +147,26 @@ def test_open_wires_that_nobody_uses_change_no_bit(port):
             return twin.state_sha256()
 
     assert state(True) == state(False)
+
+
+def test_a_type_without_a_hash_is_on_the_graph_as_humble_has_it(port, monkeypatch):
+    def unknown(kind):
+        raise ValueError(f"unknown type {kind!r}")
+
+    monkeypatch.setattr("drake_twin.wires.seam.definition", unknown)
+    monkeypatch.setattr(
+        "drake_twin.wires.seam.type_hash", lambda kind: unknown(kind) if "/msg/" in kind else "RIHS01_0"
+    )
+    heard = Heard()
+    with rovers(1).build() as twin:
+        seam = connect(twin, [ZenohWire(domain=0, port=port)])
+        try:
+            with peer(port) as other:
+                assert "sensor_msgs::msg::dds_::JointState_/TypeHashNotSupported/" in str(tokens(other))
+                key = topic_key(0, "/robot_1/joint_states", "sensor_msgs/msg/JointState", "TypeHashNotSupported")
+                other.declare_subscriber(key, heard)
+                other.put(topic_key(0, COMMANDS, ARRAY, "RIHS01_7"), array(1.5, 1.5, 1.5, 1.5))
+                while_running(twin, lambda: heard.wait_for(10))
+        finally:
+            seam.close()
+        assert list(twin.command(COMMANDS).data) == [1.5] * 4
