@@ -3,6 +3,7 @@
 import copy
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
@@ -11,7 +12,9 @@ from lxml import etree
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import RobotModel, load_robot_model
 from drake_twin.errors import InputError
-from drake_twin.findings import Kind
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.sensor_plan import plan_sensors
+from drake_twin.scenario import Robot as InScenario
 
 # What may have another value without changing anything, and why.
 WITHOUT_EFFECT = {
@@ -20,6 +23,9 @@ WITHOUT_EFFECT = {
     "//gazebo/@reference": "what it holds may mean nothing for a link without shapes",
     "//gazebo/material/text()": "shapes may have colours of their own, and not each name is a colour's",
     "//material[color]/@name": "a label, where the colour is beside it",
+    "//sensor/always_on/text()": "sensors are always on",
+    "//sensor/visualize/text()": "sensors are not drawn",
+    "//sensor/plugin//@name": "a label, where the topics are remapped",
     "//self_collide/text()": "1 and 1.11 are both true",
     "//static/text()": "every word but true and 1 is false",
     "//inertial[mass/@value = 0]//@*": "a link without mass has no inertia",
@@ -50,7 +56,10 @@ class Robot:
         """The robot of other XML, or why it is refused."""
         self._file.write_bytes(etree.tostring(root))
         try:
-            return load_robot_model(str(self._file), self._packages)
+            model = load_robot_model(str(self._file), self._packages)
+            sensors, findings = plan_sensors(InScenario("r", "r.urdf"), model.description, "")
+            plans = Finding(Kind.WINDOW, repr(sensors))  # for `_outcome`
+            return replace(model, findings=(*model.findings, *findings, plans))
         except InputError as error:
             return error
         finally:

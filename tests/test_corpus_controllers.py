@@ -101,7 +101,7 @@ def test_each_controller_of_a_robot_that_names_a_parameters_file_is_active_or_sa
     (robot,) = scenario.robots
     plan = plan_robot(robot, PackageIndex(scenario.package_paths))
     if not plan.description.controller_files:
-        assert plan.controllers == () or plan.not_started == ()
+        assert plan.controllers == () or [text for text in plan.not_started if "sensor" not in text] == []
         return
     assert plan.controllers
     said = "\n".join(plan.not_started)

@@ -204,8 +204,8 @@ class Sensor:
     topic: str = ""
     update_rate: float = 0.0
     place: Place = field(default=Place(""), compare=False)
-    text: str = field(default="<sensor/>", compare=False)
-    places: tuple[Place, ...] = field(default=(), compare=False)
+    text: str = field(default="<sensor/>", compare=False, repr=False)
+    places: tuple[Place, ...] = field(default=(), compare=False, repr=False)
 
 
 @dataclass(frozen=True)
