@@ -7,7 +7,9 @@ from conftest import ARM
 
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.messages import message
+from drake_twin.scenario import Robot
 from drake_twin.services.actions import action_servers
+from drake_twin.services.graph import GraphServices
 
 FIRST, SECOND = bytes(range(16)), bytes(range(16, 32))
 NOW = Message(sec=0, nanosec=0)
@@ -116,6 +118,24 @@ def test_results_of_the_last_fifty_goals_are_kept(twin, server):
     assert ended(call(server, "get_result", goal_id=uuid((118).to_bytes(16, "big"))))["status"] == 6
     status = dict(server.news())[server.status_topic.name]["status_list"]
     assert len(status) <= 52
+
+
+def test_a_goal_and_its_result_survive_a_spawn(twin):
+    graph = GraphServices()
+
+    def ask(name, **request):
+        services = {item.name: item for item in graph.services(twin)}
+        return services[f"/arm/c/follow_joint_trajectory/_action/{name}"].answer(Message(**request))
+
+    assert ask("send_goal", goal_id=uuid(FIRST), goal=goal())["accepted"]
+    twin.advance_to(0.05)
+    result = ask("get_result", goal_id=uuid(FIRST))
+    twin.spawn(Robot("other", ARM, xyz=(0.0, 3.0, 0.0)))
+    next(result)
+    twin.advance_to(1.0)
+    assert ended(result)["status"] == ended(ask("get_result", goal_id=uuid(FIRST)))["status"] == 4
+    assert "/other/_action/status" not in {topic.name for topic in graph.topics()}
+    assert {name for name, _ in graph.news()} == {"/arm/c/follow_joint_trajectory/_action/status"}
 
 
 def test_simulate_steps(twin):

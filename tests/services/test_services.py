@@ -258,10 +258,11 @@ def test_gazebo_classic(twin):
     assert again == {"success": False, "status_message": "Entity [third] already exists."}
     assert answer(twin, "/get_model_list")["model_names"] == ["robot_1", "robot_2", "third"]
     state = Message(name="third", pose=pose(5.0), twist=Message(linear=pose().position, angular=pose().position))
-    state.reference_frame = "robot_1"
+    state.reference_frame = "robot_2"
     assert answer(twin, "/set_entity_state", state=state) == {"success": True}
-    found = answer(twin, "/gazebo/get_entity_state", name="third", reference_frame="robot_1")["state"]
-    assert found["pose"]["position"]["x"] == pytest.approx(5.0)
+    found = answer(twin, "/gazebo/get_entity_state", name="third", reference_frame="robot_2")["state"]
+    assert found["pose"]["position"] == pytest.approx({"x": 5.0, "y": 0.0, "z": 0.0}, abs=1e-9)
+    assert twin.entity_state("third").position == pytest.approx((5.0, 2.0, 0.13))
     assert answer(twin, "/delete_entity", name="third")["success"]
     assert answer(twin, "/pause_physics") == {}
     assert twin.paused
