@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from math import pi
 from typing import Any
 
@@ -51,9 +52,9 @@ class LidarSettings:
 class Lidar(SensorSystem):
     """Measure how far away rays meet a shape (gz-sensors, src/Lidar.cc and src/GpuLidarSensor.cc).
 
-    Rays begin at the least range: what is nearer is not seen. Ranges beyond the largest are infinite. A ``ray`` sees
-    collision shapes, as Gazebo classic's does with its physics engine; the other kinds see visual shapes, as a graphics
-    processor does.
+    Rays begin at the least range: what is nearer is not seen. Ranges beyond the largest are infinite. A ``ray`` or a
+    ``lidar`` sees collision shapes, as with Gazebo's physics engine; ``gpu_lidar`` and ``gpu_ray`` see visual shapes,
+    as a graphics processor does.
 
     .. pydrake_system::
 
@@ -91,7 +92,13 @@ class Lidar(SensorSystem):
             output = plugin.choice("output_type", default)
             radiation = 1 - _RADIATIONS.index(plugin.choice("radiation_type", _RADIATIONS)) if plugin else 0
         noise = read_noise(part)
-        return LidarSettings(grid, noise, element.sensor.kind == "ray", output, radiation)
+        return LidarSettings(grid, noise, element.sensor.kind in ("ray", "lidar"), output, radiation)
+
+    @classmethod
+    def problem(cls, settings: LidarSettings) -> str | None:
+        """Return why there are no lidars: Embree has no package for every platform."""
+        is_there = find_spec("embreex") is not None
+        return None if is_there else "lidars need the package embreex, which is not installed: pip install embreex"
 
     @classmethod
     def topics(cls, sensor: Sensor, settings: LidarSettings, base: str) -> Iterable[SensorTopic]:

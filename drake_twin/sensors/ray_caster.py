@@ -21,6 +21,7 @@ from drake_twin.errors import InputError
 from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of
 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
+_BRAKE = "/friction/"  # in the names of the shapes that brake joints, which nobody sees
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
 
 
@@ -108,7 +109,9 @@ class RayCaster:
         self._moving: list[_Group] = []
         for frame in inspector.GetAllFrameIds():
             body = plant.GetBodyFromFrameId(frame)
-            geometries = inspector.GetGeometries(frame, role)
+            geometries = [
+                item for item in inspector.GetGeometries(frame, role) if _BRAKE not in inspector.GetName(item)
+            ]
             if body is None or not geometries:
                 continue
             index = int(body.index())

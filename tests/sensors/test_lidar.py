@@ -39,10 +39,19 @@ def test_a_wall_two_meters_ahead_is_at_two_meters(tmp_path):
     assert scan.header.frame_id == "box/box/s"
 
 
-def test_a_ray_sees_collision_shapes(tmp_path):
+@pytest.mark.parametrize("kind", ["ray", "lidar"])
+def test_a_ray_sees_collision_shapes(tmp_path, kind):
     outside = "<min>0.3</min><max>3.5</max>"
-    twin = twin_with(tmp_path, lidar("ray", ranges=outside, part="ray"), world=WALL.format(2.1, 0))
+    twin = twin_with(tmp_path, lidar(kind, ranges=outside, part="ray"), world=WALL.format(2.1, 0))
     assert heard(twin, "/box/scan")[-1].ranges[2] == pytest.approx(2.5, abs=1e-4)
+
+
+def test_without_embree_a_lidar_is_not_started_and_the_twin_runs_on(tmp_path, monkeypatch):
+    monkeypatch.setattr("drake_twin.sensors.lidar.find_spec", lambda name: None)
+    twin = twin_with(tmp_path, lidar(), world=WALL.format(2.1, 0))
+    twin.advance_to(0.1)
+    assert "/box/scan" not in twin.topics()
+    assert any("pip install embreex" in text for text in twin.not_started)
 
 
 def test_the_ground_is_seen(tmp_path):
