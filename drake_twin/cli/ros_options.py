@@ -37,7 +37,7 @@ def check_ros(options: argparse.Namespace) -> None:
     if options.bag_topic and options.bag is None:
         raise InputError("--bag-topic is about a bag: it needs --bag FOLDER")
     if options.bag is not None and options.watch:
-        raise InputError("--bag writes one run into one folder, and --watch starts anew: give one of them")
+        raise InputError("--bag writes one run into one folder, and --watch makes many: give one of them")
     if options.ros is None:
         for name in ("ros_host", "ros_port", "ros_router", "lockstep"):
             if getattr(options, name):

@@ -41,13 +41,14 @@ class StatefulController(Controller):
     one is added later, a Simulator has to be initialized again before it advances.
 
     Attributes:
-        has_new_event: Whether an event was added that the twin's simulator does not know yet.
+        new_events: Where it notes that it has added an event, which a simulator may not know yet.
     """
 
     def __init__(self, setup: ControllerSetup, feedforward: tuple[Interface, ...] = (), initial: Sample | None = None):
         super().__init__(setup, feedforward)
         initial = initial or Sample()
-        self.has_new_event = self._may_be_updated = False
+        self.new_events: list[str] = []
+        self._may_be_updated = False
         if setup.active_at_start:
             initial = replace(initial, active=True, time=nan)
             self.DeclareInitializationUnrestrictedUpdateEvent(weakly(self._start))
@@ -80,7 +81,8 @@ class StatefulController(Controller):
     def _be_updated(self) -> None:
         if not self._may_be_updated:
             self._may_be_updated = True
-            self.has_new_event = self.declare_updates()
+            if self.declare_updates():
+                self.new_events.append(self.setup.name)
 
     def _start(self, context: Context, state: State) -> EventStatus:
         """Activate a controller that is active in a new Context, as when the diagram runs in a Simulator of its own."""

@@ -24,20 +24,17 @@ class Inbox:
     two advances. While nobody uses the inbox, nobody looks into it.
 
     Attributes:
+        is_open: Whether anybody uses the inbox.
         looks: Functions to call between two advances, before the requests.
     """
 
     def __init__(self) -> None:
         self.looks: list[Callable[[], None]] = []
         self._users = 0
+        self.is_open = False
         self._waiting: deque[_Request] = deque()
         self._lock = Lock()
         self._arrived = Event()
-
-    @property
-    def is_open(self) -> bool:
-        """Whether anybody uses the inbox."""
-        return self._users > 0
 
     @property
     def is_waiting(self) -> bool:
@@ -47,10 +44,12 @@ class Inbox:
     def open(self) -> None:
         """Use the inbox until `close`."""
         self._users += 1
+        self.is_open = True
 
     def close(self) -> None:
         """End what `open` began."""
         self._users -= 1
+        self.is_open = self._users > 0
 
     def put(
         self,
@@ -98,7 +97,7 @@ class Inbox:
         self._do(lambda item: not item.between_advances)
 
     def work(self) -> None:
-        """Do all that waits, between two advances."""
+        """Do all pending requests, between two advances."""
         for call in tuple(self.looks):
             call()
         self._do(lambda item: True)

@@ -69,6 +69,7 @@ class Physics:
         simulator: Its simulator.
         context: The root context.
         plant_context: The plant's context.
+        new_events: The controllers that have added an event, which the simulator does not know yet.
     """
 
     def __init__(
@@ -97,6 +98,9 @@ class Physics:
             if isinstance(item, StatefulController)
         ]
         self._keepers = [(item, item.GetMyMutableContextFromRoot(self.context)) for item in keepers]
+        self.new_events: list[str] = []
+        for item in keepers:
+            item.new_events = self.new_events
         self._extensions = ExtensionState(self.built, self.context)
         plant = self.built.plant
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
@@ -139,12 +143,8 @@ class Physics:
 
     def meet_new_events(self) -> None:
         """Let the simulator know the updates of controllers that have become active."""
-        is_new = False
-        for item, _ in self._keepers:
-            if item.has_new_event:
-                is_new, item.has_new_event = True, False
-        if is_new:
-            self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+        self.new_events.clear()
+        self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
 
     def moment(self) -> Moment:
         """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""

@@ -83,7 +83,7 @@ class Stepper:
                     session.subscriptions.deliver(clock.step)
                     if self.paused:
                         break
-                if self._inbox.is_waiting and self._inbox.is_open:
+                if self._inbox.is_open and self._inbox.is_waiting:
                     self._inbox.look()
                     if self.paused:
                         break
@@ -147,7 +147,8 @@ class Stepper:
     def _advance_simulator(self, step: int) -> bool:
         """Advance to a step, or to the first one at which a controller ends the advance; return whether one did."""
         physics, clock = self._session.physics, self._session.clock
-        physics.meet_new_events()
+        if physics.new_events:
+            physics.meet_new_events()
         status = None
         if self._inbox.is_open:  # a look into it costs less than a stop
             period = clock.steps(PERIOD)

@@ -70,7 +70,7 @@ class BagWire:
         try:
             assert process.stdin is not None
             process.stdin.write(HEAD.pack(kind, number, time, len(content)) + content)
-            process.stdin.flush()  # what waits here would be lost if this process were killed
+            process.stdin.flush()  # a buffer would be lost if this process were killed
         except OSError:
             self._process = None
             self._finish(process)
