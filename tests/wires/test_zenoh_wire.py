@@ -18,6 +18,7 @@ from drake_twin.wires.zenoh_wire import ZenohWire
 
 zenoh = pytest.importorskip("zenoh")
 ext = pytest.importorskip("zenoh.ext")
+BLOCK = zenoh.CongestionControl.BLOCK
 
 
 JOINT_STATES = WireEndpoint(
@@ -171,10 +172,11 @@ def test_messages_that_are_not_heard_are_logged_once_per_cause(wire, other, capl
     heard = Heard()
     wire.listen(COMMANDS, heard)
     for _ in range(50):
-        other.put(key(COMMANDS, "RIHS01_77"), b"other hash")
-        other.put(topic_key(7, COMMANDS.name, "std_msgs/msg/String", "RIHS01_1"), b"other type")
-        other.put(key(COMMANDS), bytes((1 << 20) + 1))
-    other.put(key(COMMANDS), bytes(1 << 20))
+        other.put(key(COMMANDS, "RIHS01_77"), b"other hash", congestion_control=BLOCK)
+        strings = topic_key(7, COMMANDS.name, "std_msgs/msg/String", "RIHS01_1")
+        other.put(strings, b"other type", congestion_control=BLOCK)
+        other.put(key(COMMANDS), bytes((1 << 20) + 1), congestion_control=BLOCK)
+    other.put(key(COMMANDS), bytes(1 << 20), congestion_control=BLOCK)
     assert heard.wait_for(1) == [bytes(1 << 20)]
     name, kind = COMMANDS.name, COMMANDS.type
     assert [record.getMessage() for record in caplog.records] == [
