@@ -58,10 +58,10 @@ def test_an_overlay_is_drawn_and_taken_away(page, label, path):
     before = picture(tab)
     tab.get_by_label(label).click(force=True)
     it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/{path}"))
-    it.frames(lambda: changed(before, picture(tab)) > 200, most=30)
+    it.frames(lambda: changed(before, picture(tab)) > 200, most=200)
     tab.get_by_label(label).click(force=True)
     it.frames(lambda: not it.scene.has_path(f"{OVERLAYS}/{path}"))
-    it.frames(lambda: changed(before, picture(tab)) < 20, most=30)
+    it.frames(lambda: changed(before, picture(tab)) < 20, most=200)
 
 
 def test_the_camera_follows_a_robot_and_lets_it_go(page):
