@@ -1,6 +1,6 @@
 """The sensors of all robots in the root diagram, and their topics."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from pydrake.systems.framework import DiagramBuilder, System
 
@@ -35,22 +35,24 @@ def publish_sensors(
 def add_sensors(
     builder: DiagramBuilder,
     parts: PlantOfTwin,
-    plans: Iterable[RobotPlan],
+    plans: Sequence[RobotPlan],
     robots: Mapping[str, RobotDiagram],
     topics: Topics,
     surroundings: SensorSurroundings,
-) -> Iterator[Finding]:
+) -> tuple[Finding, ...]:
     """Add all sensors that no controller reads, in one system; return what they cannot measure."""
     host = SensorHost()
-    found = {}
+    found: dict[str, tuple[SensorPort, ...]] = {}
+    findings: list[Finding] = []
     for plan in plans:
         instance = parts.robots[plan.name].instance
         ports, warnings = add_other_sensors(host, plan, instance, surroundings, robots[plan.name].sensors)
         found[plan.name] = ports
-        yield from (Finding(Kind.WARNING, text, robot=plan.name) for text in warnings)
+        findings += (Finding(Kind.WARNING, text, robot=plan.name) for text in warnings)
     if host.sensors:
         builder.AddNamedSystem("sensors", host)
         for output, port in host.inputs_from(parts.plant, parts.scene_graph):
             builder.Connect(output, port)
         for plan in plans:
             publish_sensors(plan, found[plan.name], host, topics, surroundings.time_step)
+    return tuple(findings)

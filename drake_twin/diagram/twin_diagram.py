@@ -222,7 +222,7 @@ def _build(
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)
         for plan in told("connecting", plans, lambda plan: plan.name)
     }
-    about_sensors = tuple(add_sensors(builder, parts, plans, robots, topics, surroundings))
+    about_sensors = add_sensors(builder, parts, plans, robots, topics, surroundings)
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
     topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)

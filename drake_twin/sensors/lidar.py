@@ -90,7 +90,7 @@ class Lidar(SensorSystem):
             otherwise = _OF_PLUGIN.get(kind, "sensor_msgs/LaserScan")
             default = _OUTPUTS if kind == "gazebo_ros_ray_sensor" else (otherwise, *_OUTPUTS)
             output = plugin.choice("output_type", default)
-            radiation = 1 - _RADIATIONS.index(plugin.choice("radiation_type", _RADIATIONS)) if plugin else 0
+            radiation = 1 - _RADIATIONS.index(plugin.choice("radiation_type", _RADIATIONS))
         noise = read_noise(part)
         return LidarSettings(grid, noise, element.sensor.kind in ("ray", "lidar"), output, radiation)
 
@@ -128,29 +128,27 @@ class Lidar(SensorSystem):
         grid = self._settings.grid
         self._directions_S = grid.directions()
         self._body, self._pose = int(setup.body.index()), setup.pose
-        self._caster = self._shared_caster()
         self._poses = self.declare_plant_input("body_poses")
         self._ranges = self.declare_cache_entry("ranges", self._calc_ranges)
         self.declare_message_output(self._calc_scan, own="scan")
         if not self._settings.output:
             self.declare_message_output(self._calc_points, own="points")
 
-    def _shared_caster(self) -> list[RayCaster]:
-        """Return a place for the caster, one for all lidars that see the same shapes; it is filled when it is used."""
+    def _caster(self) -> RayCaster:
+        """Return the caster, one for all lidars that see the same shapes; the first ray makes it."""
+        setup, shared = self.setup, self.host.shared
         role = Role.kProximity if self._settings.sees_collision_shapes else Role.kIllustration
-        found: list[RayCaster] = self.host.shared.setdefault(f"rays {role.name}", [])
+        if role not in shared:
+            assert setup.scene_graph is not None, "a lidar needs the scene graph"
+            shared[role] = RayCaster(setup.plant, setup.scene_graph.model_inspector(), role)
+        found: RayCaster = shared[role]
         return found
 
     def _calc_ranges(self, context: Context, output: AbstractValue) -> None:
-        if not self._caster:
-            setup, settings = self.setup, self._settings
-            assert setup.scene_graph is not None, "a lidar needs the scene graph"
-            role = Role.kProximity if settings.sees_collision_shapes else Role.kIllustration
-            self._caster.append(RayCaster(setup.plant, setup.scene_graph.model_inspector(), role))
         poses, grid = self._poses.Eval(context), self._settings.grid
         X_WS = poses[self._body] @ self._pose
         directions = self._directions_S @ X_WS.rotation().matrix().T
-        ranges = self._caster[0].cast(poses, X_WS.translation(), directions, grid.range_min, grid.range_max)
+        ranges = self._caster().cast(poses, X_WS.translation(), directions, grid.range_min, grid.range_max)
         ranges[ranges > grid.range_max] = np.inf
         met = np.isfinite(ranges)
         noisy = self.noisy("range", ranges, context.get_time())

@@ -22,4 +22,4 @@ class SensorHost(PlantReader):
     def __init__(self) -> None:
         super().__init__()
         self.sensors: list[SensorSystem] = []
-        self.shared: dict[str, Any] = {}
+        self.shared: dict[Any, Any] = {}

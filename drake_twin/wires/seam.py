@@ -20,12 +20,12 @@ from drake_twin.errors import TwinError
 from drake_twin.messages.interface_types import definition, deserialize, make, serialize, type_hash
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint
 from drake_twin.twin.twin import Twin
-from drake_twin.wires.wire import Closable, Reply, Sender, Wire, WireEndpoint
+from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEndpoint
 
 _log = logging.getLogger(__name__)
 _MOST_WAITING = 10_000  # messages for the sender's thread; more make the simulation wait
-_LARGEST = 1 << 20  # bytes of a message that is heard
 _MOST_LINES = 1000  # of the log
+_TOO_MANY = "too many requests wait"
 
 
 class WiredService(Protocol):
@@ -220,8 +220,8 @@ class Seam:
 
     def _hear(self, topic: Endpoint, data: bytes) -> None:
         """Decode a command, in a wire's thread."""
-        if len(data) > _LARGEST:
-            self._log(topic.name, f"a message of more than {_LARGEST} bytes is ignored")
+        if len(data) > LARGEST:
+            self._log(topic.name, f"a message of more than {LARGEST} bytes is ignored")
             return
         try:
             message = deserialize(topic.type, data)
@@ -244,51 +244,50 @@ class Seam:
             return
         service, _ = self._served[name]
         try:
-            if len(data) > _LARGEST:
-                raise ValueError(f"a request of more than {_LARGEST} bytes is ignored")
+            if len(data) > LARGEST:
+                raise ValueError(f"a request of more than {LARGEST} bytes is ignored")
             request = deserialize(f"{service.type}_Request", data)
         except ValueError as error:
-            self._log(name, str(error), "decoding")
-            reply(serialize(_response(service.type, {}, str(error))))
+            self._refuse(service, reply, str(error), "decoding")
             return
         act = partial(self._answer, name, request, reply)
         if not self._twin.inbox.put(act, between_advances=service.between_advances):
-            reply(serialize(_response(service.type, {}, "too many requests wait")))
+            self._refuse(service, reply, _TOO_MANY)
 
     def _answer(self, name: str, request: Any, reply: Reply) -> None:
         """Answer a request, in the simulation's thread."""
         if name not in self._served:  # its robot was deleted while the request waited
             return
         service, _ = self._served[name]
-
-        def finish(fields: Mapping[str, Any]) -> None:
-            reply(serialize(_response(service.type, fields)))
-
         try:
             fields = service.answer(request)
             if service.between_advances:
                 self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
-            if isinstance(fields, Generator):
-                self._continue(name, fields, finish)
-            else:
-                finish(fields)
+            if not isinstance(fields, Generator):
+                reply(serialize(_response(service.type, fields)))
+                return
         except (TwinError, ValueError) as error:
-            self._log(name, str(error))
-            reply(serialize(_response(service.type, {}, str(error))))
+            self._refuse(service, reply, str(error))
+            return
+        self._continue(service, fields, reply)
 
-    def _continue(self, name: str, answer: Generator[Any, None, Any], finish: Callable[[Any], None]) -> None:
+    def _continue(self, service: WiredService, answer: Generator[Any, None, Any], reply: Reply) -> None:
         """Continue an answer that takes longer, once a look."""
         try:
             next(answer)
         except StopIteration as end:
-            finish(end.value)
-        except TwinError as error:
-            self._log(name, str(error))
-            finish({})
-        else:
-            between = name in self._served and self._served[name][0].between_advances
-            act = partial(self._continue, name, answer, finish)
-            self._twin.inbox.put(act, between_advances=between, is_urgent=between)  # others wait for time to pass
+            reply(serialize(_response(service.type, end.value)))
+            return
+        except (TwinError, ValueError) as error:
+            self._refuse(service, reply, str(error))
+            return
+        act, between = partial(self._continue, service, answer, reply), service.between_advances
+        if not self._twin.inbox.put(act, between_advances=between, is_urgent=between):  # others wait for time to pass
+            self._refuse(service, reply, _TOO_MANY)
+
+    def _refuse(self, service: WiredService, reply: Reply, reason: str, cause: str = "") -> None:
+        self._log(service.name, reason, cause)
+        reply(serialize(_response(service.type, {}, reason)))
 
     def _log(self, topic: str, text: str, cause: str = "") -> None:
         """Log once per topic and cause."""

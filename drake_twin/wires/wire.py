@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 Reply = Callable[[bytes], None]
+LARGEST = 1 << 20  # bytes of a message that is heard
 
 
 @dataclass(frozen=True)

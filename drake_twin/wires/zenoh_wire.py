@@ -23,11 +23,10 @@ from drake_twin.wires.rmw_zenoh_format import (
     read_attachment,
     topic_key,
 )
-from drake_twin.wires.wire import Closable, Reply, Sender, WireEndpoint
+from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
 _log = logging.getLogger(__name__)
-_LARGEST = 1 << 20  # bytes of a message that is heard
 _LONGEST_CLOSE = 2.0  # s that the caller waits for the session's end
 _PERIOD = 0.02  # s between two looks at who listens
 _HEARTBEAT = 0.5  # s after which a late joiner notices a message that it has missed (rmw_publisher_data.cpp)
@@ -272,8 +271,8 @@ class _Listener:
         type_hash = key.removeprefix(self._expected)
         if topic.hash and type_hash not in (topic.hash, NO_HASH):
             return f"a message is ignored: its {topic.type} is another one, with the hash {type_hash}"
-        if size > _LARGEST:
-            return f"a message of more than {_LARGEST} bytes is ignored"
+        if size > LARGEST:
+            return f"a message of more than {LARGEST} bytes is ignored"
         return None
 
 

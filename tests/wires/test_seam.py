@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from local_wire import LocalWire
 from rosbags.typesys import Stores, get_typestore
 
-from drake_twin import Robot, messages
+from drake_twin import InputError, Robot, messages
 from drake_twin.messages.interface_types import make, serialize
 from drake_twin.twin.recording import replay
 from drake_twin.wires.seam import Seam
@@ -211,8 +211,6 @@ def test_services_answer_at_a_step_or_between_advances_and_later():
     def refused(request):
         raise messages_error
 
-    from drake_twin import InputError
-
     messages_error = InputError("not today")
     services = [
         Echo("/now", lambda request: {"success": request.data, "message": f"{twin.time:.3f}"}),
@@ -236,6 +234,28 @@ def test_services_answer_at_a_step_or_between_advances_and_later():
     paused = asked(wire, "/now", False)
     twin.inbox.work()
     assert response(paused) == (False, "0.100")
+    seam.close()
+
+
+def test_an_answer_that_takes_longer_is_not_lost_when_it_fails_or_finds_no_room():
+    twin, wire = rovers(1).build(), LocalWire()
+
+    def failing(request):
+        yield
+        raise InputError("not after all")
+
+    def waiting(request):
+        while True:
+            yield
+
+    seam = Seam(twin, [wire], lambda twin: [Echo("/failing", failing), Echo("/waiting", waiting)])
+    failed, waited = asked(wire, "/failing", True), asked(wire, "/waiting", True)
+    twin.advance_to(0.1)
+    assert response(failed) == (False, "not after all.")
+    assert waited == []
+    twin.inbox.put = lambda *arguments, **more: False  # it is full
+    twin.advance_to(0.2)
+    assert response(waited) == (False, "too many requests wait")
     seam.close()
 
 
