@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from drake_twin.twin.action import ActionGoal
     from drake_twin.twin.entities import EntityState
     from drake_twin.twin.recording import Recording, replay
+    from drake_twin.twin.rewind import Rewind
     from drake_twin.twin.snapshot import Snapshot
     from drake_twin.twin.state import RobotState
     from drake_twin.twin.twin import Twin
@@ -29,6 +30,7 @@ _HOMES = {
     "twin.action": ("ActionGoal",),
     "twin.entities": ("EntityState",),
     "twin.recording": ("Recording", "replay"),
+    "twin.rewind": ("Rewind",),
     "twin.snapshot": ("Snapshot",),
     "twin.state": ("RobotState",),
     "twin.twin": ("Twin",),
@@ -43,6 +45,7 @@ __all__ = [
     "InputError",
     "Kind",
     "Recording",
+    "Rewind",
     "Robot",
     "RobotState",
     "RunError",

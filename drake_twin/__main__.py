@@ -1,4 +1,12 @@
-"""``drake-twin PROGRAM …`` and ``python -m drake_twin PROGRAM …``: the same as ``python -m drake_twin.PROGRAM …``."""
+"""``drake-twin PROGRAM …`` and ``python -m drake_twin PROGRAM …``: the same as ``python -m drake_twin.PROGRAM …``.
+
+Those that talk to a running twin are modules of `drake_twin.tools`.
+"""
+
+import signal
+
+if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends it without a message
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import sys
 from importlib import import_module
@@ -8,21 +16,31 @@ from drake_twin.program import leave, version_text
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
     "benchmarks": "time the twin beside the bare Drake plant, MuJoCo and PyBullet",
+    "sweep": "run a scenario over values and seeds, and tabulate what came of it",
+    "play": "show a bag of ROS 2 on the page",
+    "calibrate": "find the values with which a twin moves as logs of its robot say",
     "check": "report what a robot file contains, what is mended in it and what is ignored",
+}
+TOOLS = {
+    "control": "list and switch the controllers of a running twin, as `ros2 control` does",
+    "param": "list, get and set parameters, as `ros2 param` does",
+    "service": "list and call the services, as `ros2 service` does",
+    "tf_echo": "print the transform between two frames, as tf2_ros's tf2_echo does",
+    "topic": "list, echo, publish and time the topics, as `ros2 topic` does",
 }
 
 
 def main() -> int:
     """Run the program that the first argument names."""
     name = sys.argv[1] if len(sys.argv) > 1 else "--help"
-    if name in PROGRAMS:
+    if name in PROGRAMS or name in TOOLS:
         del sys.argv[1]
         sys.argv[0] = f"drake-twin {name}"
-        module = import_module(f"drake_twin.{name}")
+        module = import_module(f"drake_twin.tools.{name}" if name in TOOLS else f"drake_twin.{name}")
         if hasattr(module, "__path__"):  # a package keeps its program in __main__
             module = import_module(f"drake_twin.{name}.__main__")
         return int(module.main())
-    lines = [f"  {program:11} {what}" for program, what in PROGRAMS.items()]
+    lines = [f"  {program:11} {what}" for program, what in (PROGRAMS | TOOLS).items()]
     usage = "\n".join(["usage: drake-twin PROGRAM …   (drake-twin PROGRAM --help explains it)", "", *lines])
     if name in ("-h", "--help"):
         print(usage)

@@ -6,6 +6,7 @@ if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends i
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import argparse
+import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -16,22 +17,24 @@ from drake_twin.cli.announcement import announce
 from drake_twin.cli.build_line import build_line
 from drake_twin.cli.html_file import html_file
 from drake_twin.cli.launch_arguments import launch_arguments
+from drake_twin.cli.node_options import start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
 from drake_twin.cli.plugins import load_plugins
 from drake_twin.cli.program_page import ProgramPage
 from drake_twin.cli.rebuilt_twin import rebuilt_twin
 from drake_twin.cli.results import save_results
-from drake_twin.cli.ros_graph import RosGraph, ros_graph
 from drake_twin.cli.status_line import StatusLine
 from drake_twin.cli.target import Target, build_twin, find_target
 from drake_twin.cli.watched_files import Stamp, Watch, files_read
+from drake_twin.cli.wires import Wires, open_wires
 from drake_twin.errors import RunError
 from drake_twin.findings import Kind, texts
 from drake_twin.program import collecting_later, leave, run_program, say, stop_signals
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 
 if TYPE_CHECKING:
+    from drake_twin.sweeps.again import EpisodeAgain
     from drake_twin.twin.twin import Twin
 
 
@@ -65,14 +68,15 @@ def _run(options: argparse.Namespace, stopped: Sequence[int]) -> int:
 def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: ExitStack) -> int:
     """Build what is to be run, and run it; what has to be ended goes onto the stack."""
     with files_read() as files, collecting_later(), build_line(stopped):
-        target = find_target(options)
+        again = _episode(options)
+        target = find_target(options) if again is None else again.target
         if options.show_scenario:
             _print_scenario(target)
             return 0
         has_page = not (options.headless or options.graphviz or options.end_with_recording)
         page = ProgramPage(options) if has_page else None  # before the twin, for a port may be taken
         runs = not (options.graphviz or options.end_with_recording)
-        graph = stack.enter_context(ros_graph(options)) if runs else None
+        graph = stack.enter_context(open_wires(options)) if runs else None
         twin = build_twin(target)
     if options.graphviz is not None:
         _draw_diagram(twin, options.graphviz)
@@ -88,10 +92,28 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         run = _Run(twin, target, files, (page, graph), seen, options, stopped)
         if not options.end_with_recording:
             run.run()
+        if again is not None and run.failure is None and (verdict := again.verdict(run.twin)):
+            say(verdict, sys.stderr)
+            if page is not None and not stopped:  # it stands still at its end, and can be looked at
+                options.duration = None
+                run.twin.pause()
+                run.run()
         failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
     if failure is not None:
         raise failure
     return 1 if options.strict and texts(run.twin.findings, Kind.FAILED) else 0
+
+
+def _episode(options: argparse.Namespace) -> "EpisodeAgain | None":
+    """Return the episode of ``--episode``, which ends where it ended in the sweep; None without the option."""
+    if options.episode is None:
+        return None
+    from drake_twin.sweeps.again import episode_again
+
+    again = episode_again(options)
+    if options.duration is None:
+        options.duration = again.simulated
+    return again
 
 
 def _print_scenario(target: Target) -> None:
@@ -126,7 +148,7 @@ class _Run:
         twin: "Twin",
         target: Target,
         files: dict[Path, Stamp],
-        shown_on: tuple[ProgramPage | None, RosGraph | None],
+        shown_on: tuple[ProgramPage | None, Wires | None],
         observers: Observers,
         options: argparse.Namespace,
         stopped: Sequence[int],
@@ -163,8 +185,10 @@ class _Run:
             (lambda: None) if self._page is None else self._page.show(twin, self._target)
         )
         observe = self._observers.observe(twin)
+        again = self._target.snapshot is not None or self._target.recording is not None
+        nodes = start_nodes(twin, self._stopped, again=again)
         if self._graph is not None:
-            self._graph.connect(twin)
+            self._graph.connect(twin, nodes)
 
         def each_frame() -> bool:
             process_requests()
@@ -177,10 +201,13 @@ class _Run:
                 None if options.duration is None else twin.time + options.duration,
                 each_frame=each_frame,
                 as_fast_as_possible=options.real_time_rate is None
-                and (self._page, self._graph, options.viewer) == (None, None, None),
+                and (self._page, options.viewer) == (None, None)
+                and (self._graph is None or not self._graph.has_peers),
             )
         finally:
             status.end()
+            if nodes is not None:
+                nodes.close()
         observe()
 
 

@@ -427,9 +427,9 @@ MUTANTS = (
         SUBSCRIPTIONS,
         ("subscriptions: rounding loses a point", "time / self._period + 1e-9", "time / self._period"),
         ("subscriptions: two points of one step", "max(self.due, step + 1)", "self.due"),
-        ("subscriptions: what has ended is delivered", "if subscription.due <= step:", "if subscription:"),
+        ("subscriptions: what has ended is delivered", "if subscription.due > step:", "if not subscription:"),
         ("subscriptions: what has ended is due", "subscription.due = inf", "subscription.due = 0"),
-        ("subscriptions: the same is delivered again", "self._latched = message", "self._latched = None"),
+        ("subscriptions: the same is delivered again", "self._latched = draft.message()", "self._latched = None"),
         ("subscriptions: what is new is not", "message != self._latched", "message == self._latched"),
         (
             "subscriptions: points of the past",
@@ -479,8 +479,8 @@ MUTANTS = (
         ),
         (
             "protocol: fields may be missing",
-            "if data.keys() != field_types.keys():",
-            "if data.keys() - field_types.keys():",
+            "if given.keys() != field_types.keys():",
+            "if given.keys() - field_types.keys():",
         ),
         ("protocol: whole numbers of any size", "and abs(value) < 2**31", ""),
         ("protocol: the longest text is too long", "len(value) <= _LONGEST_TEXT", "len(value) < _LONGEST_TEXT"),

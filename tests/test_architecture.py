@@ -13,16 +13,20 @@ ROOT = Path(drake_twin.__file__).parent
 # Modules and packages of the top level, from the top down; those of one line do not import each other.
 ROOMS = [
     ["__main__"],
-    ["run", "check"],
+    ["run", "check", "play", "sweep", "calibrate", "tools"],
+    ["gym"],
+    ["calibration"],
+    ["sweeps"],
     ["cli"],
     ["show"],
     ["benchmarks"],
     ["launch", "recording"],  # shorter addresses of what stands in ros2 and twin
-    ["builder"],
+    ["builder", "playback"],
     ["cockpit"],
     ["shared_viewer"],
-    ["services"],
+    ["services", "client"],
     ["wires"],
+    ["nodes"],
     ["twin"],
     ["diagram"],
     ["planning"],
@@ -123,6 +127,8 @@ def test_no_file_is_long():
 def test_no_class_but_the_facade_has_many_public_methods():
     many = {}
     for module, file in FILES.items():
+        if module.startswith("drake_twin.nodes.rclpy"):  # the methods are those of ROS's classes
+            continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ClassDef):
                 methods = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}

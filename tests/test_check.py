@@ -110,7 +110,7 @@ def test_view_shows_the_robot_in_a_page_until_it_is_told_to_end():
 
 
 DROPS = [
-    '<gazebo reference="a"><sensor name="s" type="logical_camera"/></gazebo>',
+    '<gazebo reference="a"><sensor name="s" type="thermal_camera"/></gazebo>',
     '<gazebo><plugin name="p" filename="libgazebo_ros_p3d.so"/></gazebo>',
     '<transmission name="t"/>',
     '<gazebo reference="a"><turnGravityOff>true</turnGravityOff></gazebo>',

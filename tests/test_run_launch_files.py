@@ -133,7 +133,8 @@ def test_strict_refuses_what_is_not_started(tmp_path, capsys):
     file = launch_arm(tmp_path, '<node pkg="rviz2" exec="rviz2"/><node pkg="foo" exec="bar"/>')
     assert main([str(file), "--headless", "--duration", "0.1"]) == 0
     assert capsys.readouterr().err == (
-        "not started: foo/bar (the twin runs no nodes: publish its messages by --pub or Twin.publish)"
+        "not started: foo/bar (it is not a Python program of the workspace: publish its messages by --pub, or run a"
+        " node by --node)"
         f" ({file.name}:1)\n"
         f"window: rviz2/rviz2 (the page shows the robots) ({file.name}:1)\n"
     )

@@ -15,6 +15,7 @@ from drake_twin.benchmarks.engine import Engine, Setting, drive
 from drake_twin.benchmarks.engines.twin import TwinEngine
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
+from drake_twin.benchmarks.sensors import sensors
 from drake_twin.benchmarks.startup import startup
 from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
 from drake_twin.program import say
@@ -332,4 +333,5 @@ SECTIONS: Mapping[str, Callable[[Size], list[Table]]] = {
     "robots": robots,
     "real-time": real_time,
     "startup": startup,
+    "sensors": sensors,
 }

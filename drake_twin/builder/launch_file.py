@@ -17,6 +17,7 @@ from drake_twin.planning.bridged_sensors import unpublished
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED
 from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 from drake_twin.planning.topics import topics_with_one_owner
+from drake_twin.planning.world_sensors import plan_models
 from drake_twin.scenario import Command, Scenario, ScenarioError, StaticTransform
 
 if TYPE_CHECKING:
@@ -88,7 +89,8 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
         plan = _planned(hint, launched, taken, findings, models)
         taken |= topics_with_one_owner(plan)
         plans.append(plan)
-    findings += unpublished(launched.bridges or (), plans)
+    if launched.bridges:
+        findings += unpublished(launched.bridges, (*plans, *plan_models(launched.sensing, launched.world.bridged)))
     step = time_step or launched.time_step or 0.001
     scenario = Scenario(
         robots=tuple(plan.robot for plan in plans),
@@ -98,6 +100,7 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
         static_transforms=tuple(_usable_frames(launched.frames, plans, findings)),
         commands=tuple(_at_most_once_a_step(command, step) for command in launched.commands),
         findings=tuple(merged(findings)),
+        nodes=launched.nodes,
     )
     return LaunchedTwin(
         scenario=scenario,

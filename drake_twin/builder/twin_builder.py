@@ -12,7 +12,7 @@ from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
-from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, Robot, Scenario, StaticTransform, World
+from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, NodeProgram, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
@@ -70,6 +70,7 @@ class TwinBuilder:
         self._robots: list[Robot] = []
         self._static_transforms: list[StaticTransform] = []
         self._commands: list[Command] = []
+        self._nodes: list[NodeProgram] = []
         self._findings: list[Finding] = []
         self._plans: list[RobotPlan] = []
         self._extensions: list[Extension] = []
@@ -183,6 +184,7 @@ class TwinBuilder:
         self._plans += launched.plans
         self._static_transforms += scenario.static_transforms
         self._commands += scenario.commands
+        self._nodes += scenario.nodes
         self._findings += scenario.findings
         for line in launched.log:
             _log.info("%s", line)
@@ -235,6 +237,52 @@ class TwinBuilder:
         self._commands.append(Command(topic, data, float(time), period))
         return self
 
+    def node(
+        self,
+        executable: str | Path,
+        *arguments: str,
+        package: str = "",
+        name: str = "",
+        namespace: str = "",
+        remappings: Mapping[str, str] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        parameter_files: Iterable[str | Path] = (),
+        environment: Mapping[str, str] | None = None,
+        time: float = 0.0,
+    ) -> TwinBuilder:
+        """Run a rclpy program beside the robots, in lock-step with the simulation.
+
+        Args:
+            executable: A Python script; with a package, the name of its program as for ``ros2 run``.
+            *arguments: Its command line.
+            package: The ROS package.
+            name: The node's name in place of its own.
+            namespace: The node's namespace.
+            remappings: Topic or service → the name in its place.
+            parameters: Parameter → value.
+            parameter_files: Parameters files, which single parameters override.
+            environment: Variables that differ from those of the process.
+            time: The simulation time at which it starts (s).
+        """
+        from drake_twin.ros2.ros_arguments import ros_arguments
+
+        ros = ros_arguments(
+            name,
+            namespace,
+            tuple((remappings or {}).items()),
+            (*(Path(absolute_path(file)) for file in parameter_files), *([parameters] if parameters else ())),
+        )
+        self._nodes.append(
+            NodeProgram(
+                executable=str(executable) if package else absolute_path(executable),
+                package=package,
+                arguments=(*map(str, arguments), *ros),
+                environment=dict(environment or {}),
+                time=float(time),
+            )
+        )
+        return self
+
     def scenario(self) -> Scenario:
         """Return the collected scenario as plain data.
 
@@ -255,10 +303,11 @@ class TwinBuilder:
             findings=tuple(self._findings),
             seed=self._seed,
             sensor_noise=self._sensor_noise,
+            nodes=tuple(self._nodes),
         )
 
     def build(self, meshcat: Meshcat | None = None) -> Twin:
-        """Build the running twin.
+        """Build the running twin, with its nodes.
 
         Args:
             meshcat: A Meshcat page to draw on.
@@ -266,9 +315,12 @@ class TwinBuilder:
         Raises:
             InputError: As `scenario`, or if a file cannot be used.
         """
+        from drake_twin.services.node_programs import start_nodes
         from drake_twin.twin.twin import Twin
 
-        return Twin(self.scenario(), meshcat, self._plans, self._extensions)
+        twin = Twin(self.scenario(), meshcat, self._plans, self._extensions)
+        start_nodes(twin)
+        return twin
 
 
 def _address(file: str | Path) -> str:

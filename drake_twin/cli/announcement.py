@@ -38,7 +38,8 @@ def _print_interfaces(twin: "Twin", options: argparse.Namespace) -> None:
     """Print topics and controllers, and messages as they are published."""
     if not (options.topics or options.controllers or options.echo):
         return
-    from drake_twin.cli.ros2_text import controllers_text, message_text, topics_text
+    from drake_twin.cli.ros2_text import controllers_text, topics_text
+    from drake_twin.messages.text import message_text
 
     if options.topics:
         say(topics_text(twin))

@@ -1,7 +1,7 @@
 """The joint states and the real-time factor over a run, as plain data; `drake_twin.cli.plot` draws it."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from drake_twin.twin.twin import Twin
 
 SAMPLE_RATE = 50.0  # Hz of simulation time
 
-_MOST_SAMPLES = 4096  # as many as a plot can show: a longer run keeps every second sample, then every fourth, …
+MOST_SAMPLES = 4096  # as many as a plot can show: a longer run keeps every second sample, then every fourth, …
 _MOST_WINDOWS = 100  # over which the real-time factor is averaged
 _SHORTEST_WINDOW = 0.25  # s of wall time: `Twin.run` advances in bursts, thirty a second
 
@@ -25,6 +25,7 @@ class RobotHistory:
         positions: Positions (rad or m), shape (T, joints).
         velocities: Velocities (rad/s or m/s), shape (T, joints).
         efforts: What the actuators apply (N·m or N), shape (T, joints).
+        base_poses: The root link in the world: x, y, z (m), qw, qx, qy, qz, shape (T, 7).
     """
 
     joints: tuple[str, ...]
@@ -33,6 +34,7 @@ class RobotHistory:
     positions: np.ndarray
     velocities: np.ndarray
     efforts: np.ndarray
+    base_poses: np.ndarray = field(default_factory=lambda: np.zeros((0, 7)))
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ class _Sample:
     number: int
     time: float
     wall_time: float
-    states: dict[str, tuple[tuple[str, ...], np.ndarray]]
+    states: dict[str, tuple[tuple[str, ...], np.ndarray, tuple[float, ...]]]
 
 
 class HistoryRecorder:
@@ -63,10 +65,11 @@ class HistoryRecorder:
 
     Args:
         rate: Samples per second of simulation time.
+        with_efforts: Whether to sample efforts, for which the plant solves a step; else they are zero.
     """
 
-    def __init__(self, rate: float = SAMPLE_RATE):
-        self._rate = rate
+    def __init__(self, rate: float = SAMPLE_RATE, *, with_efforts: bool = True):
+        self._rate, self._with_efforts = rate, with_efforts
         self._twin: Twin | None = None
         self._units: dict[str, dict[str, str]] = {}
         self._clear()
@@ -93,6 +96,7 @@ class HistoryRecorder:
                 positions=values[:, 0],
                 velocities=values[:, 1],
                 efforts=values[:, 2],
+                base_poses=np.array([sample.states[name][2] for sample in own]).reshape(len(own), 7),
             )
         edges, factors = _real_time_factors(
             np.array([sample.time for sample in self._samples]),
@@ -118,10 +122,11 @@ class HistoryRecorder:
             if plan.name not in self._units or number == 0:
                 joints = plan.description.movable_joints
                 self._units[plan.name] = {joint.name: "m" if joint.type == "prismatic" else "rad" for joint in joints}
-            state = twin.robot_state(plan.name)
-            states[plan.name] = (state.joints, np.array([state.positions, state.velocities, state.efforts]))
+            state = twin.robot_state(plan.name, with_efforts=self._with_efforts)
+            values = np.array([state.positions, state.velocities, state.efforts])
+            states[plan.name] = (state.joints, values, state.base_pose)
         self._samples.append(_Sample(number, twin.time, time.perf_counter(), states))
-        if len(self._samples) > _MOST_SAMPLES:
+        if len(self._samples) > MOST_SAMPLES:
             self._stride *= 2
             self._samples = [sample for sample in self._samples if sample.number % self._stride == 0]
 

@@ -4,8 +4,9 @@ import argparse
 import os
 from pathlib import Path
 
+from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
-from drake_twin.cli.ros_options import add_ros, check_ros
+from drake_twin.cli.wire_options import add_wires, check_wires
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_strict, add_version
 from drake_twin.scenario import LONGEST_TIME
@@ -45,7 +46,9 @@ def parser() -> ArgumentParser:
     _add_time(parser.add_argument_group("time"))
     _add_sensors(parser.add_argument_group("sensors"))
     _add_page(parser.add_argument_group("page"))
-    add_ros(parser.add_argument_group("ROS 2"))
+    ros = parser.add_argument_group("ROS 2")
+    add_wires(ros)
+    add_node_option(ros)
     _add_launch_files(parser.add_argument_group("launch files"))
     _add_state(parser.add_argument_group("state"))
     _add_output(parser.add_argument_group("output"))
@@ -98,6 +101,7 @@ def _add_time(group: argparse._ArgumentGroup) -> None:
 def _add_sensors(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--seed", type=int, metavar="N", help="what the noise of sensors is drawn from (default: 0)")
     group.add_argument("--no-sensor-noise", action="store_true", help="let sensors measure without noise")
+    group.add_argument("--view-sensors", action="store_true", help="show what all sensors measure on the page")
 
 
 def _add_page(group: argparse._ArgumentGroup) -> None:
@@ -127,6 +131,7 @@ def _add_state(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--load-state", type=Path, metavar="FILE", help="continue from a saved state, with its robots")
     group.add_argument("--record", type=Path, metavar="FILE", help="record what is done to the twin, for --replay")
     group.add_argument("--replay", type=Path, metavar="FILE", help="replay a recorded run, then continue from its end")
+    group.add_argument("--episode", metavar="FILE:ROW", help="run an episode of a sweep's table again")
     group.add_argument("--end-with-recording", action="store_true", help="end where the recording of --replay ends")
 
 
@@ -170,7 +175,7 @@ def check(options: argparse.Namespace) -> None:
         if file is not None and not _is_writable(file):
             raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
     _check_viewer(options)
-    check_ros(options)
+    check_wires(options)
     if options.save_html is not None and options.watch:
         raise InputError("--save-html records one run: it cannot be combined with --watch")
     if options.end_with_recording and (options.replay is None or options.duration is not None):

@@ -28,6 +28,7 @@ class ProgramPage:
 
         self._page = ServedPage(options.port, options.host)
         self._open_browser = not options.no_browser
+        self._view_sensors: bool = options.view_sensors
         self._shown: Twin | None = None
         self._process_requests: Callable[[], None] = lambda: None
 
@@ -40,7 +41,10 @@ class ProgramPage:
         """Show a twin; return the function that processes the page's requests, to be called each frame."""
         if twin is self._shown:
             return self._process_requests
-        self._process_requests = self._page.show(twin, only_displayed=target.only_displayed).process_requests
+        cockpit = self._page.show(twin, only_displayed=target.only_displayed)
+        self._process_requests = cockpit.process_requests
+        if self._view_sensors:
+            cockpit.sensors.show_all()
         if self._shown is None:
             announce_page(self._page.url, open_browser=self._open_browser)
             if not self._page.server.access.is_local:

@@ -120,6 +120,10 @@ def _with_options(target: Target, options: argparse.Namespace, commands: tuple[C
         scenario = replace(scenario, seed=options.seed)
     if options.no_sensor_noise:
         scenario = replace(scenario, sensor_noise=False)
+    if options.node:
+        from drake_twin.cli.node_options import node_programs
+
+        scenario = replace(scenario, nodes=(*scenario.nodes, *node_programs(options.node)))
     if commands:
         topics = {command.topic for command in commands}
         kept = tuple(command for command in scenario.commands if command.topic not in topics)
@@ -143,6 +147,8 @@ def _saved(options: argparse.Namespace) -> Target:
         raise InputError(
             f"{option} continues as it was saved: it cannot be combined with --engine, --accuracy or --pub"
         )
+    if options.node:
+        raise InputError(f"{option} continues as it was saved, with its nodes: it cannot be combined with --node")
     if options.seed is not None or options.no_sensor_noise:
         raise InputError(f"{option} continues as it was saved: it cannot be combined with --seed or --no-sensor-noise")
     if options.load_state:

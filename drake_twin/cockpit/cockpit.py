@@ -3,8 +3,10 @@
 import json
 import logging
 import time as wall_clock
+from collections import deque
 from collections.abc import Callable
 from typing import Any
+from weakref import WeakMethod
 
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.follow_camera import FollowCamera
@@ -13,45 +15,69 @@ from drake_twin.cockpit.joint_commands import JointCommands
 from drake_twin.cockpit.message_log import MessageLog
 from drake_twin.cockpit.overlay import Overlay, overlay_kinds
 from drake_twin.cockpit.panel import Panel, panel_kinds
+from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.posed_joints import PosedJoints
 from drake_twin.cockpit.real_time_factor import RealTimeFactor
 from drake_twin.cockpit.scene import Scene
+from drake_twin.cockpit.sensor_view import SensorView
 from drake_twin.cockpit.server import PageServer
 from drake_twin.cockpit.snapshot import state, structure
 from drake_twin.cockpit.teleop import Teleop
+from drake_twin.cockpit.timeline import Timeline
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind, grouped
 from drake_twin.planning.controller_plan import chained_to
-from drake_twin.scenario import LONGEST_TIME, Robot
+from drake_twin.scenario import LONGEST_TIME
 from drake_twin.twin.controller_manager import STRICT
 from drake_twin.twin.twin import Twin
 
 _FRAMES_A_SNAPSHOT = 2  # the run loop makes some 30 frames a second
+_PATIENCE = 60  # snapshots, about 4 s, that have efforts without a tab asking again
 _RECORDING = "run.html"
-_NOT_IN_CALLBACKS = (protocol.Step, protocol.RunTo, protocol.Reset, protocol.Spawn, protocol.Delete)
+_NOT_IN_CALLBACKS = (protocol.Step, protocol.RunTo, protocol.Reset, protocol.GoOnFrom, protocol.Delete)
+_BETWEEN_ADVANCES = (*_NOT_IN_CALLBACKS, protocol.AskPanel)  # a panel may ask for what a callback cannot do
 
 
 class Cockpit:
     """Connects the page with a twin. `process_requests` must be called between steps, in the twin's thread.
+
+    While a browser is connected, its requests also come through the twin's inbox, so that a command waits for no frame.
 
     Args:
         server: The page's server.
         scene: The page's scene.
         twin: The twin.
         only_displayed: Whether the twin stays paused and the page sets its joint positions.
+        player: What moves a twin that does not advance, in its place.
+
+    Attributes:
+        sensors: The sensors that the page shows.
     """
 
-    def __init__(self, server: PageServer, scene: Scene, twin: Twin, *, only_displayed: bool = False):
+    def __init__(
+        self,
+        server: PageServer,
+        scene: Scene,
+        twin: Twin,
+        *,
+        only_displayed: bool = False,
+        player: Player | None = None,
+    ):
         self._server = server
         self._scene = scene
         self._twin = twin
         self._only_displayed = only_displayed
+        self._player = player
+        self._clock: Player | Twin = player or twin
         self._log = MessageLog()
-        for kind, sentence in grouped(twin.findings):
+        for kind, sentence in grouped(twin.findings if player is None else player.findings):
             if kind is not Kind.WINDOW:
                 self._log.add("warning" if kind is Kind.MENDED else str(kind), sentence)
         logging.getLogger("drake_twin").addHandler(self._log)
         self._clients: frozenset[int] = frozenset()
+        self._asked: deque[tuple[int, protocol.Request]] = deque()
+        heard = WeakMethod(self._hear)  # the server's thread must not keep the twin
+        server.listen(lambda: (hear := heard()) and hear())
         self._frame = 0
         self._factor = RealTimeFactor()
         self._overlays: dict[str, Overlay] = {}
@@ -60,19 +86,29 @@ class Cockpit:
             self._panels[name] = panel.type(twin)
             server.offer(f"panel_{name}.js", panel.script.read_bytes())
         self._camera = FollowCamera(scene)
+        self.sensors = SensorView(twin, scene, server.send_bytes)
+        self._timeline = Timeline(twin, scene)
         self._recording: HtmlRecording | None = None
         self._recordings = 0
         self._end_run_to: Callable[[], None] | None = None
+        self._efforts_left = 0
         self._published_log = -1
+        self._published_timeline = ""
         self._read_robots()
 
     def close(self) -> None:
-        """Disconnect from the twin; the server continues."""
+        """Disconnect from the twin; the server continues, and keeps what it is asked for the next one."""
+        self._server.listen(lambda: None)
+        if self._clients:
+            self._twin.inbox.close(urgent=False)
         logging.getLogger("drake_twin").removeHandler(self._log)
         if self._end_run_to is not None:
             self._end_run_to()
         for overlay in self._overlays.values():
             overlay.remove()
+        self.sensors.close()
+        self._timeline.close()
+        self._watch_panels(False)
         self._camera.follow("", self._twin)
 
     def process_requests(self, *, in_callback: bool = False) -> None:
@@ -81,21 +117,37 @@ class Cockpit:
         Args:
             in_callback: Whether a callback of the twin is the caller; what a callback cannot do is refused then.
         """
-        self._log.time = self._twin.time
-        self._follow_robots()
-        for client, request in self._server.requests():
-            self._try(self._do, client, request, in_callback)
-            self._follow_robots()
+        self._process(in_callback=in_callback)
         self._try(self._teleop.publish)
         if self._server.is_watched:
             self.draw()
         self._frame += 1
-        factor = self._factor.note(wall_clock.perf_counter(), self._twin.time, paused=self._twin.paused)
+        factor = self._factor.note(wall_clock.perf_counter(), self._clock.time, paused=self._clock.paused)
         self._publish(factor)
+
+    def _hear(self) -> None:
+        """Note in the server's thread that there are requests."""
+        self._twin.inbox.put(self._process_at_once)
+
+    def _process_at_once(self) -> None:
+        """Process the requests that a callback may, up to the first one that waits for the next frame."""
+        self._process(in_callback=True, only_now=self._twin.frames.are_running)
+
+    def _process(self, *, in_callback: bool, only_now: bool = False) -> None:
+        self._log.time = self._clock.time
+        self._follow_robots()
+        self._asked += self._server.requests()
+        while self._asked and not (only_now and isinstance(self._asked[0][1], _BETWEEN_ADVANCES)):
+            self._try(self._do, *self._asked.popleft(), in_callback)
+            self._follow_robots()
 
     def draw(self) -> None:
         """Draw the twin's present state, with the overlays that are shown."""
-        self._scene.draw(self._twin)
+        if self._timeline.draw():
+            return
+        frame = self._scene.frame(self._twin)
+        self._scene.show(frame)
+        self._timeline.note(frame)
         for overlay in self._overlays.values():
             overlay.draw()
         self._camera.draw(self._twin)
@@ -110,6 +162,7 @@ class Cockpit:
         self._commands = JointCommands(self._twin)
         self._teleop = Teleop(self._twin)
         self._posed = PosedJoints(self._twin)
+        self.sensors.read_robots()
         for name in tuple(self._overlays):
             self._show(name, False)
             self._show(name, True)
@@ -131,12 +184,18 @@ class Cockpit:
                 self._teleop.leave(client)
             case protocol.Show(what, on):
                 self._show(what, on)
+            case protocol.ShowSensor(sensor, on):
+                self.sensors.show(sensor, on)
+            case protocol.LookAtEfforts():
+                self._efforts_left = _PATIENCE
             case protocol.Follow(robot):
                 self._camera.follow(robot, self._twin)
             case protocol.AskPanel(panel, data):
                 self._ask_panel(panel, data)
             case protocol.PoseJoint(robot, joint, position) if self._only_displayed:
                 self._posed.move(robot, joint, position)
+            case _ if self._player is not None:
+                self._player.do(request)
             case _ if not self._only_displayed:
                 self._steer(client, request)
 
@@ -157,6 +216,12 @@ class Cockpit:
                 twin.reset()
                 self._commands.forget()
                 self._teleop.forget()
+            case protocol.Look(time):
+                self._timeline.look(time)
+            case protocol.LookAtNow():
+                self._timeline.look_at_now()
+            case protocol.GoOnFrom(time):
+                self._go_on_from(time)
             case protocol.SetRate(rate):
                 twin.real_time_rate = rate
             case protocol.SetTimeStep(seconds):
@@ -176,8 +241,6 @@ class Cockpit:
                 twin.clear_emergency_stop(robot)
             case protocol.Record(on):
                 self._record(on)
-            case protocol.Spawn(file, name, xyz, rpy):
-                twin.spawn(Robot(name=name, model=file, xyz=xyz, rpy=rpy))
             case protocol.Delete(robot):
                 twin.delete(robot)
 
@@ -201,6 +264,13 @@ class Cockpit:
         # A subscription with this period has its first delivery after zero at this time, exact to the step.
         self._end_run_to = twin.subscribe("/clock", stop, rate=1.0 / time)
         twin.play()
+
+    def _go_on_from(self, time: float) -> None:
+        now, reached = self._twin.time, self._timeline.go_on_from(time)
+        self._commands.forget()
+        self._teleop.forget()
+        self._log.time = reached
+        self._log.add("info", f"the twin went back from {now:.3f} s and continues from {reached:.3f} s")
 
     def _switch(self, robot: str, controller: str, active: bool) -> None:
         manager = self._twin.controller_manager(robot)
@@ -256,6 +326,10 @@ class Cockpit:
             raise InputError(f"panel {name!r} sent data that is not JSON: {data!r}") from None
         self._panels[name].ask(value)
 
+    def _watch_panels(self, is_watched: bool) -> None:
+        for panel in self._panels.values():
+            getattr(panel, "watch", lambda _: None)(is_watched)
+
     def _record(self, on: bool) -> None:
         if on and self._recording is None:
             self._recording = HtmlRecording(self._scene, self._twin)
@@ -267,6 +341,12 @@ class Cockpit:
     def _publish(self, factor: float | None) -> None:
         """Publish a snapshot if a browser is connected; one that has just connected gets everything."""
         clients = frozenset(self._server.clients)
+        if bool(clients) != bool(self._clients):
+            (self._twin.inbox.open if clients else self._twin.inbox.close)(urgent=False)
+            self.sensors.watch(bool(clients))
+            self._watch_panels(bool(clients))
+            if self._player is None and not self._only_displayed:
+                self._timeline.watch(bool(clients))
         newcomers, self._clients = clients - self._clients, clients
         if clients and (newcomers or self._frame % _FRAMES_A_SNAPSHOT == 0):
             self.publish(factor, everything=bool(newcomers))
@@ -280,22 +360,31 @@ class Cockpit:
         """
         texts: dict[str, str] = {}
         if self._structure is None or everything:
-            self._structure = _json(
-                structure(self._twin, self._commands, self._teleop, only_displayed=self._only_displayed)
-            )
+            whole = structure(self._twin, self._commands, self._teleop, only_displayed=self._only_displayed)
+            is_live = self._player is None and not self._only_displayed
+            listing = {"playback": self._player is not None, "sensors": self.sensors.listing() if is_live else []}
+            self._structure = _json(whole | listing)
             texts["robots"] = self._structure
         if everything or self._log.version != self._published_log:
             self._published_log = self._log.version
             texts["messages"] = _json(self._log.as_plain())
+        timeline = _json(self._timeline.as_plain())
+        if everything or timeline != self._published_timeline:
+            self._published_timeline = texts["timeline"] = timeline
         more = {
             "real_time_factor": None if factor is None else round(factor, 3),
             "shown": sorted(self._overlays),
             "followed": self._camera.robot,
             "recording": self._recording is not None,
             "recordings": self._recordings,
+            "sensors": self.sensors.state(),
             "panels": {name: panel.state() for name, panel in self._panels.items()},
         }
-        texts["state"] = _json(state(self._twin, self._commands, more))
+        present = state(self._twin, self._commands, more, with_efforts=self._efforts_left > 0)
+        self._efforts_left -= 1
+        if self._player is not None:
+            self._player.amend(present)
+        texts["state"] = _json(present)
         self._server.publish(texts)
 
 

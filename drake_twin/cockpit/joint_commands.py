@@ -130,6 +130,11 @@ class JointCommands:
         command = self._twin.command(topic)
         return self._at_rest(group) if command is None else np.asarray(command.data, dtype=float)
 
+    def message(self, topic: str) -> dict[str, Any]:
+        """Return the fields of a message on a topic that has sliders: their present values."""
+        group, values = self.groups[topic], self.values(topic)
+        return self._trajectory(group, values) if group.type == _TRAJECTORY else {"data": values.tolist()}
+
     def move(self, topic: str, index: int, value: float) -> None:
         """Command one number and keep the others; the scenario's own commands on the topic end.
 
@@ -156,8 +161,10 @@ class JointCommands:
         self._targets.clear()
 
     def _at_rest(self, group: SliderGroup) -> np.ndarray:
-        state = self._twin.robot_state(group.robot)
-        positions = dict(zip(state.joints, state.positions, strict=True))
+        positions: dict[str, float] = {}
+        if any(slider.interface == "position" for slider in group.sliders):
+            state = self._twin.robot_state(group.robot, with_efforts=False)
+            positions = dict(zip(state.joints, state.positions, strict=True))
         return np.array(
             [
                 min(max(positions.get(slider.joint, 0.0), slider.lower), slider.upper)

@@ -1,7 +1,6 @@
 """The page's messages: the package's log records, and what was found when the twin was built."""
 
 import logging
-from collections import deque
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -16,8 +15,8 @@ class LogLine:
         number: Counts the messages; a repeated message keeps its number.
         level: ``info``, ``warning``, ``error`` or the kind of a finding.
         text: The text.
-        time: Simulation time (s); None for a message from before the start.
-        times: How often the message occurred in a row.
+        time: Simulation time (s) of the last time; None for a message from before the start.
+        times: How often the message occurred.
     """
 
     number: int
@@ -39,7 +38,7 @@ class MessageLog(logging.Handler):
         super().__init__(logging.INFO)
         self.version = 0
         self.time: float | None = None
-        self._lines: deque[LogLine] = deque(maxlen=_MOST)
+        self._lines: dict[tuple[str, str], LogLine] = {}
         self._number = 0
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -48,15 +47,20 @@ class MessageLog(logging.Handler):
         self.add(level, record.getMessage())
 
     def add(self, level: str, text: str) -> None:
-        """Add a message; a repeated one is only counted."""
-        self.version += 1
-        if self._lines and (self._lines[-1].level, self._lines[-1].text) == (level, text):
-            last = self._lines[-1]
-            self._lines[-1] = replace(last, time=self.time, times=last.times + 1)
-            return
-        self._number += 1
-        self._lines.append(LogLine(self._number, level, text, self.time))
+        """Add a message; a repeated one is counted where it stands, and an error, which answers a press, comes last."""
+        assert self.lock is not None
+        with self.lock:
+            self.version += 1
+            line = self._lines.get((level, text))
+            if line is None:
+                self._number += 1
+                line = LogLine(self._number, level, text, times=0)
+            elif level == "error":
+                del self._lines[level, text]
+            self._lines[level, text] = replace(line, time=self.time, times=line.times + 1)
+            if len(self._lines) > _MOST:
+                del self._lines[next(iter(self._lines))]
 
     def as_plain(self) -> list[dict[str, Any]]:
         """Return the messages, oldest first, as plain data."""
-        return [asdict(line) for line in tuple(self._lines)]
+        return [asdict(line) for line in tuple(self._lines.values())]

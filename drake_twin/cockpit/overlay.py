@@ -10,7 +10,13 @@ from drake_twin.cockpit.scene import Scene
 from drake_twin.twin.twin import Twin
 
 # Name → module, in the order of their switches; those of others follow.
-_OWN = {"frames": "frames", "contacts": "contact_forces", "collision": "collision_shapes", "inertia": "inertia"}
+_OWN = {
+    "frames": "frames",
+    "contacts": "contact_forces",
+    "collision": "collision_shapes",
+    "inertia": "inertia",
+    "sensors": "sensor_places",
+}
 
 
 class Overlay(Protocol):

@@ -2,15 +2,22 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from drake_twin.cockpit.extensions import load_extensions, register
 from drake_twin.twin.twin import Twin
 
+# Name → module; panels of others follow.
+_OWN = {"world": "world_panel", "spawn": "spawn_panel", "topics": "topics_panel"}
+
 
 class Panel(Protocol):
-    """The Python half of a panel, made with the twin that the page shows. Data are plain: what JSON can hold."""
+    """The Python half of a panel, made with the twin that the page shows. Data are plain: what JSON can hold.
+
+    If it has a method ``watch(is_watched)``, that is called when the first browser connects and when the last one goes.
+    """
 
     def __init__(self, twin: Twin): ...
 
@@ -68,6 +75,8 @@ def panel(name: str, script: str | Path) -> Callable[[_T], _T]:
 
 
 def panel_kinds() -> Mapping[str, PanelKind]:
-    """Return the registered panels by name."""
+    """Return the registered panels by name, those of other packages included."""
+    for module in _OWN.values():
+        import_module(f"drake_twin.cockpit.{module}")
     load_extensions()
-    return _kinds
+    return {name: _kinds[name] for name in (*_OWN, *_kinds)}

@@ -3,14 +3,16 @@
 import json
 import types
 import typing
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from math import isfinite
 from typing import Any
 
-from drake_twin.description.robot_description import Vector3
-
 _LONGEST_TEXT = 1000
+_LONGEST_LINES = 20_000
+
+Lines = typing.NewType("Lines", str)  # a text of several lines
 _MOST_STEPS = 10_000
 
 
@@ -41,6 +43,25 @@ class RunTo:
 @dataclass(frozen=True)
 class Reset:
     """Reset the twin."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """Pause, and draw again what was drawn at a simulation time (s)."""
+
+    time: float
+
+
+@dataclass(frozen=True)
+class LookAtNow:
+    """Draw the present again."""
+
+
+@dataclass(frozen=True)
+class GoOnFrom:
+    """Return to the last moment that is kept before a simulation time (s), and continue from there."""
+
+    time: float
 
 
 @dataclass(frozen=True)
@@ -125,6 +146,19 @@ class Show:
 
 
 @dataclass(frozen=True)
+class ShowSensor:
+    """Show what a sensor measures, or no more: its key in the page's list."""
+
+    sensor: str
+    on: bool
+
+
+@dataclass(frozen=True)
+class LookAtEfforts:
+    """A tab shows efforts, for which the plant solves a step; repeated about once a second."""
+
+
+@dataclass(frozen=True)
 class Follow:
     """Let the camera follow a robot, or no robot if the name is empty."""
 
@@ -139,16 +173,6 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Spawn:
-    """Spawn a robot: its file, its name, its pose (m, rad)."""
-
-    file: str
-    name: str
-    xyz: Vector3
-    rpy: Vector3
-
-
-@dataclass(frozen=True)
 class Delete:
     """Delete a robot."""
 
@@ -160,7 +184,7 @@ class AskPanel:
     """Ask the Python half of a panel: JSON data for its ``ask``."""
 
     panel: str
-    data: str
+    data: Lines
 
 
 @dataclass(frozen=True)
@@ -174,6 +198,9 @@ Request = (
     | Step
     | RunTo
     | Reset
+    | Look
+    | LookAtNow
+    | GoOnFrom
     | SetRate
     | SetTimeStep
     | Switch
@@ -184,9 +211,10 @@ Request = (
     | EmergencyStop
     | ClearEmergencyStop
     | Show
+    | ShowSensor
+    | LookAtEfforts
     | Follow
     | Record
-    | Spawn
     | Delete
     | AskPanel
     | Gone
@@ -208,19 +236,31 @@ def parse(text: str) -> Request | None:
         return None
     if not isinstance(data, dict):
         return None
-    kind = data.pop("do", None)
-    if not isinstance(kind, str) or kind not in _KINDS:
-        return None
-    field_types = _field_types(_KINDS[kind])
-    if data.keys() != field_types.keys():
-        return None
-    values = {name: _value(field_types[name], value) for name, value in data.items()}
-    if None in values.values():
-        return None
-    request: Request = _KINDS[kind](**values)
+    request: Request | None = read_as(_KINDS, data)
     if isinstance(request, Step) and not 1 <= request.count <= _MOST_STEPS:
         return None
     return request
+
+
+def read_as(kinds: Mapping[str, Any], data: Mapping[str, Any]) -> Any:
+    """Return plain data, such as ``{"do": "Step", "count": 1}``, as the dataclass that ``do`` names.
+
+    Args:
+        kinds: Name → dataclass.
+        data: The data.
+
+    Returns:
+        None if the name is unknown, a field is missing, unknown or of the wrong type, or a number is not finite.
+    """
+    kind = data.get("do")
+    if not isinstance(kind, str) or kind not in kinds:
+        return None
+    given = {name: value for name, value in data.items() if name != "do"}
+    field_types = _field_types(kinds[kind])
+    if given.keys() != field_types.keys():
+        return None
+    values = {name: _value(field_types[name], value) for name, value in given.items()}
+    return None if None in values.values() else kinds[kind](**values)
 
 
 @cache
@@ -238,6 +278,9 @@ def _value(kind: Any, value: Any) -> Any:
         return None if None in items else items
     if kind is bool:
         return value if isinstance(value, bool) else None
+    if kind is Lines:
+        fits = isinstance(value, str) and len(value) <= _LONGEST_LINES and value.replace("\n", "").isprintable()
+        return value if fits else None
     if kind is str:
         return value if isinstance(value, str) and len(value) <= _LONGEST_TEXT and value.isprintable() else None
     if isinstance(value, bool) or not isinstance(value, int | float):

@@ -15,7 +15,7 @@ from pydrake.math import RigidTransform
 from drake_twin.shared_viewer.frame_sender import Frame, FrameSender
 from drake_twin.shared_viewer.meshcat_protocol import Command, delete, set_object, set_property, set_transform
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry, SharedScene, place_of_robots
-from drake_twin.shared_viewer.three_js import three_js_object
+from drake_twin.shared_viewer.three_js import lines_object, points_object, three_js_object
 from drake_twin.twin.twin import Twin
 
 TWIN = "/twin"  # the path of the twin's bodies
@@ -109,6 +109,16 @@ class Scene:
         rgba = (color.r(), color.g(), color.b(), color.a())
         self._send([set_object(path, three_js_object(DrawnGeometry(path, shape, rgba, np.eye(4))))])
 
+    def set_points(
+        self, path: str, points: np.ndarray, color: tuple[float, float, float] | np.ndarray, size: float
+    ) -> None:
+        """Draw points (m, shape (n, 3)) of a size (m) at a path, in place of what is there; each may have its color."""
+        self._send([set_object(path, points_object(path, points, color, size))])
+
+    def set_lines(self, path: str, ends: np.ndarray, color: tuple[float, float, float]) -> None:
+        """Draw line segments from the first end to the second, … (m, shape (2 n, 3)) at a path."""
+        self._send([set_object(path, lines_object(path, ends, color))])
+
     def set_transform(self, path: str, X_PF: RigidTransform | np.ndarray) -> None:
         """Set the pose of a path F, and of all below it, in its parent P; a 4x4 matrix may scale it, too."""
         matrix = X_PF.GetAsMatrix4() if isinstance(X_PF, RigidTransform) else X_PF
@@ -141,9 +151,17 @@ class Scene:
 
     def draw(self, twin: Twin) -> None:
         """Draw a twin's present state; it may be another twin than in the last call, or have other robots."""
+        self.show(self.frame(twin))
+
+    def frame(self, twin: Twin) -> Frame:
+        """Return what `draw` would draw."""
         if self._drawn is None or not self._drawn.shows(twin):
             self._drawn = SharedScene(twin)
-        self._send(list(self._sender.commands(Frame(self._drawn, self._drawn.poses(twin)))))
+        return Frame(self._drawn, self._drawn.poses(twin))
+
+    def show(self, frame: Frame) -> None:
+        """Draw what may have been drawn before."""
+        self._send(list(self._sender.commands(frame)))
 
     def _send(self, commands: list[Command]) -> None:
         if not commands:

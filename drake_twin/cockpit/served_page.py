@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from drake_twin.cockpit.access import Access, kept_token
 from drake_twin.cockpit.cockpit import Cockpit
+from drake_twin.cockpit.player import Player
 from drake_twin.cockpit.scene import Scene
 from drake_twin.cockpit.server import PageServer, bind
 from drake_twin.description.mesh_cache import cache_folder
@@ -38,12 +39,13 @@ class ServedPage:
         """The page's address, including its token."""
         return self.server.url
 
-    def show(self, twin: Twin, *, only_displayed: bool = False) -> Cockpit:
+    def show(self, twin: Twin, *, only_displayed: bool = False, player: Player | None = None) -> Cockpit:
         """Show a twin in place of the one before.
 
         Args:
             twin: The twin.
             only_displayed: Whether the twin stays paused and the page sets its joint positions.
+            player: What moves a twin that does not advance, in its place.
 
         Returns:
             The twin's cockpit; its ``process_requests`` must be called between steps.
@@ -54,7 +56,7 @@ class ServedPage:
             self._cockpit.close()
         if only_displayed:
             twin.pause()
-        self._cockpit = Cockpit(self.server, self.scene, twin, only_displayed=only_displayed)
+        self._cockpit = Cockpit(self.server, self.scene, twin, only_displayed=only_displayed, player=player)
         return self._cockpit
 
     def close(self) -> None:

@@ -1,15 +1,15 @@
 """The page's HTTP and WebSocket server, in a thread of its own; it does not know the twin.
 
-Requests of browsers are queued until the twin's thread takes them. What the twin's thread publishes is sent to every
-connected browser on named channels. The latest text of a channel replaces an unsent one, so that a slow browser misses
-some texts and delays no other browser.
+Requests of browsers are queued until the twin's thread takes them, and a listener is told that there are some. What the
+twin's thread publishes is sent to every connected browser on named channels. The latest text of a channel replaces an
+unsent one, so that a slow browser misses some texts and delays no other browser.
 """
 
 import asyncio
 import queue
 import socket
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import resources
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from aiohttp import WSMsgType, web
 from aiohttp.typedefs import Handler
 
 from drake_twin.cockpit.access import Access
-from drake_twin.cockpit.protocol import Gone, Request, parse
+from drake_twin.cockpit.protocol import EmergencyStop, Gone, Request, parse
 from drake_twin.cockpit.scene import Commands, Scene
 from drake_twin.errors import InputError
 from drake_twin.shared_viewer.meshcat_protocol import Command
@@ -107,6 +107,7 @@ class PageServer:
         self._scene = scene
         self._socket = listening
         self._requests: queue.Queue[tuple[int, Request]] = queue.Queue(_MOST_PENDING)
+        self._heard: Callable[[], object] = lambda: None
         self._clients: dict[int, _Client] = {}
         self._viewers: set[_Viewer] = set()
         self._latest: dict[str, str] = {}
@@ -134,6 +135,10 @@ class PageServer:
         """The numbers of the connected browsers."""
         return tuple(self._clients)
 
+    def listen(self, heard: Callable[[], object]) -> None:
+        """Call a function in the server's thread after each request, in place of the one before."""
+        self._heard = heard
+
     def requests(self) -> list[tuple[int, Request]]:
         """Return the requests since the last call, in order, each with its client's number."""
         taken = []
@@ -147,6 +152,11 @@ class PageServer:
         """Send texts to every browser, by channel; return at once."""
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._distribute, dict(texts))
+
+    def send_bytes(self, key: str, data: bytes) -> None:
+        """Send bytes to every browser, in place of unsent ones of the same key; return at once."""
+        if self._clients and self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._distribute_bytes, key, data)
 
     def offer(self, name: str, content: bytes) -> None:
         """Serve a file below ``files/`` of the page's address, in place of one of the same name."""
@@ -294,9 +304,10 @@ class PageServer:
         try:
             self._requests.put_nowait((client, request))
         except queue.Full:  # more than a person can cause: the request is dropped
-            if isinstance(request, Gone):
+            if isinstance(request, Gone | EmergencyStop):
                 self._requests.get_nowait()
                 self._requests.put_nowait((client, request))
+        self._heard()
 
     async def _report_alive(self) -> None:
         """Send repeatedly how long ago the twin's thread has published (s)."""
@@ -304,6 +315,10 @@ class PageServer:
             await asyncio.sleep(_ALIVE)
             for client in self._clients.values():
                 client.add({"alive": f"{self._loop.time() - self._published:.1f}"})
+
+    def _distribute_bytes(self, key: str, data: bytes) -> None:
+        for client in self._clients.values():
+            client.add_bytes(key, data)
 
     def _distribute(self, texts: dict[str, str]) -> None:
         self._published = self._loop.time()
@@ -318,11 +333,16 @@ class _Client:
     def __init__(self, web_socket: web.WebSocketResponse, texts: dict[str, str]):
         self.socket = web_socket
         self._pending = texts
+        self._pending_bytes: dict[str, bytes] = {}
         self._news = asyncio.Event()
         self._news.set()
 
     def add(self, texts: dict[str, str]) -> None:
         self._pending |= texts
+        self._news.set()
+
+    def add_bytes(self, key: str, data: bytes) -> None:
+        self._pending_bytes[key] = data
         self._news.set()
 
     async def send(self) -> None:
@@ -331,11 +351,14 @@ class _Client:
             await self._news.wait()
             self._news.clear()
             texts, self._pending = self._pending, {}
-            for channel, text in texts.items():
-                try:
+            many_bytes, self._pending_bytes = self._pending_bytes, {}
+            try:
+                for channel, text in texts.items():
                     await self.socket.send_str(f'{{"channel":"{channel}","data":{text}}}')
-                except ConnectionError:
-                    return
+                for data in many_bytes.values():
+                    await self.socket.send_bytes(data)
+            except ConnectionError:
+                return
 
 
 class _Viewer:

@@ -29,14 +29,17 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
         "robots": [
             {
                 "name": plan.name,
+                "joint_states": f"{plan.robot.topic_namespace}/joint_states",
                 "controllers": [
                     {"name": item.name, "type": item.type, "problem": item.problem} for item in plan.controllers
                 ],
                 "groups": [
                     {
                         "topic": group.topic,
+                        "type": group.type,
                         "controller": group.controller,
                         "sliders": [asdict(slider) for slider in group.sliders],
+                        "home": [twin.start_positions(plan.name).get(item.joint, 0.0) for item in group.sliders],
                     }
                     for group in commands.groups.values()
                     if group.robot == plan.name and not only_displayed
@@ -60,23 +63,24 @@ def structure(twin: Twin, commands: JointCommands, teleop: Teleop, *, only_displ
     }
 
 
-def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any]) -> dict[str, Any]:
+def state(twin: Twin, commands: JointCommands, more: Mapping[str, Any], *, with_efforts: bool = True) -> dict[str, Any]:
     """Return what changes with time.
 
     Args:
         twin: The twin.
         commands: Its sliders.
         more: More entries at the top level.
+        with_efforts: Whether to evaluate efforts, for which the plant solves the next step; else they are None.
     """
     robots = {}
     for plan in twin.plans:
-        at = twin.robot_state(plan.name)
+        at = twin.robot_state(plan.name, with_efforts=with_efforts)
         robots[plan.name] = {
             "stopped": twin.is_stopped(plan.name),
             "controllers": twin.controller_manager(plan.name).states,
             "positions": _rounded(at.positions),
             "velocities": _rounded(at.velocities),
-            "efforts": _rounded(at.efforts),
+            "efforts": _rounded(at.efforts) if with_efforts else None,
             "pose": _rounded(at.base_pose),
         }
     return {

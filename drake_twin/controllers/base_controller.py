@@ -10,6 +10,7 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.draft import Drafter
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
@@ -195,6 +196,16 @@ class Controller(WitnesslessSystem):
 
     def cancel(self, context: Context) -> None:
         """Cancel the newest goal of its action."""
+
+    def drafter(self, topic: str, places: Sequence[int]) -> Drafter | None:
+        """Return what drafts a topic's messages, if they follow from the plant's state and efforts alone; else None.
+
+        Args:
+            topic: One of ``published``.
+            places: The index in `Reading.with_efforts` of each element of the robot's ``state``, then of its
+                ``net_actuation``, then of NaN and 0.
+        """
+        return None
 
     def received(self, port: InputPort, context: Context) -> Any:
         """Return the value on the port of a topic or action; None if it has no value, as in a bare Simulator."""

@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from operator import attrgetter
+from typing import Any, ClassVar
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -12,11 +13,12 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.draft import Drafter
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
 _INTERFACES = ("position", "velocity", "effort")
-_CONSTANTS = np.array([np.nan, 0.0])
+_CONSTANTS = np.array([np.nan, 0.0])  # for missing values and for extra joints
 
 
 @dataclass(frozen=True)
@@ -190,38 +192,41 @@ class JointStateBroadcaster(Controller):
         """Return the port ``dynamic_joint_states``."""
         return self.GetOutputPort("dynamic_joint_states")
 
-    def efforts(self, context: Context) -> np.ndarray:
-        """Return the efforts that the robot's actuators apply (N·m or N)."""
-        efforts: np.ndarray = self._net_actuation.Eval(context)
-        return efforts
-
     def _values(self, context: Context) -> np.ndarray:
-        efforts = self.efforts(context) if self._has_efforts else self._no_efforts
+        efforts = self._net_actuation.Eval(context) if self._has_efforts else self._no_efforts
         return np.concatenate((self._state.Eval(context), efforts, _CONSTANTS))
 
     def _calc_state_estimated(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._state.Eval(context)[self._of_joints])
 
+    def drafter(self, topic: str, places: Sequence[int]) -> Drafter | None:
+        """Return what drafts the messages of ``joint_states`` or ``dynamic_joint_states``."""
+        make = {"joint_states": self._joint_states, "dynamic_joint_states": self._dynamic_joint_states}[topic]
+        indices = np.array(places)
+        read = attrgetter("with_efforts" if self._has_efforts else "without_efforts")
+        return Drafter(read, lambda values: values[indices], make, len(indices))
+
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
-        values = self._values(context)[self._gather]
-        values.setflags(write=False)  # all subscribers get the same message
-        header = messages.header(context.get_time(), self._frame_id)
-        output.set_value(messages.JointState(header, list(self.joints), *values))
+        output.set_value(self._joint_states(context.get_time(), self._values(context)))
 
     def _calc_dynamic_joint_states(self, context: Context, output: AbstractValue) -> None:
+        output.set_value(self._dynamic_joint_states(context.get_time(), self._values(context)))
+
+    def _joint_states(self, time: float, values: np.ndarray) -> Any:
+        of_joints = values[self._gather]
+        of_joints.setflags(write=False)  # all subscribers get the same message
+        return messages.JointState(messages.header(time, self._frame_id), list(self.joints), *of_joints)
+
+    def _dynamic_joint_states(self, time: float, values: np.ndarray) -> Any:
         if not self._with_dynamic:
-            output.set_value(None)
-            return
-        values = self._values(context)
-        output.set_value(
-            messages.DynamicJointState(
-                header=messages.header(context.get_time(), self._frame_id),
-                joint_names=list(self._places),
-                interface_values=[
-                    messages.InterfaceValue(interface_names=list(names), values=values[places])
-                    for names, places in self._places.values()
-                ],
-            )
+            return None
+        return messages.DynamicJointState(
+            header=messages.header(time, self._frame_id),
+            joint_names=list(self._places),
+            interface_values=[
+                messages.InterfaceValue(interface_names=list(names), values=values[places])
+                for names, places in self._places.values()
+            ],
         )
 
 

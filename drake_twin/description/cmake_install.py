@@ -1,4 +1,4 @@
-"""What a CMakeLists.txt installs into its package's share folder; the file is read, not run.
+"""What a CMakeLists.txt installs into its package's share or lib folder; the file is read, not run.
 
 The commands that install (``install``, ``ament_auto_package``) are understood, and those that define what they use
 (``set``, ``list(APPEND)``, ``file(GLOB)``, ``foreach``, ``add_subdirectory``); both branches of an ``if`` count.
@@ -23,28 +23,30 @@ _DEEPEST = 8  # levels of variables in variables, and of add_subdirectory()
 _MOST_COMMANDS = 10_000  # of a file, with its loops unrolled
 
 
-def cmake_installs(package: Path, name: str) -> Iterator[tuple[str, Path]]:
+def cmake_installs(package: Path, name: str, top: str = "share") -> Iterator[tuple[str, Path]]:
     """Yield each place below the share folder of a package, and the file or folder of its source that is installed
     there.
 
     Args:
         package: The folder with the CMakeLists.txt.
         name: The package's name.
+        top: ``share``, or ``lib`` for the folder of the package's programs.
     """
-    reading = _Reading(package, name)
+    reading = _Reading(package, name, top)
     yield from reading.folder(package)
 
 
 class _Reading:
     """The CMakeLists.txt of one package, while it is read."""
 
-    def __init__(self, package: Path, name: str):
-        self._name = name
+    def __init__(self, package: Path, name: str, top: str):
+        self._name, self._top = name, top
         self._variables = {
             "PROJECT_NAME": name,
             "CMAKE_PROJECT_NAME": name,
             "CMAKE_INSTALL_PREFIX": "",
             "CMAKE_INSTALL_DATADIR": "share",
+            "CMAKE_INSTALL_LIBDIR": "lib",
             "CMAKE_INSTALL_DATAROOTDIR": "share",
             "CMAKE_SOURCE_DIR": str(package),
             "PROJECT_SOURCE_DIR": str(package),
@@ -123,7 +125,7 @@ class _Reading:
     def _install(self, kind: str, words: list[str], folder: Path) -> Iterator[tuple[str, Path]]:
         if "DESTINATION" not in words[:-1]:
             return
-        below = self._below_share(words[words.index("DESTINATION") + 1])
+        below = self._below_top(words[words.index("DESTINATION") + 1])
         if below is None:
             return
         rename = words[words.index("RENAME") + 1] if "RENAME" in words[:-1] else None
@@ -135,9 +137,9 @@ class _Reading:
             elif (folder / word).is_file():
                 yield f"{below}/{rename or Path(word).name}".strip("/"), folder / word
 
-    def _below_share(self, destination: str) -> str | None:
+    def _below_top(self, destination: str) -> str | None:
         parts = [part for part in destination.split("/") if part not in ("", ".")]
-        if parts[:1] != ["share"] or parts[1:2] != [self._name]:
+        if parts[:1] != [self._top] or parts[1:2] != [self._name]:
             return None
         return None if ".." in parts else "/".join(parts[2:])
 

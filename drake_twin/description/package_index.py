@@ -75,6 +75,12 @@ class PackageIndex:
         """The folders of Gazebo's and ROS 1's path variables, in order."""
         return tuple(self._resource_folders)
 
+    def packages(self) -> Iterator[Path]:
+        """Yield the packages of all folders that are searched, the closest first."""
+        shares = (prefix / "share" for prefix in self._prefixes)
+        for folder in (*self._folders, *shares, *self._resource_folders, share_folder("models")):
+            yield from packages_in(folder)
+
     def find(self, package: str, near: str | Path | None = None) -> Path:
         """Find the share folder of a package; that of a source package looks as if it were installed.
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.sdf_addresses import SdfAddresses
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.xml_reader import XmlReader
@@ -63,7 +64,11 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         assert parent is not None
         parent.remove(sensor)
     findings = unused_in_sdf(reader, model, with_links=True)
-    mended = mend_model(model, reader, packages.resolve)
+    addresses = SdfAddresses(packages)
+    mended = mend_model(model, reader, addresses.find)
     findings += [finding for finding in mended if finding.kind is not Kind.IGNORED]  # `unread` reports those with lines
+    for name, error in addresses.missing.items():
+        what = f"the meshes of {name} are left out: it was not found. Searched: {error.searched}. {error.advice}"
+        findings.append(Finding(Kind.WARNING, what, file=str(file)))
     text = etree.tostring(reader.root, encoding="unicode")
     return PreparedSdf(text, is_fixed, own_name, tuple(findings))

@@ -12,7 +12,8 @@ from drake_twin.description.sdf_document import sdf_version
 from drake_twin.description.source_file import read_xml
 from drake_twin.errors import InputError
 
-_SUN = '<sdf version="1.9"><light name="sun" type="directional"/></sdf>'
+_SUN = """<sdf version="1.9"><light name="sun" type="directional"><cast_shadows>true</cast_shadows>
+<pose>0 0 10 0 0 0</pose><diffuse>0.8 0.8 0.8 1</diffuse><direction>-0.5 0.1 -0.9</direction></light></sdf>"""
 _GROUND_PLANE = """<sdf version="1.9"><model name="ground_plane"><static>true</static><link name="link">
 <collision name="collision"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry></collision>
 <visual name="visual"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>

@@ -42,12 +42,16 @@ class SdfIncludes:
         addresses: Resolves addresses in SDF files, and records the packages that are missing.
         findings: What could not be included.
         asked: Where the missing packages are asked for.
+        lights: The lights that were included, each with its document.
+        documents: Sensor or plugin of a model inside a model → the document that it comes from.
     """
 
     def __init__(self, packages: PackageIndex):
         self.addresses = SdfAddresses(packages)
         self.findings: list[Finding] = []
         self.asked: list[Place] = []
+        self.lights: list[tuple[etree._Element, XmlReader]] = []
+        self.documents: dict[etree._Element, XmlReader] = {}
         self._count = 0
 
     def model(self, include: etree._Element, reader: XmlReader, above: tuple[Path, ...]) -> IncludedModel | None:
@@ -104,7 +108,8 @@ class SdfIncludes:
         model = inner.root.find("model")
         if model is None:
             kinds = [str(child.tag) for child in inner.root if isinstance(child.tag, str)]
-            if "light" in kinds:  # as model://sun: lights are the page's own
+            if "light" in kinds:  # as model://sun
+                self.lights += [(light, inner) for light in inner.root.findall("light")]
                 return None
             raise NotIncludedError(f"{file} has no <model>")
         version = sdf_version(inner.root)
@@ -135,6 +140,8 @@ class SdfIncludes:
             if found.version < (1, 7) <= version:
                 modernize(found.element)
             found.element.tail = None
+            for element in found.element.iter("sensor", "plugin"):
+                self.documents.setdefault(element, found.reader)
             if is_true(include.get("merge")):
                 _merge(found.element, include)
             else:

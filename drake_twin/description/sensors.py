@@ -4,7 +4,8 @@ Name, place, pose, rate, topic and frame are read here; the rest of the element 
 `drake_twin.sensors`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -42,8 +43,7 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
         if reference and reference not in links | joints:
             continue
         on_link = reference in links
-        for element in place.iterfind("sensor"):
-            sensor = _sensor(reader, element)
+        for sensor in (found for element in place.iterfind("sensor") for found in _sensors(reader, element)):
             if on_link:
                 yield replace(sensor, link=reference, gazebo_link=lumped.get(reference, reference))
             else:
@@ -59,18 +59,32 @@ def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
         InputError: If a value is invalid.
     """
     reader = XmlReader(text, file)
+    for model in reader.root.iterfind("model"):
+        yield from sensors_in_model(model, lambda _: reader)
+
+
+def sensors_in_model(model: etree._Element, reader_of: Callable[[etree._Element], XmlReader]) -> Iterator[Sensor]:
+    """Read the sensors of the links and joints of a ``<model>``, without those of models inside it.
+
+    Args:
+        model: The element.
+        reader_of: Returns the document that an element of it stands in.
+
+    Raises:
+        InputError: If a value is invalid.
+    """
     for tag in ("link", "joint"):
-        for element in reader.root.iterfind(f"model/{tag}/sensor"):
-            place = element.getparent()
+        for element in model.iterfind(f"{tag}/sensor"):
+            place, reader = element.getparent(), reader_of(element)
             assert place is not None
-            sensor, name = _sensor(reader, element), reader.text(place, "name")
-            if tag == "link":
-                yield replace(sensor, link=name, gazebo_link=name)
-            else:
-                yield replace(sensor, joint=name, gazebo_link=_text(place, "child"))
-    model = reader.root.find("model")
-    for element in reader.root.iterfind("model/plugin"):
-        yield from _of_plugin(reader, element, {}, {} if model is None else _children(model))
+            name = reader.text(place, "name")
+            for sensor in _sensors(reader, element):
+                if tag == "link":
+                    yield replace(sensor, link=name, gazebo_link=name)
+                else:
+                    yield replace(sensor, joint=name, gazebo_link=_text(place, "child"))
+    for element in model.iterfind("plugin"):
+        yield from _of_plugin(reader_of(element), element, {}, _children(model))
 
 
 def _children(root: etree._Element) -> dict[str, str]:
@@ -139,6 +153,37 @@ def _initial_value(reader: XmlReader, element: etree._Element) -> float:
     text = (element.text or "").strip()
     truth = {"true": 1.0, "false": 0.0}.get(text.lower())
     return reader.parse_number(element, text, "initial_value") if truth is None else truth
+
+
+def _sensors(reader: XmlReader, element: etree._Element) -> Iterator[Sensor]:
+    """Read a ``<sensor>`` tag: one sensor, or of a multicamera one for each ``<camera>``, called ``SENSOR/CAMERA``."""
+    sensor = _sensor(reader, element)
+    cameras = element.findall("camera") if sensor.kind == "multicamera" else []
+    if not cameras:
+        yield sensor
+    for camera in cameras:
+        others = {part for other in cameras if other is not camera for part in other.iter()}
+        places = tuple(reader.place(part) for part in element.iter(etree.Element) if part not in others)
+        alone = deepcopy(element)
+        for index, copied in enumerate(alone.findall("camera")):
+            if cameras[index] is not camera:
+                alone.remove(copied)
+        name = f"{sensor.name}/{camera.get('name', '').strip()}"
+        text = etree.tostring(alone, encoding="unicode", with_tail=False)
+        pose = _composed(sensor.pose, _pose(reader, camera))
+        yield replace(sensor, name=name, text=text, places=places, pose=pose, place=reader.place(camera))
+
+
+def _composed(outer: Pose, inner: Pose) -> Pose:
+    if inner == Pose():
+        return outer
+    from pydrake.math import RigidTransform, RollPitchYaw
+
+    found = RigidTransform()
+    for pose in (outer, inner):
+        found = found @ RigidTransform(RollPitchYaw(*pose.rpy), list(pose.xyz))
+    xyz, rpy = found.translation().tolist(), RollPitchYaw(found.rotation()).vector().tolist()
+    return Pose(tuple(xyz), tuple(rpy))
 
 
 def _sensor(reader: XmlReader, element: etree._Element) -> Sensor:

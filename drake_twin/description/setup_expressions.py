@@ -28,6 +28,7 @@ class SetupReader:
 
     Attributes:
         data_files: The entries of ``data_files`` that were found.
+        entry_points: The group of each entry point → its entries.
     """
 
     def __init__(self, package: Path):
@@ -37,6 +38,7 @@ class SetupReader:
         self._count = 0
         self._depth = 0
         self.data_files: list[Any] = []
+        self.entry_points: dict[str, Any] = {}
 
     def run(self, body: list[ast.stmt]) -> Any:
         """Evaluate statements; return the value of a ``return`` among them."""
@@ -185,9 +187,11 @@ class SetupReader:
         name = ast.unparse(node.func)
         last = name.rpartition(".")[2]
         if last == "setup":
-            for keyword in node.keywords:
+            for keyword in sorted(node.keywords, key=lambda item: item.arg != "entry_points"):
                 if keyword.arg == "data_files":
                     self.data_files += self._items(keyword.value)
+                elif keyword.arg == "entry_points" and isinstance(found := self._value(keyword.value), dict):
+                    self.entry_points |= found
             return None
         if isinstance(node.func, ast.Name) and name in self._functions:
             return self._own_function(self._functions[name], node)

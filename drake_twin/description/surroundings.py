@@ -1,11 +1,13 @@
-"""What the sensors of a world measure beside its models: where on Earth it is, and its magnetic field."""
+"""What the sensors of a world measure beside its models: where on Earth it is, its magnetic field, its lights."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 from lxml import etree
 
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.values import is_true
 
 
 @dataclass(frozen=True)
@@ -26,29 +28,75 @@ class SphericalCoordinates:
 
 
 @dataclass(frozen=True)
+class Light:
+    """A light.
+
+    Attributes:
+        kind: ``directional``, ``point`` or ``spot``.
+        position: In the world (m).
+        direction: Where it shines, in the world.
+        color: Red, green, blue (0 to 1).
+        intensity: Multiplies the color.
+        attenuation: The factors of distance⁰, distance¹ (1/m) and distance² (1/m²) by which it is divided.
+        cone_angle: The whole angle of a spot (rad).
+        casts_shadows: Whether there are shadows; never of a point.
+    """
+
+    kind: str = "directional"
+    position: Vector3 = (0.0, 0.0, 10.0)
+    direction: Vector3 = (-0.5, 0.1, -0.9)
+    color: Vector3 = (0.8, 0.8, 0.8)
+    intensity: float = 1.0
+    attenuation: Vector3 = (1.0, 0.0, 0.0)
+    cone_angle: float = 0.0
+    casts_shadows: bool = True
+
+
+SUN = Light()  # model://sun
+
+
+@dataclass(frozen=True)
 class Surroundings:
     """What a world file says for its sensors.
 
     Attributes:
         spherical: Where on Earth its origin is; None if the file does not say so.
         magnetic_field: In the world frame (T); SDF's default.
+        lights: Its lights; the sun without a file.
+        background: The color of the sky: red, green, blue (0 to 1); SDF's default.
     """
 
     spherical: SphericalCoordinates | None = None
     magnetic_field: Vector3 = (5.5645e-6, 22.8758e-6, -42.3884e-6)
+    lights: tuple[Light, ...] = (SUN,)
+    background: Vector3 = (0.7, 0.7, 0.7)
 
 
-def read_surroundings(reader: XmlReader, world: etree._Element) -> Surroundings:
-    """Read ``<spherical_coordinates>`` and ``<magnetic_field>`` of a world.
+def read_surroundings(
+    reader: XmlReader, world: etree._Element, included: Iterable[tuple[etree._Element, XmlReader]] = ()
+) -> Surroundings:
+    """Read ``<spherical_coordinates>``, ``<magnetic_field>``, ``<scene>`` and the lights of a world.
+
+    Args:
+        reader: The world's document.
+        world: Its ``<world>``.
+        included: Lights of other files that it includes, each with its document.
 
     Raises:
         InputError: If a value is not a finite number, a latitude is beyond a pole, or the surface is not WGS 84.
     """
     field = world.find("magnetic_field")
-    surroundings = Surroundings()
+    own = ((element, reader) for element in world.findall("light"))
+    lights = tuple(read_light(element, document) for element, document in (*own, *included))
+    if not is_true(world.findtext("scene/shadows", "true")):
+        lights = tuple(replace(light, casts_shadows=False) for light in lights)
+    surroundings = Surroundings(lights=lights)
+    background = world.find("scene/background")
+    if background is not None:
+        surroundings = replace(surroundings, background=_vector(reader, background))
     if field is not None and (field.text or "").strip():
         x, y, z = reader.parse_numbers(field, field.text or "", "magnetic_field", 3)
-        surroundings = Surroundings(magnetic_field=(x, y, z))
+        surroundings = replace(surroundings, magnetic_field=(x, y, z))
     place = world.find("spherical_coordinates")
     if place is None:
         return surroundings
@@ -60,4 +108,58 @@ def read_surroundings(reader: XmlReader, world: etree._Element) -> Surroundings:
     values = [reader.parse_number(place, text, tag) if text else 0.0 for tag, text in texts.items()]
     if abs(values[0]) > 90.0:
         raise reader.error(place, f"latitude_deg is {texts['latitude_deg']!r}, but it must be -90 to 90")
-    return Surroundings(SphericalCoordinates(*values), surroundings.magnetic_field)
+    return replace(surroundings, spherical=SphericalCoordinates(*values))
+
+
+def read_light(element: etree._Element, reader: XmlReader) -> Light:
+    """Read a ``<light>``.
+
+    Raises:
+        InputError: If a value is not a finite number, or the type is unknown.
+    """
+    from drake_twin.description.sdf_pose import transform_of
+
+    kinds = ("directional", "point", "spot")
+    kind = (element.get("type") or "point").strip()
+    if kind not in kinds:
+        raise reader.error(element, f"unknown light type {kind!r}", value=kind, valid=kinds)
+
+    def numbers(path: str, default: Vector3) -> Vector3:
+        found = element.find(path)
+        return default if found is None or not (found.text or "").strip() else _vector(reader, found)
+
+    def number(path: str, default: float) -> float:
+        found = element.find(path)
+        text = "" if found is None else (found.text or "").strip()
+        return default if found is None or not text else reader.parse_number(found, text, path)
+
+    pose = element.find("pose")
+    X_WL = None if pose is None else transform_of(pose, reader)
+    direction = numbers("direction", (0.0, 0.0, -1.0))
+    position: Vector3 = (0.0, 0.0, 0.0)
+    if X_WL is not None:
+        x, y, z = (X_WL.rotation() @ list(direction)).tolist()
+        direction, position = (x, y, z), tuple(X_WL.translation().tolist())
+    if not any(direction):
+        raise reader.error(element, "the direction of a light cannot be 0 0 0")
+    return Light(
+        kind=kind,
+        position=position,
+        direction=direction,
+        color=numbers("diffuse", (1.0, 1.0, 1.0)),
+        intensity=number("intensity", 1.0),
+        attenuation=(
+            number("attenuation/constant", 1.0),
+            number("attenuation/linear", 1.0 if element.find("attenuation") is not None else 0.0),
+            number("attenuation/quadratic", 0.0),
+        ),
+        cone_angle=number("spot/outer_angle", 0.0),
+        casts_shadows=is_true(element.findtext("cast_shadows")),
+    )
+
+
+def _vector(reader: XmlReader, element: etree._Element) -> Vector3:
+    """Read three numbers; the fourth of a color is its opacity."""
+    words = (element.text or "").split()
+    x, y, z = reader.parse_numbers(element, " ".join(words[:3]), str(element.tag), 3)
+    return x, y, z

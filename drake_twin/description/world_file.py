@@ -1,11 +1,11 @@
 """An SDF world (``.world``, ``.sdf``) as plain, frozen data: gravity, the physics step, and the models in it.
 
-What Drake cannot use (plugins, lights, sensors, scene, GUI, …) is left out with one finding for each kind; so is a
+What the twin cannot use (plugins, scene, GUI, …) is left out with one finding for each kind; so is a
 model that cannot be found. Poses are in the world frame.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,7 +14,7 @@ from typing import Any
 from lxml import etree
 
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
-from drake_twin.description.robot_description import Pose, Vector3
+from drake_twin.description.robot_description import Pose, RobotDescription, Vector3
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
@@ -23,6 +23,7 @@ from drake_twin.description.source_file import read_xml
 from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.world_frames import WorldFrames
+from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -44,6 +45,7 @@ _DONE_HERE = ("physics", "usercommands", "scenebroadcaster", "gazeborosinit", "g
 
 # Elements of a world that are used; and those that are not worth a finding.
 _USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates"}
+_OF_SCENE = ("background", "shadows")
 _SILENT = {"atmosphere", "light", "wind", "audio"}
 
 
@@ -73,6 +75,7 @@ class WorldModel:
             meshes are as in the file, since Drake's parser would take them for something else.
         place: Where the world asks for it.
         robot: Its own SDF, if one of its plugins drives it: it is a robot that stands in the world's file.
+        sensing: It and the models inside it that have sensors; one inside another is called ``OUTER::INNER``.
     """
 
     name: str
@@ -82,6 +85,7 @@ class WorldModel:
     text: str
     place: Place = field(default=Place(""))
     robot: RobotText | None = None
+    sensing: tuple[RobotDescription, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,13 @@ class WorldFile:
     surroundings: Surroundings = field(default_factory=Surroundings)
 
 
-def read_world(address: str, packages: PackageIndex, without: Collection[str] = ()) -> WorldFile:
+def read_world(
+    address: str,
+    packages: PackageIndex,
+    without: Collection[str] = (),
+    poses: Mapping[str, Sequence[float]] | None = None,
+    copies: Mapping[str, str] | None = None,
+) -> WorldFile:
     """Read a world.
 
     Args:
@@ -115,9 +125,12 @@ def read_world(address: str, packages: PackageIndex, without: Collection[str] = 
             ``GZ_SIM_RESOURCE_PATH``; or one of `BUILT_IN_WORLDS`.
         packages: Resolves it and what it includes.
         without: The names of models to leave out.
+        poses: Model → x, y, z (m), roll, pitch, yaw (rad) in the world frame, in place of what the file says.
+        copies: Name of a further model → the model of the file that it is like.
 
     Raises:
-        InputError: If the file is missing or is not an SDF world, its includes form a loop, or a value is invalid.
+        InputError: If the file is missing or is not an SDF world, its includes form a loop, a value is invalid, or a
+            model to copy does not exist.
     """
     text, file = _world_text(address, packages)
     places = None
@@ -128,7 +141,7 @@ def read_world(address: str, packages: PackageIndex, without: Collection[str] = 
     if reader.root.tag != "sdf" or world is None:
         what = "has no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
         raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
-    return _World(reader, world, packages, without).read()
+    return _World(reader, world, packages, without, poses or {}, copies or {}).read()
 
 
 def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]:
@@ -183,9 +196,19 @@ _MOST_NAMED = 4  # models in one finding
 class _World:
     """One world, while it is read."""
 
-    def __init__(self, reader: XmlReader, world: etree._Element, packages: PackageIndex, without: Collection[str]):
+    def __init__(
+        self,
+        reader: XmlReader,
+        world: etree._Element,
+        packages: PackageIndex,
+        without: Collection[str],
+        poses: Mapping[str, Sequence[float]],
+        copies: Mapping[str, str],
+    ):
         self._reader = reader
         self._without = without
+        self._poses = poses
+        self._copies = copies
         self._world = world
         self._version = sdf_version(reader.root)
         self._includes = SdfIncludes(packages)
@@ -212,7 +235,7 @@ class _World:
                 *self._grouped(),
             ),
             file=self._reader.file,
-            surroundings=read_surroundings(self._reader, world),
+            surroundings=read_surroundings(self._reader, world, self._includes.lights),
         )
 
     def _gravity(self, physics: etree._Element | None) -> Vector3:
@@ -236,6 +259,7 @@ class _World:
         frames = WorldFrames(self._reader, self._world, [(model, pose, reader) for model, _, pose, _, reader in found])
         states = self._states()
         taken: set[str] = set()
+        copies = [(copy, name) for copy, name in self._copies.items() if copy not in self._without]
         for model, version, pose, place, reader in found:
             name = model.get("name", "")
             X = states[name] if name in states else frames.pose(model, pose)
@@ -244,12 +268,18 @@ class _World:
                 what = f"{name}: several models have this name; one is called {own}"
                 self._findings.append(Finding.at(Kind.WARNING, what, place))
             taken.add(own)
+            for copy in (copy for copy, original in copies if original == own):
+                yield self._model(deepcopy(model), copy, version, X, place, reader)
             if own in self._without:
                 continue
             if model.find(".//link") is not None:
                 yield self._model(model, own, version, X, place, reader)
             elif not self._includes.addresses.missing:  # that finding gives the reason
                 self._mended[Finding(Kind.IGNORED, "the model has no link: it is left out")][own] = place
+        for copy, original in copies:
+            if original not in taken or copy in taken:
+                what = f"model_copies: {copy}: {original!r} does not exist" if copy not in taken else f"{copy} is taken"
+                raise InputError(what, file=self._reader.file, value=original, valid=sorted(taken))
 
     def _model(
         self, model: etree._Element, name: str, version: tuple[int, ...], X: Any, place: Place, reader: XmlReader
@@ -264,20 +294,23 @@ class _World:
             # Drake's parser fails at a static model that has links only in the models inside it.
             if static and nested.find("link") is not None:
                 etree.SubElement(nested, "static").text = "true"
-        x, y, z = map(float, X.translation())
-        roll, pitch, yaw = map(float, RollPitchYaw(X.rotation()).vector())
+        own = (*X.translation(), *RollPitchYaw(X.rotation()).vector())
+        x, y, z, roll, pitch, yaw = map(float, self._poses.get(name, own))
         for each in model.findall("pose"):
             model.remove(each)
         etree.SubElement(model, "pose").text = " ".join(f"{value:.17g}" for value in (x, y, z, roll, pitch, yaw))
         falling = falls(model)
         robot = None if static else _robot_text(model, version, reader)
+        documents = self._includes.documents
+        sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
         unused = unused_in_sdf(reader, model, with_links=False)
         for finding in (*unused, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[Finding(finding.kind, finding.what)][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
-        return WorldModel(name, Pose((x, y, z), (roll, pitch, yaw)), static, falling, text, place, robot)
+        pose = Pose((x, y, z), (roll, pitch, yaw))
+        return WorldModel(name, pose, static, falling, text, place, robot, sensors.described())
 
     def _elements(self) -> Iterator[tuple[etree._Element, tuple[int, ...], etree._Element | None, Place, XmlReader]]:
         """Yield each model of the world, includes replaced.
@@ -331,6 +364,11 @@ class _World:
             yield f"<{etree.QName(child).localname}> beside the first of the world", self._reader.place(child)
         for child in self._world:
             if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
+                continue
+            if child.tag == "scene" and any(child.find(tag) is not None for tag in _OF_SCENE):
+                for part in child.iterchildren(etree.Element) if not is_window else ():
+                    if part.tag not in _OF_SCENE:
+                        yield f"<{part.tag}> in <scene> of the world", self._reader.place(part)
                 continue
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":

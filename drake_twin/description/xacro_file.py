@@ -144,12 +144,12 @@ def installed_xacro() -> Any:
     return module
 
 
-def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:
-    """Return the names of the ``<xacro:arg>``s that a file and the files it includes declare.
+def xacro_arguments(file: Path, packages: PackageIndex) -> dict[str, str]:
+    """Return the ``<xacro:arg>``s that a file and the files it includes declare: name → default, empty without one.
 
     Includes whose names need an expression other than ``$(find pkg)`` are left out.
     """
-    names: set[str] = set()
+    arguments: dict[str, str] = {}
     seen: set[Path] = set()
     todo = [file.absolute()]
     while todo:
@@ -164,10 +164,10 @@ def xacro_arguments(file: Path, packages: PackageIndex) -> set[str]:
         for element in tree.iter(*(f"{{{namespace}}}*" for namespace in _XACRO_NAMESPACES)):
             kind = etree.QName(element).localname
             if kind == "arg":
-                names.add(element.get("name", ""))
+                arguments.setdefault(element.get("name", ""), element.get("default", ""))
             elif kind == "include":
                 todo.extend(_included(element.get("filename", ""), current, packages))
-    return names
+    return arguments
 
 
 def _included(name: str, includer: Path, packages: PackageIndex) -> Iterator[Path]:

@@ -68,12 +68,16 @@ def give_contact(
     """
     inspector = scene_graph.model_inspector()
     reader = ShapeReader(plant, models, world_contact)
+    frictions = {instance: model.friction for model in models for instance in model.instances}
     shapes = []
     for geometry in inspector.GetAllGeometryIds(Role.kProximity):
         body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
         properties = inspector.GetProximityProperties(geometry)
         friction = _DEFAULT_FRICTION
-        if properties.HasProperty("material", "coulomb_friction"):
+        own = frictions.get(body.model_instance())
+        if own is not None:
+            friction = own
+        elif properties.HasProperty("material", "coulomb_friction"):
             friction = properties.GetProperty("material", "coulomb_friction").dynamic_friction()
         # Copies: the inspector returns references into the scene graph, which is about to be changed.
         shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))

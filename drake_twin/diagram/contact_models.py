@@ -17,6 +17,7 @@ class ContactModel:
         contact: ``hydroelastic`` or ``point``.
         root_pose: The pose of its root body in the world at the start; None for the plant's default pose.
         colliding: The bodies that collide with others of the same model; None for all of them.
+        friction: The coefficient of friction of all its shapes; None for those of its file.
     """
 
     name: str
@@ -24,3 +25,4 @@ class ContactModel:
     contact: str
     root_pose: RigidTransform | None = None
     colliding: Collection[str] | None = ()
+    friction: float | None = None

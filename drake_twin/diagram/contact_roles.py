@@ -28,6 +28,7 @@ from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group
 from drake_twin.diagram.yielding_shapes import yielding
+from drake_twin.errors import InputError
 
 # The role of a shape towards a partner: rigid because it is static, yielding, rigid because the partner yields, or with
 # point contact.
@@ -39,6 +40,10 @@ STATIC, SOFT, HARD, POINTED = "static", "soft", "hard", "pointed"
 _MOST_STATIC = 100
 _MOST_PLANES = 12  # Drake 1.51 crashes with more than 14 half spaces
 _ONE_FOR_ALL = -1.0  # the level of such shapes
+
+# The coefficient that the ground is registered with where its friction may change: with a ground rougher than all
+# shapes each of them meets it at the shape's own level, where the ground's coefficient then decides (see `towards`).
+ROUGH = 1e9
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,9 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
     planes = sum(isinstance(shape.shape, HalfSpace) for shape in shapes) * len({shape.friction for shape in shapes})
     too_many = static.total() > _MOST_STATIC or planes > _MOST_PLANES
     common = static.most_common(1)[0][0] if too_many else None
+    if too_many and ROUGH in static:
+        what = f"the ground's friction cannot be varied beside more than {_MOST_STATIC} shapes or several planes"
+        raise InputError(f"{what}: set world.ground_friction")
     classes = [(shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose) for shape in shapes]
     needs: dict[tuple[Group | None, bool, float, str, bool], set[Variant]] = {key: set() for key in classes}
     for one, other in combinations_with_replacement(needs, 2):
@@ -82,7 +90,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
         if common is not None and (one[1] or other[1]):
             moving, fixed = (other, one) if one[1] else (one, other)
             needs[fixed].add(Variant(_ONE_FOR_ALL, fixed[3], fixed[2]))
-            needs[moving].add(Variant(_ONE_FOR_ALL, moving[3], _towards(common, moving[2])))
+            needs[moving].add(Variant(_ONE_FOR_ALL, moving[3], towards(common, moving[2])))
             continue
         roles = one[3], other[3]
         if roles == (SOFT, SOFT) and (one[4] or other[4]):
@@ -102,7 +110,7 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
     return found
 
 
-def _towards(partner: float, friction: float) -> float:
+def towards(partner: float, friction: float) -> float:
     """Return the coefficient whose combination with a partner's in Drake is the smaller of the two."""
     if friction >= partner:
         return partner
@@ -112,7 +120,7 @@ def _towards(partner: float, friction: float) -> float:
 def _inexact(common: float, static: Collection[float], moving: Collection[float]) -> Iterator[str]:
     for partner in sorted(set(static) - {common}):
         for friction in sorted(moving):
-            own, wanted = _towards(common, friction), min(partner, friction)
+            own, wanted = towards(common, friction), min(partner, friction)
             acts = 2 * own * partner / (own + partner) if own + partner > 0 else 0.0
             if abs(acts - wanted) > 1e-9:
                 what = f"the friction of {friction:g} on shapes of {partner:g} acts as {acts:.3g} instead of {wanted:g}"

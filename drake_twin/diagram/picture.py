@@ -37,7 +37,11 @@ def write_picture(diagram: Diagram, file: Path) -> None:
     """
     text = dot_text(diagram)
     if file.suffix == ".svg":
-        text = _svg(text, file)
+        try:
+            text = svg_of(text)
+        except InputError as error:
+            without = f"{file.with_suffix('.dot').name} can be written without it"
+            raise InputError(f"{error.message}; {without}", file=file) from None
     elif file.suffix != ".dot":
         raise InputError(f"a diagram is written as .dot or .svg, not {file.suffix!r}", file=file)
     try:
@@ -65,13 +69,17 @@ def _with_sorted_edges(lines: list[str]) -> Iterator[str]:
         yield from sorted(run_of_lines) if is_edge else run_of_lines
 
 
-def _svg(text: str, file: Path) -> str:
+def svg_of(text: str) -> str:
+    """Return DOT text as SVG, which contains the text.
+
+    Raises:
+        InputError: If Graphviz's ``dot`` program is not installed.
+        RunError: If it fails.
+    """
     program = shutil.which("dot")
     if program is None:
         raise InputError(
-            "an SVG needs Graphviz's program 'dot', which is not installed (on Debian and Ubuntu: apt install"
-            f" graphviz); {file.with_suffix('.dot').name} can be written without it",
-            file=file,
+            "an SVG needs Graphviz's program 'dot', which is not installed (on Debian and Ubuntu: apt install graphviz)"
         )
     drawn = subprocess.run([program, "-Tsvg"], input=text, capture_output=True, text=True, check=False)
     if drawn.returncode != 0:

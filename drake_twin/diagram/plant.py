@@ -47,20 +47,24 @@ class RobotInPlant:
         layout: The indices of its joints in its model instance's state.
         layout_in_plant: The indices of its joints in the plant's state.
         gains: The gains of its actuators; None for one that models joint friction.
+        places: The index in `Reading.with_efforts` of each element of its state, then of its efforts, then of NaN
+            and 0.
     """
 
     instance: ModelInstanceIndex
     layout: StateLayout
     layout_in_plant: StateLayout
     gains: tuple[ServoGains | None, ...]
+    places: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class PlantOfTwin:
     """The finalized plant, everything needed to wire robots to it, and the warnings of Drake's parser.
 
-    ``world_models`` are the model instances of each moving model of the world that is not a robot, ``shapes`` the
-    contact of all collision shapes.
+    ``world_models`` are the model instances of each moving model of the world that is not a robot, ``anchors`` the
+    poses in the world of the frames of each static one that has sensors, ``shapes`` the contact of all collision
+    shapes.
     """
 
     plant: MultibodyPlant
@@ -68,7 +72,12 @@ class PlantOfTwin:
     robots: dict[str, RobotInPlant]
     findings: tuple[Finding, ...]
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
+    anchors: dict[str, dict[str, RigidTransform]]
     shapes: tuple[TouchingShape, ...]
+
+    def has_model(self, name: str) -> bool:
+        """Tell whether a model of the world, or one inside another, is not left out."""
+        return name in self.anchors or self.plant.HasModelInstanceNamed(name)
 
 
 def add_plant(
@@ -106,7 +115,7 @@ def add_plant(
     )
     plant, scene_graph = AddMultibodyPlant(config, builder)
     findings: list[Finding] = []
-    world_models = add_world(plant, scenario, world_file, findings)
+    world_models, anchors = add_world(plant, scenario, world_file, findings)
     instances = {}
     for plan in told("adding", plans, lambda plan: plan.name):
         with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
@@ -127,10 +136,16 @@ def add_plant(
                 limit_planar_efforts(plant, scene_graph, instances[plan.name])
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans], known_gains)
     robots = {
-        name: RobotInPlant(instance, layout, layout.within(_state_indices(plant, instance)), gains[name])
+        name: RobotInPlant(
+            instance,
+            layout,
+            layout.within(_state_indices(plant, instance)),
+            gains[name],
+            _places_in_readings(plant, instance),
+        )
         for (name, instance), layout in zip(instances.items(), layouts.values(), strict=True)
     }
-    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, shapes)
+    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes)
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:
@@ -237,6 +252,7 @@ def _contact_models(
             None
             if plan.robot.self_collision
             else {drake_link_name(link) for link, surface in plan.description.surfaces.items() if surface.self_collide},
+            plan.robot.friction,
         )
         for plan in plans
     ]
@@ -248,6 +264,12 @@ def _state_indices(plant: MultibodyPlant, instance: ModelInstanceIndex) -> list[
     positions = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions()))
     velocities = plant.GetVelocitiesFromArray(instance, np.arange(plant.num_velocities()))
     return [*positions.astype(int).tolist(), *(plant.num_positions() + velocities.astype(int)).tolist()]
+
+
+def _places_in_readings(plant: MultibodyPlant, instance: ModelInstanceIndex) -> tuple[int, ...]:
+    first, last = plant.num_multibody_states(), plant.num_multibody_states() + plant.num_actuators()
+    actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices(instance)]
+    return (*_state_indices(plant, instance), *(first + item.input_start() for item in actuators), last, last + 1)
 
 
 def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan) -> StateLayout:

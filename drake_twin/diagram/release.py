@@ -1,12 +1,17 @@
 """Release of diagrams, so that their memory is freed.
 
-pydrake makes a reference cycle of a simulator, its diagram and its systems, and never breaks it (drake#22515).
+pydrake makes a reference cycle of a simulator, its diagram and its systems, and never breaks it (drake#22515). Nor can
+Python's collector break a cycle through the attributes of a system: pydrake's classes show it their dictionary twice
+(``gc.get_referents`` of an instance of a subclass of LeafSystem lists it two times), so that it takes the dictionary to
+be in use.
 """
 
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 from pydrake.systems.framework import Diagram, System
+
+from drake_twin.sensors.sensor_host import SensorHost
 
 _PEERS = "_pydrake_internal_ref_cycle_peers"  # pydrake's attribute
 
@@ -17,6 +22,8 @@ def release(items: Iterable[Any]) -> None:
         peers = getattr(part, _PEERS, None)
         if peers is not None:
             peers.clear()
+        if isinstance(part, SensorHost):
+            part.forget()
 
 
 def _parts(item: Any) -> Iterator[Any]:

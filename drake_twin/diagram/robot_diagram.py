@@ -38,6 +38,7 @@ class RobotDiagram:
         joints: The joint of each actuator; None for one that models friction.
         plant_inputs: Input port → the plant's output port to connect; only ports that a system needs.
         always_published: Output port → message type of the topics that no controller publishes.
+        broadcaster: The system with these ports.
         sensors: The output ports of the topics of sensors that controllers read.
         warnings: Update rates that cannot be met, parameters without effect.
     """
@@ -48,6 +49,7 @@ class RobotDiagram:
     gpios: GpioHardware | None
     joints: tuple[str | None, ...]
     plant_inputs: dict[str, OutputPort]
+    broadcaster: JointStateBroadcaster
     always_published: dict[str, str] = field(default_factory=dict)
     sensors: tuple[SensorPort, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -101,7 +103,9 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     warnings += about_sensors
     diagram = builder.Build()
     diagram.set_name(plan.name)
-    return RobotDiagram(diagram, controllers, servo, gpios, joints, inputs.needed, always_published, sensors, warnings)
+    return RobotDiagram(
+        diagram, controllers, servo, gpios, joints, inputs.needed, broadcaster, always_published, sensors, warnings
+    )
 
 
 def _add_broadcaster(builder: DiagramBuilder, plan: RobotPlan, layout: StateLayout) -> JointStateBroadcaster:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from pydrake.geometry import SceneGraph
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
@@ -12,9 +13,12 @@ from pydrake.systems.primitives import ConstantVectorSource
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.description.surroundings import Surroundings
+from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import PlannedTopic, SensorPlan
+from drake_twin.planning.world_sensors import ModelPlan
+from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
@@ -31,7 +35,8 @@ class SensorSurroundings:
         time_step: The physics step (s).
         seed: What noise is drawn from.
         noise: Whether there is noise.
-        world: Where on Earth the world is, and its magnetic field.
+        world: The world's file; None without one.
+        renderer: What draws the pictures of cameras.
     """
 
     plant: MultibodyPlant
@@ -39,16 +44,18 @@ class SensorSurroundings:
     time_step: float = 1e-3
     seed: int = 0
     noise: bool = True
-    world: Surroundings = field(default_factory=Surroundings)
+    world: WorldFile | None = None
+    renderer: LazyRenderer = field(default_factory=LazyRenderer)
 
 
 @dataclass(frozen=True)
 class SensorPort:
-    """The port of a sensor's topic: the sensor's plan, the topic, and the name of the port on its host."""
+    """The port of a sensor's topic: the sensor's plan, the topic, the name of the port on its host, the sensor."""
 
     plan: SensorPlan
     topic: PlannedTopic
     name: str
+    system: SensorSystem
 
 
 def add_read_sensors(
@@ -68,7 +75,7 @@ def add_read_sensors(
     wanted = {item.simulated_sensor for item in readers.values()}
     read = [item for item in plan.sensors if _key(item) in wanted]
     host = SensorHost()
-    systems, ports, warnings = _add(host, plan, read, instance, surroundings, "sensor ")
+    systems, ports, warnings = _add(host, plan, read, instance, surroundings, "sensor ", {})
     if read:
         builder.AddNamedSystem(free_name(builder, "sensors"), host)
         for output, port in host.inputs_from(surroundings.plant, surroundings.scene_graph):
@@ -82,33 +89,44 @@ def add_read_sensors(
 
 def add_other_sensors(
     host: SensorHost,
-    plan: RobotPlan,
+    plan: RobotPlan | ModelPlan,
     instance: ModelInstanceIndex,
     surroundings: SensorSurroundings,
-    known: Iterable[SensorPort],
+    known: Iterable[SensorPort] = (),
+    anchors: Mapping[str, RigidTransform] | None = None,
 ) -> tuple[tuple[SensorPort, ...], tuple[str, ...]]:
-    """Give a host the sensors of a robot that none of its controllers reads.
+    """Give a host the sensors of a robot, or of a model of the world, that no controller reads.
+
+    Args:
+        host: The host.
+        plan: The robot or the model.
+        instance: It in the plant.
+        surroundings: What its sensors are built in.
+        known: The ports of those that controllers read.
+        anchors: Frame → pose in the world, of a static model.
 
     Returns:
         The host's output ports for the sensors' topics, and the sensors' warnings.
     """
     there = {item.plan.place for item in known}
     others = [item for item in plan.sensors if item.place not in there]
-    _, ports, warnings = _add(host, plan, others, instance, surroundings, f"{plan.name}/")
+    _, ports, warnings = _add(host, plan, others, instance, surroundings, f"{plan.name}/", anchors or {})
     return ports, warnings
 
 
 def _add(
     host: SensorHost,
-    plan: RobotPlan,
+    plan: RobotPlan | ModelPlan,
     sensors: Iterable[SensorPlan],
     instance: ModelInstanceIndex,
     surroundings: SensorSurroundings,
     prefix: str,
+    anchors: Mapping[str, RigidTransform],
 ) -> tuple[dict[tuple[str, str], SensorSystem], tuple[SensorPort, ...], tuple[str, ...]]:
     systems: dict[tuple[str, str], SensorSystem] = {}
     ports: list[SensorPort] = []
     warnings: list[str] = []
+    world = surroundings.world
     for item in sensors:
         noise = NoiseSource(
             surroundings.seed, plan.name, item.place, item.rate, surroundings.time_step, is_on=surroundings.noise
@@ -125,11 +143,15 @@ def _add(
             frame_prefix=plan.frame_prefix,
             host=host,
             prefix=f"{prefix}{item.place}/",
-            surroundings=surroundings.world,
+            surroundings=Surroundings() if world is None else world.surroundings,
+            renderer=surroundings.renderer,
+            owner=plan.name,
+            anchors=anchors,
+            models=() if world is None else world.models,
         )
         system = item.kind(setup)
         systems[_key(item)] = system
-        ports += [SensorPort(item, topic, system.port_name(topic.own)) for topic in item.topics if topic.topic]
+        ports += [SensorPort(item, topic, system.port_name(topic.own), system) for topic in item.topics if topic.topic]
         warnings += [f"sensor {item.place}: {text}" for text in system.warnings]
     return systems, tuple(ports), tuple(warnings)
 

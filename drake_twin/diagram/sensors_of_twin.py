@@ -1,7 +1,9 @@
 """The sensors of all robots in the root diagram, and their topics."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 
+from pydrake.multibody.tree import world_model_instance
 from pydrake.systems.framework import DiagramBuilder, System
 
 from drake_twin.diagram.plant import PlantOfTwin
@@ -10,16 +12,16 @@ from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add
 from drake_twin.diagram.topics import Topics
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.world_sensors import ModelPlan
 from drake_twin.sensors.sensor_host import SensorHost
+from drake_twin.systems.draft import Draft, LaterDraft, Reading
 
 
-def publish_sensors(
-    plan: RobotPlan, ports: Iterable[SensorPort], system: System, topics: Topics, time_step: float
-) -> None:
-    """Publish the topics of a robot's sensors.
+def publish_sensors(owner: str, ports: Iterable[SensorPort], system: System, topics: Topics, time_step: float) -> None:
+    """Publish the topics of sensors.
 
     Args:
-        plan: The robot.
+        owner: The name of their robot, or of their model of the world.
         ports: The ports of the topics.
         system: The system that has these ports.
         topics: Collects the topics.
@@ -29,18 +31,33 @@ def publish_sensors(
         assert item.topic.topic is not None, "a topic without a port"
         rate, sensor = item.plan.rate or 1.0 / time_step, item.plan.place
         port = system.GetOutputPort(item.name)
-        topics.publish(item.topic.topic, port, item.topic.type, rate, plan.name, sensor=sensor)
+        delay = item.system.delay
+        drafter = None if delay is None else partial(_ask, item)
+        topics.publish(
+            item.topic.topic, port, item.topic.type, rate, owner, sensor=sensor, drafter=drafter, delay=delay
+        )
+
+
+def _ask(item: SensorPort, reading: Reading) -> Draft:
+    """Begin to measure for a topic of a sensor with a delay."""
+    context = item.system.host.GetMyContextFromRoot(reading.root_context)
+    return LaterDraft(item.system.ask(item.topic.own, context))
 
 
 def add_sensors(
     builder: DiagramBuilder,
     parts: PlantOfTwin,
     plans: Sequence[RobotPlan],
+    models: Sequence[ModelPlan],
     robots: Mapping[str, RobotDiagram],
     topics: Topics,
     surroundings: SensorSurroundings,
 ) -> tuple[Finding, ...]:
-    """Add all sensors that no controller reads, in one system; return what they cannot measure."""
+    """Add all sensors of robots and models of the world that no controller reads, in one system.
+
+    Returns:
+        What became of the models' sensors, and what the sensors cannot measure.
+    """
     host = SensorHost()
     found: dict[str, tuple[SensorPort, ...]] = {}
     findings: list[Finding] = []
@@ -49,10 +66,16 @@ def add_sensors(
         ports, warnings = add_other_sensors(host, plan, instance, surroundings, robots[plan.name].sensors)
         found[plan.name] = ports
         findings += (Finding(Kind.WARNING, text, robot=plan.name) for text in warnings)
+    for model in models:
+        anchors = parts.anchors.get(model.name)
+        static = world_model_instance()
+        instance = static if anchors is not None else parts.plant.GetModelInstanceByName(model.name)
+        found[model.name], warnings = add_other_sensors(host, model, instance, surroundings, (), anchors)
+        findings += (*model.findings, *(Finding(Kind.WARNING, f"{model.name}: {text}") for text in warnings))
     if host.sensors:
         builder.AddNamedSystem("sensors", host)
         for output, port in host.inputs_from(parts.plant, parts.scene_graph):
             builder.Connect(output, port)
-        for plan in plans:
-            publish_sensors(plan, found[plan.name], host, topics, surroundings.time_step)
+        for owner, ports in found.items():
+            publish_sensors(owner, ports, host, topics, surroundings.time_step)
     return tuple(findings)

@@ -19,15 +19,16 @@ from pydrake.geometry import (
     HalfSpace,
     IllustrationProperties,
     PerceptionProperties,
+    SceneGraph,
     SceneGraphInspector,
     Shape,
 )
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, MultibodyPlant
+from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
-from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.description.model_frames import model_frames
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.sdf_shapes import plane_normal, plane_size, turned_to
 from drake_twin.description.solid_mesh import THICKNESS, solid_mesh
@@ -92,10 +93,21 @@ def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list
     """
     root = etree.fromstring(model.text)
     stand_ins = _put_stand_ins(root, detail, model.name, warnings)
-    plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), time_step=0.001)
+    plant, scene_graph = MultibodyPlant(0.001), SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(scene_graph)  # a diagram builder would hold both for good (drake#22515)
     Parser(plant).AddModelsFromString(etree.tostring(root, encoding="unicode"), "sdf")
     plant.Finalize()
-    return list(_shapes(model.name, plant, scene_graph.model_inspector(), stand_ins))
+    return list(_shapes(plant, scene_graph.model_inspector(), stand_ins))
+
+
+def anchors_of(model: WorldModel) -> dict[str, dict[str, RigidTransform]]:
+    """Return the poses in the world of the frames of a static model, and of those in it, that have sensors.
+
+    Raises:
+        RuntimeError: If Drake refuses the model.
+    """
+    frames = model_frames(model.text) if model.sensing else {}
+    return {each.name: frames[each.name] for each in model.sensing}
 
 
 def bearable_detail(models: Sequence[WorldModel]) -> float:
@@ -164,8 +176,9 @@ def _same_plane(one: RigidTransform, other: RigidTransform) -> bool:
 
 @dataclass(frozen=True)
 class _StandIn:
-    """The shapes behind a stand-in: the solids of a mesh, or a plane's size and rotation."""
+    """The shapes behind a stand-in: the name in the file, the solids of a mesh, or a plane's size and rotation."""
 
+    name: str
     solids: tuple[np.ndarray, ...] = ()
     size: tuple[float, float] | None = None
     turn: RotationMatrix | None = None
@@ -183,19 +196,22 @@ class _StandIn:
 
 
 def _shapes(
-    model: str, plant: MultibodyPlant, inspector: SceneGraphInspector, stand_ins: dict[str, _StandIn]
+    plant: MultibodyPlant, inspector: SceneGraphInspector, stand_ins: dict[str, _StandIn]
 ) -> Iterator[StaticShape]:
+    # Copies of all, as what the inspector returns belongs to the scene graph, which ends with this.
     context = plant.CreateDefaultContext()
     for geometry in inspector.GetAllGeometryIds():
         body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
         pose = plant.EvalBodyPoseInWorld(context, body) @ inspector.GetPoseInFrame(geometry)
         own = inspector.GetName(geometry).rpartition("::")[2]
-        name = f"{model}/{body.name()}/{own}"
+        stand_in = stand_ins.get(own)
+        scope = plant.GetModelInstanceName(body.model_instance()).replace("::", "/")
+        name = f"{scope}/{body.name()}/{own if stand_in is None else stand_in.name}"
         proximity = inspector.GetProximityProperties(geometry)
         if proximity is not None:
-            friction = proximity.GetProperty("material", "coulomb_friction")
-            stand_in = stand_ins.get(own)
-            found = [(inspector.GetShape(geometry), pose)] if stand_in is None else stand_in.shapes(pose)
+            own_friction = proximity.GetProperty("material", "coulomb_friction")
+            friction = CoulombFriction(own_friction.static_friction(), own_friction.dynamic_friction())
+            found = [(inspector.GetShape(geometry).Clone(), pose)] if stand_in is None else stand_in.shapes(pose)
             for shape, X in found:
                 yield StaticShape(name, shape, X, friction=friction)
         else:  # visible, with the material of Drake's parser
@@ -203,7 +219,13 @@ def _shapes(
                 inspector.GetIllustrationProperties(geometry),
                 inspector.GetPerceptionProperties(geometry),
             )
-            yield StaticShape(name, inspector.GetShape(geometry), pose, look=look, camera_look=camera_look)
+            yield StaticShape(
+                name,
+                inspector.GetShape(geometry).Clone(),
+                pose,
+                look=None if look is None else IllustrationProperties(look),
+                camera_look=None if camera_look is None else PerceptionProperties(camera_look),
+            )
 
 
 def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:
@@ -211,8 +233,9 @@ def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: li
     found: dict[str, _StandIn] = {}
     for collision in [*root.iter("collision")]:
         plane, mesh = collision.find("geometry/plane"), collision.find("geometry/mesh")
+        own = collision.get("name", "")
         if plane is not None:
-            stand_in = _StandIn(size=plane_size(plane), turn=RotationMatrix(turned_to(plane_normal(plane))))
+            stand_in = _StandIn(own, size=plane_size(plane), turn=RotationMatrix(turned_to(plane_normal(plane))))
         elif mesh is not None:
             file, scale = _mesh_and_scale(mesh)
             try:
@@ -220,7 +243,7 @@ def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: li
             except InputError as error:
                 warnings.append(f"{model}: a collision shape is left out: {str(error).rstrip('.')}")
                 solids = []
-            stand_in = _StandIn(solids=tuple(solids))
+            stand_in = _StandIn(own, solids=tuple(solids))
         else:
             continue
         name = f"stand_in_{len(found)}"

@@ -4,13 +4,14 @@ As in ROS, several robots may listen to one topic, and several may publish on it
 topic's name with ``@ROBOT/CONTROLLER`` after it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import chain, count
 
 from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort, OutputPort
 
 from drake_twin.errors import InputError
+from drake_twin.systems.draft import Draft, Reading
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class PublishedTopic:
         robot: The robot that it belongs to; empty for the twin's own.
         controller: The controller that publishes it while active; empty if it is always published.
         sensor: The sensor that measures it, at multiples of 1 / rate only: its link or joint and its name.
+        drafter: Drafts its messages; None if they are evaluated whole.
+        delay: How long after its measurement a message is published (s); None for at once.
     """
 
     topic: str
@@ -34,6 +37,8 @@ class PublishedTopic:
     robot: str = ""
     controller: str = ""
     sensor: str = ""
+    drafter: Callable[[Reading], Draft] | None = None
+    delay: float | None = None
 
 
 @dataclass(frozen=True)
@@ -68,6 +73,8 @@ class Topics:
 
     def __init__(self, builder: DiagramBuilder):
         self._builder = builder
+        self._drafters: dict[str, Callable[[Reading], Draft] | None] = {}
+        self._delays: dict[str, float | None] = {}
         self.published: dict[str, tuple[str, str, float | None, tuple[str, str, str]]] = {}
         self.subscribed: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
         self.actions: dict[str, tuple[str, str, tuple[str, str, str]]] = {}
@@ -81,6 +88,8 @@ class Topics:
         robot: str = "",
         controller: str = "",
         sensor: str = "",
+        drafter: Callable[[Reading], Draft] | None = None,
+        delay: float | None = None,
     ) -> None:
         """Export an output port under a topic's name.
 
@@ -97,6 +106,8 @@ class Topics:
         name = _port_name(topic, self.published, robot, controller)
         self._builder.ExportOutput(port, name[1:])
         self.published[name] = (topic, kind, rate, (robot, controller, sensor))
+        self._drafters[name] = drafter
+        self._delays[name] = delay
 
     def listen(self, topic: str, port: InputPort, kind: str, *owner: str, action: bool = False) -> None:
         """Export an input port under the name of a topic or an action.
@@ -125,7 +136,9 @@ class Topics:
     def published_of(self, diagram: Diagram) -> dict[str, PublishedTopic]:
         """Return the published topics of the built diagram."""
         return {
-            name: PublishedTopic(topic, kind, diagram.GetOutputPort(name[1:]), rate, *owner)
+            name: PublishedTopic(
+                topic, kind, diagram.GetOutputPort(name[1:]), rate, *owner, self._drafters[name], self._delays[name]
+            )
             for name, (topic, kind, rate, owner) in self.published.items()
         }
 

@@ -4,9 +4,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 
-from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams, Role, SceneGraph
+from pydrake.geometry import Meshcat, MeshcatVisualizer, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import (
@@ -21,7 +20,6 @@ from pydrake.systems.framework import (
 
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.surroundings import Surroundings
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
@@ -31,14 +29,17 @@ from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
 from drake_twin.diagram.robot_sensors import SensorSurroundings
 from drake_twin.diagram.sensors_of_twin import add_sensors, publish_sensors
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic, Topics, ports_by_topic
+from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.plans import plan_robots
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
+from drake_twin.planning.world_sensors import ModelPlan, plan_models
 from drake_twin.progress import tell, told
 from drake_twin.scenario import Scenario, World
+from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.systems.clock_publisher import ClockPublisher
 from drake_twin.systems.entity_state_publisher import EntityStatePublisher
 from drake_twin.systems.ground_truth_publisher import GroundTruthPublisher, RobotBase
@@ -58,8 +59,10 @@ class TwinDiagram:
         findings: The findings of the files: entries that were not used as they are.
         visualizer: Draws the scene on a Meshcat page on demand; None without a page.
         world_models: Moving model of the world → its model instances.
+        sensing_models: The models of the world that have sensors.
         shapes: The contact of each collision shape.
         extensions: The systems that the user's extensions have added.
+        renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
 
     diagram: Diagram
@@ -76,9 +79,11 @@ class TwinDiagram:
     world: World
     world_file: WorldFile | None
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
+    sensing_models: tuple[ModelPlan, ...]
     shapes: tuple[TouchingShape, ...]
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
+    renderer: LazyRenderer
 
     @cached_property
     def listeners(self) -> dict[str, tuple[str, ...]]:
@@ -189,11 +194,14 @@ def build_twin_diagram(
         world_file = known.world_file
     else:
         world = scenario.world
-        world_file = None if world.file is None else read_world(world.file, packages, world.without_models)
+        world_file = None
+        if world.file is not None:
+            world_file = read_world(world.file, packages, world.without_models, world.model_poses, world.model_copies)
     builder = DiagramBuilder()
     try:
         parts = add_plant(builder, scenario, plans, world_file, known_gains)
-        return _build(builder, scenario, meshcat, parts, plans, world_file, extensions)
+        renderer = LazyRenderer() if known is None else known.renderer
+        return _build(builder, scenario, meshcat, parts, plans, world_file, extensions, renderer)
     except BaseException:
         release([builder, *builder.GetSystems()])
         raise
@@ -207,31 +215,30 @@ def _build(
     plans: tuple[RobotPlan, ...],
     world_file: WorldFile | None,
     extensions: Sequence[Extension],
+    renderer: LazyRenderer,
 ) -> TwinDiagram:
     """Add everything except the plant, and build the diagram."""
     topics = Topics(builder)
     surroundings = SensorSurroundings(
-        plant=parts.plant,
-        scene_graph=parts.scene_graph,
-        time_step=scenario.time_step,
-        seed=scenario.seed,
-        noise=scenario.sensor_noise,
-        world=Surroundings() if world_file is None else world_file.surroundings,
+        parts.plant, parts.scene_graph, scenario.time_step, scenario.seed, scenario.sensor_noise, world_file, renderer
     )
     robots = {
         plan.name: _add_robot(builder, parts, plan, topics, surroundings)
         for plan in told("connecting", plans, lambda plan: plan.name)
     }
-    about_sensors = add_sensors(builder, parts, plans, robots, topics, surroundings)
+    models = () if world_file is None else plan_models(world_file.models, scenario.world.bridged)
+    models = tuple(model for model in models if parts.has_model(model.name))
+    about_sensors = add_sensors(builder, parts, plans, models, robots, topics, surroundings)
     frames = add_frames(builder, scenario, parts, plans, robots, topics)
     clock = builder.AddNamedSystem("clock", ClockPublisher())
-    topics.publish("/clock", clock.get_clock_output_port(), "rosgraph_msgs/msg/Clock", 100.0)
+    clock_type = "rosgraph_msgs/msg/Clock"
+    topics.publish("/clock", clock.get_clock_output_port(), clock_type, 100.0, drafter=clock.drafter())
     tf_type = "tf2_msgs/msg/TFMessage"
-    topics.publish("/tf", frames.get_tf_output_port(), tf_type, 20.0)
+    topics.publish("/tf", frames.get_tf_output_port(), tf_type, 20.0, drafter=frames.tf_drafter())
     topics.publish("/tf_static", frames.get_tf_static_output_port(), tf_type, None)
     _add_ground_truth(builder, parts, plans, topics)
     _add_entity_states(builder, parts, plans, topics)
-    visualizer = _add_visualizer(builder, parts.scene_graph, meshcat)
+    visualizer = add_visualizer(builder, parts.scene_graph, meshcat)
     own = {system.get_name() for system in builder.GetSystems()}
     for extend in extensions:
         systems = {name: robot.diagram for name, robot in robots.items()}
@@ -257,8 +264,10 @@ def _build(
         world=scenario.world,
         world_file=world_file,
         world_models=parts.world_models,
+        sensing_models=models,
         shapes=parts.shapes,
         extensions=added,
+        renderer=renderer,
         findings=(
             *scenario.findings,
             *(finding for plan in plans for finding in _about_robot(plan, robots[plan.name])),
@@ -293,18 +302,6 @@ def _export_vectors(
                 builder.ExportOutput(robot.diagram.GetOutputPort(f"{controller}/{own}"), f"{name}/{controller}/{own}")
 
 
-def _add_visualizer(
-    builder: DiagramBuilder, scene_graph: SceneGraph, meshcat: Meshcat | None
-) -> MeshcatVisualizer | None:
-    if meshcat is None:
-        return None
-    # The run loop asks for the drawing, in wall time: an event of its own would split CENIC's steps.
-    parameters = MeshcatVisualizerParams(role=Role.kIllustration, publish_period=inf)
-    visualizer = MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat, parameters)
-    visualizer.set_name("meshcat_visualizer")
-    return visualizer
-
-
 def _about_robot(plan: RobotPlan, parts: RobotDiagram) -> Iterator[Finding]:
     yield from plan.findings
     yield from (Finding(Kind.WARNING, text, robot=plan.name) for text in parts.warnings)
@@ -334,8 +331,10 @@ def _add_robot(
         builder.Connect(output, system.GetInputPort(name))
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
-        topics.publish(robot_topic(plan, name), system.GetOutputPort(name), kind, plan.update_rate, plan.name)
-    publish_sensors(plan, robot.sensors, system, topics, surroundings.time_step)
+        drafter = robot.broadcaster.drafter(name, in_plant.places)
+        topic, rate = robot_topic(plan, name), plan.update_rate
+        topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name, drafter=drafter)
+    publish_sensors(plan.name, robot.sensors, system, topics, surroundings.time_step)
     for name, item in robot.controllers.items():
         for own, kind in item.subscribed.items():
             if (listened := controller_topic(plan, plans[name], own)) is not None:
@@ -349,7 +348,8 @@ def _add_robot(
             published = controller_topic(plan, plans[name], own)
             if published is not None and own != TF_ODOMETRY:  # published on /tf
                 output = system.GetOutputPort(f"{name}/{own}")
-                topics.publish(published, output, kind, plans[name].update_rate, plan.name, name)
+                drafter = item.drafter(own, in_plant.places)
+                topics.publish(published, output, kind, plans[name].update_rate, plan.name, name, drafter=drafter)
     return robot
 
 
@@ -365,10 +365,10 @@ def _add_ground_truth(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequen
     ]
     publisher = builder.AddNamedSystem("ground_truth", GroundTruthPublisher(bases, parts.plant.num_multibody_states()))
     builder.Connect(parts.plant.get_state_output_port(), publisher.get_state_input_port())
-    for plan in plans:
-        topic = robot_topic(plan, GROUND_TRUTH)
+    for plan, base in zip(plans, bases, strict=True):
+        topic, drafter = robot_topic(plan, GROUND_TRUTH), publisher.drafter(base)
         port = publisher.get_odom_output_port(plan.name)
-        topics.publish(topic, port, "nav_msgs/msg/Odometry", plan.update_rate, plan.name)
+        topics.publish(topic, port, "nav_msgs/msg/Odometry", plan.update_rate, plan.name, drafter=drafter)
 
 
 def _add_entity_states(builder: DiagramBuilder, parts: PlantOfTwin, plans: Sequence[RobotPlan], topics: Topics) -> None:

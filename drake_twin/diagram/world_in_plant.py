@@ -3,14 +3,17 @@
 from dataclasses import replace
 
 import numpy as np
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
 from drake_twin.description.world_file import WorldFile, WorldModel
 from drake_twin.diagram.ball_joints import add_sdf_models
+from drake_twin.diagram.contact_roles import ROUGH
 from drake_twin.diagram.static_world import (
     StaticShape,
+    anchors_of,
     bearable_detail,
     ground_shape,
     register_static_shapes,
@@ -18,7 +21,7 @@ from drake_twin.diagram.static_world import (
 )
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
-from drake_twin.scenario import Scenario, World
+from drake_twin.scenario import GROUND_FRICTION, Scenario, World
 
 _GRAVITY = (0.0, 0.0, -9.81)
 _FRICTION = 1.0
@@ -29,7 +32,7 @@ def add_world(
     scenario: Scenario,
     world_file: WorldFile | None,
     findings: list[Finding],
-) -> dict[str, tuple[ModelInstanceIndex, ...]]:
+) -> tuple[dict[str, tuple[ModelInstanceIndex, ...]], dict[str, dict[str, RigidTransform]]]:
     """Add gravity, ground and the world file's models to a plant.
 
     A model that Drake refuses is left out, which is a finding. Static models have no model instance and no body.
@@ -41,7 +44,8 @@ def add_world(
         findings: Is extended by models that are left out.
 
     Returns:
-        Moving model → its model instance and those of the models in it.
+        Moving model → its model instance and those of the models in it; static model with sensors → frame → its pose in
+        the world.
 
     Raises:
         InputError: If a robot has the name of a model of the world.
@@ -50,11 +54,16 @@ def add_world(
     plant.mutable_gravity_field().set_gravity_vector(np.array(_gravity(world, world_file)))
     shapes: list[StaticShape] = []
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
+    anchors: dict[str, dict[str, RigidTransform]] = {}
     if world_file is not None:
         _check_names(scenario, world_file)
-        shapes, moving = _add_models(plant, world_file, findings)
-    register_static_shapes(plant, _with_ground(shapes, world))
-    return moving
+        shapes, moving, anchors = _add_models(plant, world_file, findings)
+    shapes = _with_ground(shapes, world)
+    if GROUND_FRICTION in scenario.values:
+        friction = CoulombFriction(ROUGH, ROUGH)
+        shapes = [replace(item, friction=friction) if item.is_plane else item for item in shapes]
+    register_static_shapes(plant, shapes)
+    return moving, anchors
 
 
 def _gravity(world: World, world_file: WorldFile | None) -> tuple[float, float, float]:
@@ -85,19 +94,21 @@ def _with_ground(shapes: list[StaticShape], world: World) -> list[StaticShape]:
 
 def _add_models(
     plant: MultibodyPlant, world_file: WorldFile, findings: list[Finding]
-) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]]]:
+) -> tuple[list[StaticShape], dict[str, tuple[ModelInstanceIndex, ...]], dict[str, dict[str, RigidTransform]]]:
     detail = bearable_detail(world_file.models)
     if detail > 0:
         what = f"the world's meshes have too many faces for contact: their details are reduced to {detail:g} m"
         findings.append(Finding(Kind.WARNING, what, file=str(world_file.file or "")))
     shapes: list[StaticShape] = []
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
+    anchors: dict[str, dict[str, RigidTransform]] = {}
     for model in world_file.models:
         warnings: list[str] = []
         with captured_warnings() as messages:
             try:
                 if model.is_static:
                     shapes += static_shapes(model, detail, warnings)
+                    anchors |= anchors_of(model)
                 else:
                     _try_out(model, plant.time_step())
                     moving[model.name] = _add_moving(plant, model)
@@ -107,7 +118,7 @@ def _add_models(
                 findings.append(Finding.at(Kind.IGNORED, what, model.place))
         warnings += dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages)
         findings += [Finding.at(Kind.WARNING, warning, model.place) for warning in warnings]
-    return shapes, moving
+    return shapes, moving, anchors
 
 
 def _try_out(model: WorldModel, time_step: float) -> None:

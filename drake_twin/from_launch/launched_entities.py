@@ -9,13 +9,14 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
+from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place, at_places
 from drake_twin.from_launch.bridges import BridgeLine, bridge_lines, is_bridge, renamed, stamped
@@ -30,6 +31,7 @@ from drake_twin.from_launch.launched_controllers import (
     controller_requests,
     published_commands,
 )
+from drake_twin.from_launch.launched_nodes import launched_node, needs_terminal, publishes_simulated_states
 from drake_twin.from_launch.launched_robots import (
     LaunchedRobot,
     LaunchedRobots,
@@ -42,7 +44,7 @@ from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world,
 from drake_twin.from_launch.not_started import is_window, why_not_started
 from drake_twin.from_launch.static_frames import static_frame
 from drake_twin.ros2.launched import Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
-from drake_twin.scenario import Command, Robot, StaticTransform, World, name_in_twin
+from drake_twin.scenario import Command, NodeProgram, Robot, StaticTransform, World, name_in_twin
 
 _FOLDER_VARIABLES = ("GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH")
 
@@ -82,12 +84,14 @@ class LaunchedEntities:
         frames: The static transforms; some may place a frame that a robot also places.
         commands: The published messages; some topics may have no subscriber.
         world: The world.
+        sensing: The models of the world that have sensors, without the robots.
         time_step: The physics step of the world's file (s).
         packages: Resolves the packages in its files.
         folders: The folders of these packages.
         paused: Whether the simulator starts paused, like gz without ``-r``.
         only_displayed: Whether no robot is spawned or controlled, so that no physics is needed.
         bridges: The topics that bridges carry; None where no bridge is started.
+        nodes: The users' own Python nodes.
         findings: The findings of what the twin does not do.
         log: The output of the launch file, and the assumptions made.
     """
@@ -102,6 +106,8 @@ class LaunchedEntities:
     paused: bool
     only_displayed: bool
     bridges: tuple[BridgeLine, ...] | None = None
+    sensing: tuple[WorldModel, ...] = ()
+    nodes: tuple[NodeProgram, ...] = ()
     findings: tuple[Finding, ...] = ()
     log: tuple[str, ...] = field(default=())
 
@@ -133,6 +139,7 @@ class _Sorter:
         self._requests: list[ControllerRequest] = []
         self._commands: list[Command] = []
         self._frames: list[LaunchedFrame] = []
+        self._nodes: list[NodeProgram] = []
         self._bridges: tuple[BridgeLine, ...] | None = None
         self._worlds: list[tuple[WorldStart, LaunchedProcess]] = []
 
@@ -154,16 +161,22 @@ class _Sorter:
             robots=robots,
             frames=tuple(self._frames),
             commands=tuple(self._commands),
-            world=world.world,
+            world=replace(world.world, bridged=self._bridged()) if world.sensing else world.world,
+            sensing=world.sensing,
             time_step=world.time_step,
             packages=self._packages,
             folders=self._folders,
             paused=bool(self._worlds) and self._worlds[-1][0].paused,
             only_displayed=found.only_displayed,
             bridges=self._bridges,
+            nodes=tuple(self._nodes),
             findings=tuple(self._findings),
             log=tuple(self._log),
         )
+
+    def _bridged(self) -> dict[str, str] | None:
+        """Return Gazebo topic → ROS topic of what bridges carry to ROS; None where no bridge is started."""
+        return None if self._bridges is None else {line.gz: line.ros for line in self._bridges if line.is_to_ros}
 
     def _sort(self, process: LaunchedProcess, found: LaunchedRobots) -> None:
         try:
@@ -186,6 +199,10 @@ class _Sorter:
                 or (process.package, process.executable) in _BUILT_IN
                 or (found.only_displayed and process.executable.startswith("joint_state_publisher"))
             ):
+                is_needed = not (publishes_simulated_states(process, found.robots) or needs_terminal(process))
+                if is_needed and (node := launched_node(process, self._packages)) is not None:
+                    self._nodes.append(node)
+                    return
                 self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)
         except InputError as error:
             self._drop(f"{process.what}: {error}", process)
@@ -232,9 +249,7 @@ class _Sorter:
                 unconfigured_controllers=tuple(item.name for item in requests if item.state == UNCONFIGURED),
                 remappings=self._remappings(launched, requests, namespace),
                 stamped_topics=stamped(self._bridges or ()),
-                bridged=None
-                if self._bridges is None
-                else {line.gz: line.ros for line in self._bridges if line.is_to_ros},
+                bridged=self._bridged(),
             )
             yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
 

@@ -23,6 +23,7 @@ class LaunchedWorld:
         time_step: The physics step of its file (s), if it is usable.
         names: The names of all models in it.
         robots: The models that are robots.
+        sensing: The other models that have sensors.
         process: What starts it.
     """
 
@@ -30,6 +31,7 @@ class LaunchedWorld:
     time_step: float | None = None
     names: frozenset[str] = frozenset()
     robots: tuple[WorldModel, ...] = ()
+    sensing: tuple[WorldModel, ...] = ()
     process: LaunchedProcess | None = None
 
 
@@ -70,6 +72,7 @@ def launched_world(
         step if usable else None,
         frozenset(model.name for model in world.models),
         driven,
+        tuple(model for model in world.models if model.robot is None and model.sensing),
         process,
     )
 

@@ -29,14 +29,13 @@ _REASONS = {
     "move_group": "motion planning is not a part of the twin",
     "robot_localization": "localization is not a part of the twin",
     "ekf": "localization is not a part of the twin",
-    "image": "the twin has no cameras",
-    "depth": "the twin has no cameras",
-    "laser": "the twin has no lidar",
-    "pointcloud": "the twin has no lidar",
-    "twist_mux": "the twin has one commander for each topic",
-    "twist_stamper": "the twin takes both kinds of twists",
+    "image": "processing pictures is not a part of the twin",
+    "depth": "processing pictures is not a part of the twin",
+    "laser": "processing scans is not a part of the twin",
+    "pointcloud": "processing points is not a part of the twin",
     "rosbag": "the twin records with --record",
 }
+_NO_PYTHON = "it is not a Python program of the workspace: publish its messages by --pub, or run a node by --node"
 # Nodes of ROS packages whose work the twin does itself, or which serve Gazebo alone.
 _EXECUTABLES = {
     "ros_gz_sim": {"create": "", "gzserver": "", "remove": "", "set_entity_pose": "it asks Gazebo's services"},
@@ -47,6 +46,9 @@ _EXECUTABLES = {
     "controller_manager": {"spawner": "", "unspawner": "", "ros2_control_node": "", "hardware_spawner": ""},
     "robot_state_publisher": {"robot_state_publisher": ""},
     "joint_state_publisher": {"joint_state_publisher": "joint states come from the simulation"},
+    "teleop_twist_keyboard": {
+        "teleop_twist_keyboard": "it needs a terminal: --node 'teleop_twist_keyboard teleop_twist_keyboard'"
+    },
     "tf2_ros": {"static_transform_publisher": "", "buffer_server": "", "tf2_echo": "", "tf2_monitor": ""},
     "xacro": {"xacro": ""},
 }
@@ -69,7 +71,7 @@ def why_not_started(process: LaunchedProcess) -> str:
         reason = known[process.executable] or reason
     if reason is None and process.package is None:
         reason = "the twin runs no programs"
-    return f"{what} ({reason or 'the twin runs no nodes: publish its messages by --pub or Twin.publish'})"
+    return f"{what} ({reason or _NO_PYTHON})"
 
 
 def _reason(reasons: dict[str, str], what: str) -> str | None:

@@ -18,6 +18,17 @@ from drake_twin.messages.definitions import DEFINITIONS
 from drake_twin.saved import saved
 from drake_twin.values import yaml_number
 
+_DTYPES = {"char": "uint8"}  # NumPy's types that have another name in ROS
+
+EMPTY = "structure_needs_at_least_one_member"  # the only field of a message without fields
+
+# ROS's default values of fields, by type, where they are not false, zero or nothing: those of rosbags' store, which
+# leaves them out; `interface_types` adds those of the types that it registers.
+DEFAULTS: dict[str, dict[str, Any]] = {
+    "geometry_msgs/msg/Quaternion": {"w": 1.0},
+    "sensor_msgs/msg/NavSatStatus": {"status": -2},
+}
+
 _STORE_TYPES = {
     name.rpartition("/")[2]: name
     for name in (
@@ -41,7 +52,10 @@ _STORE_TYPES = {
         "nav_msgs/msg/Odometry",
         "rosgraph_msgs/msg/Clock",
         "sensor_msgs/msg/BatteryState",
+        "sensor_msgs/msg/CameraInfo",
+        "sensor_msgs/msg/ChannelFloat32",
         "sensor_msgs/msg/FluidPressure",
+        "sensor_msgs/msg/Image",
         "sensor_msgs/msg/Imu",
         "sensor_msgs/msg/JointState",
         "sensor_msgs/msg/LaserScan",
@@ -52,6 +66,7 @@ _STORE_TYPES = {
         "sensor_msgs/msg/PointCloud2",
         "sensor_msgs/msg/PointField",
         "sensor_msgs/msg/Range",
+        "sensor_msgs/msg/RegionOfInterest",
         "std_msgs/msg/Float64MultiArray",
         "std_msgs/msg/Header",
         "std_msgs/msg/Int8MultiArray",
@@ -122,8 +137,8 @@ def message(kind: str, data: Any) -> Any:
 
     Args:
         kind: The message type, for example ``geometry_msgs/msg/TwistStamped``.
-        data: A message of that type; or a mapping of its fields, where missing ones are zero or empty; or the bare
-            numbers of a ``Float64MultiArray``. It is copied.
+        data: A message of that type; or a mapping of its fields, where missing ones have ROS's default values; or the
+            bare numbers of a ``Float64MultiArray``. It is copied.
 
     Raises:
         ValueError: If the data does not fit the type; the text says where.
@@ -171,7 +186,7 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
         nanoseconds = round(data * 1e9)
         data = {"sec": nanoseconds // 1_000_000_000, "nanosec": nanoseconds % 1_000_000_000}
     _, fields = store.fielddefs[kind]
-    names = [name for name, _ in fields if name != "structure_needs_at_least_one_member"]
+    names = [name for name, _ in fields if name != EMPTY]
     place = f"{path[:-1]}: " if path else ""
     message_type = getattr(data, "__msgtype__", None)
     if message_type is not None:
@@ -183,13 +198,24 @@ def _from_plain(kind: str, data: Any, path: str) -> Any:
     for name in data:
         if name not in names:
             raise ValueError(f"a {kind} has no field {path}{name!s}; it has {', '.join(names)}")
+    defaults = DEFAULTS.get(kind, {})
+    values = {name: defaults.get(name) if data.get(name) is None else data[name] for name, _ in fields}
     return store.types[kind](
-        **{name: _field(description, data.get(name), f"{path}{name}.") for name, description in fields}
+        **{name: field_value(description, values[name], f"{path}{name}.") for name, description in fields}
     )
 
 
-def _field(description: Any, value: Any, path: str) -> Any:
-    """Make a field's value; ``description`` is rosbags' (node type, details)."""
+def field_value(description: Any, value: Any, path: str) -> Any:
+    """Make a field's value from plain data.
+
+    Args:
+        description: The field's type: rosbags' (node type, details).
+        value: The data; None for zero or nothing.
+        path: The field's name with a dot behind it, for the error.
+
+    Raises:
+        ValueError: If the data does not fit the type; the text says where.
+    """
     import numpy as np
     from rosbags.interfaces import Nodetype
 
@@ -209,10 +235,10 @@ def _field(description: Any, value: Any, path: str) -> Any:
     if _is_vector(values) and "float" in kind:
         items: Any = values
     else:
-        items = [_field(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
+        items = [field_value(element, item, f"{path[:-1]}[{index}].") for index, item in enumerate(values)]
     if node == Nodetype.ARRAY and len(items) != size:
         raise ValueError(f"{path[:-1]}: {len(items)} elements, but {size} are needed")
-    return np.array(items, dtype=kind) if kind not in ("", "string", "wstring") else items
+    return np.array(items, dtype=_DTYPES.get(kind, kind)) if kind not in ("", "string", "wstring") else items
 
 
 def _is_vector(value: Any) -> bool:
@@ -248,7 +274,9 @@ def _base(kind: str, value: Any, path: str) -> Any:
         if isinstance(value, bool) or not isinstance(value, Real) or not float(value).is_integer():
             raise TypeError
         whole: Any = value
-        integer, limits = int(whole), np.iinfo(kind)
+        integer, limits = int(whole), np.iinfo(_DTYPES.get(kind, kind))
+        if kind == "byte" and limits.max < integer < 256:
+            return integer - 256  # rosbags has the bytes of ROS as numbers with a sign
         if not limits.min <= integer <= limits.max:
             raise ValueError
         return integer

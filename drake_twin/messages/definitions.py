@@ -25,6 +25,10 @@ DEFINITIONS = {
         "ros_gz_interfaces/JointWrench[] wrenches\n"
     ),
     "ros_gz_interfaces/msg/Contacts": "std_msgs/Header header\nros_gz_interfaces/Contact[] contacts\n",
+    "ros_gz_interfaces/msg/LogicalCameraImage": (
+        "std_msgs/Header header\ngeometry_msgs/Pose pose\nros_gz_interfaces/LogicalCameraImageModel[] model\n"
+    ),
+    "ros_gz_interfaces/msg/LogicalCameraImageModel": "string name\ngeometry_msgs/Pose pose\n",
     "gazebo_msgs/msg/LinkStates": "string[] name\ngeometry_msgs/Pose[] pose\ngeometry_msgs/Twist[] twist\n",
     "gazebo_msgs/msg/ModelStates": "string[] name\ngeometry_msgs/Pose[] pose\ngeometry_msgs/Twist[] twist\n",
     "control_msgs/action/FollowJointTrajectory_Feedback": (

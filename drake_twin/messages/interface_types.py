@@ -5,14 +5,30 @@ messages ``pkg/action/X_Goal``, ``X_Result``, ``X_Feedback`` and ``X_FeedbackMes
 ``pkg/action/X_SendGoal`` and ``X_GetResult``.
 """
 
+import ast
+import re
 from functools import cache
 from typing import Any
 
-from drake_twin.messages import message, type_store
+import yaml
+
+from drake_twin.messages import DEFAULTS, EMPTY, field_value, message, type_store
 from drake_twin.messages.definitions import DEFINITIONS
+from drake_twin.messages.package_definitions import PACKAGES
 from drake_twin.messages.service_definitions import ACTIONS, MESSAGES, SERVICES
 
-_EVENT_INFO = "uint8 event_type\nbuiltin_interfaces/Time stamp\nuint8[16] client_gid\nint64 sequence_number\n"
+_FIELD_WITH_DEFAULT = re.compile(r"\s*(?P<type>[\w/]\S*)\s+(?P<name>\w+)\s+(?P<value>[^\s=#].*)")
+_MESSAGE_OF_PACKAGES = re.compile(r"^(\w+)/(\w+)(?=\S* )", re.MULTILINE)
+_TEXT_OR_COMMENT = re.compile(r"""#.*|("(?:\\.|[^"])*"|'(?:\\.|[^'])*'|[^#])""")
+
+# Types of rosbags' store with a char, which is a uint8 in ROS 2's hashes.
+_WITH_CHAR = {
+    "service_msgs/msg/ServiceEventInfo": (
+        "uint8 event_type\nbuiltin_interfaces/Time stamp\nchar[16] client_gid\nint64 sequence_number\n"
+    ),
+    "std_msgs/msg/Char": "char data\n",
+}
+_CHAR = re.compile(r"^\s*char\b", re.MULTILINE)
 
 
 def type_hash(name: str) -> str:
@@ -33,6 +49,13 @@ def definition(name: str) -> str:
     return str(_known(name).generate_msgdef(name, ros_version=2)[0])
 
 
+def type_names() -> list[str]:
+    """Return the names of all known messages, requests and responses among them, sorted."""
+    for name in PACKAGES:
+        _load(name)
+    return sorted(_store().types)
+
+
 def make(name: str, data: Any) -> Any:
     """Make a message from its fields; those that are missing have ROS's default values.
 
@@ -41,6 +64,98 @@ def make(name: str, data: Any) -> Any:
     """
     _known(name)
     return message(name, data)
+
+
+def knows(name: str) -> bool:
+    """Return whether a message, service or action is known."""
+    _load(name)
+    store = _store()
+    return name in store.fielddefs or f"{name}_Goal" in store.fielddefs
+
+
+def known_names(package: str, kind: str) -> list[str]:
+    """Return the messages, services or actions of a package, without their parts; ``kind`` is ``msg`` and so on."""
+    start = f"{package}/{kind}/"
+    names = [name.removeprefix(start) for name in _store().fielddefs if name.startswith(start)]
+    if kind == "action":
+        names = [name.removesuffix("_Goal") for name in names if name.endswith("_Goal")]
+    elif kind == "srv":
+        names = [name for name in names if f"{name}_Request" in names]
+    return sorted({*names, *(name.removeprefix(start) for name in PACKAGES if name.startswith(start))})
+
+
+def known_packages() -> frozenset[str]:
+    """Return the packages that have a type."""
+    return frozenset(name.partition("/")[0] for name in (*_store().fielddefs, *PACKAGES))
+
+
+def class_of(name: str) -> Any:
+    """Return the class that drake_twin's own messages of a type are of.
+
+    Raises:
+        ValueError: If the type is unknown.
+    """
+    return _known(name).types[name]
+
+
+def fields_of(name: str) -> tuple[Any, Any]:
+    """Return a message's constants (name, type, value) and its fields: name, and rosbags' (node type, details).
+
+    Raises:
+        ValueError: If the type is unknown.
+    """
+    constants, fields = _known(name).fielddefs[name]
+    return constants, fields
+
+
+def default_values(name: str) -> dict[str, Any]:
+    """Return the default values that a message's definition gives to fields, as the twin's messages have them.
+
+    Raises:
+        ValueError: If the type is unknown.
+    """
+    _known(name)
+    return dict(DEFAULTS.get(name, {}))
+
+
+def default_in(line: str, fields: Any) -> dict[str, Any]:
+    """Return the default value that a line of a definition gives to one of its fields, if it gives one.
+
+    Raises:
+        ValueError: If the value does not fit the field.
+    """
+    match = _FIELD_WITH_DEFAULT.match(line)
+    if match is None:
+        return {}
+    name, text = match["name"], "".join(_TEXT_OR_COMMENT.findall(match["value"])).strip()
+    value: Any = text
+    if "[" in match["type"] or "string" not in match["type"]:
+        try:
+            value = ast.literal_eval(text)
+        except (SyntaxError, ValueError):
+            value = yaml.safe_load(text)  # flags, and texts without quotes
+    elif len(text) > 1 and text[0] in ("'", '"') and text[-1] == text[0]:
+        value = text[1:-1].replace(f"\\{text[0]}", text[0])
+    if match["type"] == "bool" and value in (0, 1):
+        value = bool(value)
+    return {name: field_value(dict(fields)[name], value, f"{name}.")}
+
+
+def make_response(service: str, fields: Any, reason: str = "") -> Any:
+    """Make a service's response from its fields; a reason stands in the field that it has for one.
+
+    Raises:
+        ValueError: If the type is unknown, or the fields do not fit it.
+    """
+    response = make(f"{service}_Response", fields)
+    for place, name in (
+        (response, "message"),
+        (response, "status_message"),
+        (getattr(response, "result", None), "error_message"),
+    ):
+        if reason and isinstance(getattr(place, name, None), str):
+            setattr(place, name, reason)
+    return response
 
 
 def serialize(data: Any) -> bytes:
@@ -64,6 +179,8 @@ def deserialize(name: str, data: bytes) -> Any:
 def _known(name: str) -> Any:
     store = _store()
     if name not in store.fielddefs:
+        _load(name)
+    if name not in store.fielddefs:
         raise ValueError(f"unknown type {name!r}")
     return store
 
@@ -74,9 +191,9 @@ def _store() -> Any:
     store = type_store()
     for name, text in MESSAGES.items():
         _register(store, name, text)
-    # rosbags has the client's id as char, which ROS 2 hashes as uint8.
-    del store.fielddefs["service_msgs/msg/ServiceEventInfo"]
-    _register(store, "service_msgs/msg/ServiceEventInfo", _EVENT_INFO)
+    for name, text in _WITH_CHAR.items():
+        del store.fielddefs[name]
+        _register(store, name, text)
     for name, (request, response) in SERVICES.items():
         _register_service(store, name, request, response)
     for name, texts in (ACTIONS | _actions_of_controllers()).items():
@@ -100,6 +217,25 @@ def add_definition(name: str, text: str) -> None:
     Raises:
         ValueError: If the text is not one of such a type.
     """
+    if name not in PACKAGES:
+        _add(name, text)
+
+
+def _load(name: str) -> None:
+    """Register a type of ``PACKAGES``, or the type that a request, a result or the like is of, and those in it."""
+    while name not in PACKAGES:
+        name, part, _ = name.rpartition("_")
+        if not part:
+            return
+    store, text = _store(), PACKAGES[name]
+    if name in store.fielddefs or f"{name}_Goal" in store.fielddefs:
+        return
+    for package, own in _MESSAGE_OF_PACKAGES.findall(text):
+        _load(f"{package}/msg/{own}")
+    _add(name, text)
+
+
+def _add(name: str, text: str) -> None:
     kind = name.split("/")[1]
     parts = _parts(text)
     if len(parts) != {"msg": 1, "srv": 2, "action": 3}[kind]:
@@ -124,14 +260,28 @@ def _parts(text: str) -> list[str]:
 
 
 def _register(store: Any, name: str, text: str) -> None:
-    """Register a message; rosbags takes the folder ``msg`` for granted, unless it is ``action``."""
-    from rosbags.typesys import get_types_from_msg
-
+    """Register a message."""
     if name in store.fielddefs:
         return
+    constants, fields = fields_in(name, text or f"uint8 {EMPTY}\n")
+    store.register({name: (constants, fields)})
+    for line in text.splitlines():
+        if default := default_in(line, fields):
+            DEFAULTS.setdefault(name, {}).update(default)
+
+
+def fields_in(name: str, text: str) -> Any:
+    """Return the constants and fields in a text, as `fields_of` does.
+
+    Args:
+        name: The type whose package short names in it are of.
+        text: Lines of a ``.msg`` file.
+    """
+    from rosbags.typesys import get_types_from_msg
+
     package, _, own = name.split("/")
-    found = get_types_from_msg(text or "uint8 structure_needs_at_least_one_member\n", f"{package}/msg/{own}")
-    store.register({name: found[f"{package}/msg/{own}"]})
+    whole = f"{package}/msg/{own}"  # rosbags takes the folder msg for granted
+    return get_types_from_msg(_CHAR.sub("uint8", text), whole)[whole]
 
 
 def _register_service(store: Any, name: str, request: str, response: str) -> None:

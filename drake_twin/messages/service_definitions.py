@@ -29,7 +29,7 @@ MESSAGES = {
     ),
     "ros_gz_interfaces/msg/EntityFactory": (
         "string name\nbool allow_renaming\nstring sdf\nstring sdf_filename\nstring clone_name\n"
-        "geometry_msgs/Pose pose\nstring relative_to\n"
+        'geometry_msgs/Pose pose\nstring relative_to "world"\n'
     ),
     "ros_gz_interfaces/msg/WorldControl": (
         "bool pause\nbool step\nuint32 multi_step\nros_gz_interfaces/WorldReset reset\nuint32 seed\n"
@@ -250,7 +250,7 @@ SERVICES = {
         ),
     ),
     "simulation_interfaces/srv/StepSimulation": (
-        "uint64 steps\n",
+        "uint64 steps 1\n",
         "simulation_interfaces/Result result\n",
     ),
     "std_srvs/srv/Empty": (
@@ -264,6 +264,10 @@ SERVICES = {
     "std_srvs/srv/Trigger": (
         "",
         "bool success\nstring message\n",
+    ),
+    "tf2_msgs/srv/FrameGraph": (
+        "",
+        "string frame_yaml\n",
     ),
 }
 

@@ -1,4 +1,4 @@
-"""The topics of sensors that a bridge carries and that no robot has."""
+"""The topics of sensors that a bridge carries and that nothing has."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -7,6 +7,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.bridges import BridgeLine
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import gazebo_default, is_same_topic, valid_topic
+from drake_twin.planning.world_sensors import ModelPlan
 
 # Types that only Gazebo's sensors publish.
 _OF_SENSORS = {
@@ -23,8 +24,8 @@ _OF_SENSORS = {
 }
 
 
-def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan]) -> Iterator[Finding]:
-    """Yield a warning of each line of a bridge that names the topic of a sensor that no robot has.
+def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPlan]) -> Iterator[Finding]:
+    """Yield a warning of each line of a bridge that names the topic of a sensor that no robot or model has.
 
     The topics of a sensor that the twin does not simulate are known by its ``<topic>``, or by the beginning of its
     default topic.
@@ -33,11 +34,11 @@ def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan]) -> Iter
         if not line.is_to_ros or line.ros_type not in _OF_SENSORS:
             continue
         if not any(_is_of(sensor, plan, line.gz) for plan in plans for sensor in plan.description.sensors):
-            what = f"the bridge carries {line.gz} to {line.ros}, but no sensor of a robot publishes it in Gazebo"
+            what = f"the bridge carries {line.gz} to {line.ros}, but no sensor publishes it in Gazebo"
             yield Finding.at(Kind.WARNING, what, line.place)
 
 
-def _is_of(sensor: Sensor, plan: RobotPlan, gz: str) -> bool:
+def _is_of(sensor: Sensor, plan: RobotPlan | ModelPlan, gz: str) -> bool:
     known = [topic.in_gazebo for item in plan.sensors if item.sensor is sensor for topic in item.topics]
     if known:
         return any(is_same_topic(name, gz) for name in known)

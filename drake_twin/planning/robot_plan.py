@@ -1,6 +1,7 @@
 """The plan of a robot whose files have been read: its model, its controllers, its frames."""
 
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from math import inf, nan
 
@@ -149,10 +150,11 @@ def plan_robot(
     )
     own = model.description
     drives, drive_findings = usable_drives(gazebo_drives(own), model.is_fixed)
-    model = replace(model, description=with_actuators(own, drives))
-    description = model.description
+    description = _with_joint_friction(robot, path, with_actuators(own, drives))
+    model = replace(model, description=description)
     warnings += _unused_interfaces(description)
     manager = _with_added(robot, path, _controller_manager(robot, path, own, packages, xacro_args))
+    manager = _with_parameters(robot, path, manager)
     controllers, controller_findings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )
@@ -274,6 +276,44 @@ def _with_added(robot: Robot, path: ValuePath, manager: ControllerManagerParamet
             )
         added.append(ControllerParameters(name, kind, parameters))
     return replace(manager, controllers=(*added, *manager.controllers)) if added else manager
+
+
+def _with_parameters(
+    robot: Robot, path: ValuePath, manager: ControllerManagerParameters
+) -> ControllerManagerParameters:
+    """Return the controllers with the parameters that the scenario replaces."""
+    if not robot.controller_parameters:
+        return manager
+    known = {controller.name: controller for controller in manager.controllers}
+    for name, given in robot.controller_parameters.items():
+        if name not in known:
+            at = (*path, "controller_parameters", name)
+            raise ScenarioError(at, f"the robot has no controller {name!r}", value=name, valid=known)
+        parameters = deepcopy(dict(known[name].parameters))
+        for parameter, value in given.items():
+            *folders, last = parameter.split(".")
+            place = parameters
+            for folder in folders:
+                below = place.get(folder)
+                place[folder] = below = below if isinstance(below, dict) else {}
+                place = below
+            place[last] = value
+        known[name] = replace(known[name], parameters=parameters)
+    return replace(manager, controllers=tuple(known.values()))
+
+
+def _with_joint_friction(robot: Robot, path: ValuePath, description: RobotDescription) -> RobotDescription:
+    """Return the description with the dry friction that the scenario gives its joints."""
+    if not robot.joint_friction:
+        return description
+    movable = [joint.name for joint in description.movable_joints]
+    for name in robot.joint_friction:
+        if name not in movable:
+            at = (*path, "joint_friction")
+            raise ScenarioError(at, f"the robot has no movable joint {name!r}", value=name, valid=movable)
+    given = robot.joint_friction
+    joints = (replace(joint, friction=given.get(joint.name, joint.friction)) for joint in description.joints)
+    return replace(description, joints=tuple(joints))
 
 
 def _default_controllers(description: RobotDescription) -> ControllerManagerParameters:

@@ -76,15 +76,51 @@ class SensorPlan:
         }
 
 
+@dataclass(frozen=True)
+class SensorOwner:
+    """A robot, or a model of the world, that has sensors.
+
+    Attributes:
+        name: Its name in Gazebo; ``OUTER::INNER`` of a model inside another.
+        description: It as its file describes it.
+        namespace: The namespace of its Gazebo sensors where no bridge runs.
+        plugin_namespace: The namespace of the plugins of Gazebo classic.
+        frame_prefix: The prefix of its link names in tf messages.
+        remappings: Topic → the topic in its place, both in full.
+        bridged: Topic in Gazebo → topic in ROS; None where no bridge runs.
+        kind: ``robot`` or ``model``.
+        is_static: Whether it has no joints in the simulation.
+    """
+
+    name: str
+    description: RobotDescription
+    namespace: str
+    plugin_namespace: str = ""
+    frame_prefix: str = ""
+    remappings: Mapping[str, str] = field(default_factory=dict)
+    bridged: Mapping[str, str] | None = None
+    kind: str = "robot"
+    is_static: bool = False
+
+
 def plan_sensors(
     robot: Robot, description: RobotDescription, frame_prefix: str
 ) -> tuple[tuple[SensorPlan, ...], tuple[Finding, ...]]:
-    """Plan the sensors of a robot.
+    """Plan the sensors of a robot; see `sensor_plans`.
 
     Args:
         robot: The scenario's entry.
         description: The robot.
         frame_prefix: The prefix of its link names in tf messages.
+    """
+    namespace = robot.topic_namespace
+    return sensor_plans(
+        SensorOwner(robot.name, description, namespace, namespace, frame_prefix, robot.remappings, robot.bridged)
+    )
+
+
+def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Finding, ...]]:
+    """Plan the sensors of a robot or of a model of the world.
 
     Returns:
         The sensors that are simulated, and what became of the others and of what nobody reads.
@@ -95,11 +131,11 @@ def plan_sensors(
     plans: list[SensorPlan] = []
     findings: list[Finding] = []
     taken: dict[str, str] = {}
-    for sensor in description.sensors:
+    for sensor in owner.description.sensors:
         what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
         is_plugin = sensor.text.startswith("<plugin")
         kind = sensor_class(sensor.kind) if is_plugin == (sensor.kind in SENSOR_PLUGINS) else None
-        reason = _wrong_place(sensor, kind, description) if kind is not None else "the twin has no such sensor"
+        reason = _wrong_place(sensor, kind, owner) if kind is not None else "the twin has no such sensor"
         element = SensorElement(sensor)
         settings = None if reason or kind is None else kind.read(element)
         reason = reason or (None if kind is None else kind.problem(settings))
@@ -107,7 +143,11 @@ def plan_sensors(
             findings.append(Finding.at(Kind.NOT_STARTED, f"{what}: {reason}", sensor.place))
             continue
         findings += at_places(Kind.IGNORED, element.unread())
-        plan = _plan(robot, sensor, kind, settings, description, frame_prefix)
+        plan = _plan(owner, sensor, kind, settings)
+        if plan.place in {item.place for item in plans}:
+            same = f"{what}: a sensor before it has this name, and Gazebo makes only that one"
+            findings.append(Finding.at(Kind.NOT_STARTED, same, sensor.place))
+            continue
         kept = []
         for topic in plan.topics:
             if topic.topic in taken:
@@ -117,48 +157,44 @@ def plan_sensors(
             if topic.topic is not None:
                 taken[topic.topic] = sensor.name
             kept.append(topic)
-        if robot.bridged is not None and kept and all(topic.topic is None for topic in kept):
+        if owner.bridged is not None and kept and all(topic.topic is None for topic in kept):
             names = ", ".join(topic.in_gazebo for topic in kept)
             findings.append(Finding.at(Kind.WARNING, f"{what}: no bridge carries {names} to ROS", sensor.place))
         plans.append(replace(plan, topics=tuple(kept)))
     return tuple(plans), tuple(findings)
 
 
-def _wrong_place(sensor: Sensor, kind: "type[SensorSystem]", description: RobotDescription) -> str | None:
+def _wrong_place(sensor: Sensor, kind: "type[SensorSystem]", owner: SensorOwner) -> str | None:
     """Return why a sensor of a kind cannot be where it is; None if it can."""
-    known = description.links if kind.on == "link" else tuple(description.joints_by_name)
+    if kind.on == "joint" and owner.is_static:
+        return "the model is static: it has no joints"
+    known = owner.description.links if kind.on == "link" else tuple(owner.description.joints_by_name)
     name = sensor.link if kind.on == "link" else sensor.joint
     if name in known:
         return None
     other = sensor.joint if kind.on == "link" else sensor.link
     if not name and other:
         return f"such a sensor is on a {kind.on}, and this is not one"
-    return f"the robot has no {kind.on} {name!r}" if name else f"it names no {kind.on}"
+    return f"the {owner.kind} has no {kind.on} {name!r}" if name else f"it names no {kind.on}"
 
 
-def _plan(
-    robot: Robot,
-    sensor: Sensor,
-    kind: "type[SensorSystem]",
-    settings: Any,
-    description: RobotDescription,
-    frame_prefix: str,
-) -> SensorPlan:
-    scope = (robot.name, sensor.joint or sensor.gazebo_link, sensor.name)
+def _plan(owner: SensorOwner, sensor: Sensor, kind: "type[SensorSystem]", settings: Any) -> SensorPlan:
+    scope = (*owner.name.split("::"), sensor.joint or sensor.gazebo_link, sensor.name)
     frame = sensor.frame or kind.default_frame(sensor, settings, "/".join(scope))
-    if frame in description.links:
-        frame = frame_prefix.lstrip("/") + frame
+    if frame in owner.description.links:
+        frame = owner.frame_prefix.lstrip("/") + frame
     noises = {name: noise for name, noise in kind.noises(settings).items() if noise != SILENT}
-    default = gazebo_default(robot.name, sensor, kind.gz_topic or sensor.kind)
+    default = gazebo_default(owner.name, sensor, kind.gz_topic or sensor.kind)
     base = default if sensor.topic in ("", "__default_topic__") else f"/{valid_topic(sensor.topic)}"
-    topics = tuple(_topic(robot, sensor, item) for item in kind.topics(sensor, settings, base))
+    topics = tuple(_topic(owner, item) for item in kind.topics(sensor, settings, base))
     return SensorPlan(sensor, kind, settings, frame, kind.rate(sensor, settings), topics, noises)
 
 
-def gazebo_default(robot: str, sensor: Sensor, last: str) -> str:
+def gazebo_default(owner: str, sensor: Sensor, last: str) -> str:
     """Return the topic that Gazebo gives a sensor without ``<topic>``; ``*`` stands for the world's name."""
     on = f"link/{sensor.gazebo_link}" if sensor.link else f"joint/{sensor.joint}"
-    return f"{_ANY_WORLD}model/{robot}/{on}/sensor/{sensor.name}/{last}"
+    model = owner.replace("::", "/model/")
+    return f"/{valid_topic(f'{_ANY_WORLD}model/{model}/{on}/sensor/{sensor.name}/{last}')}"
 
 
 def valid_topic(topic: str) -> str:
@@ -166,15 +202,15 @@ def valid_topic(topic: str) -> str:
     return re.sub("@|~|//|:=", "", topic.replace(" ", "_")).strip("/")
 
 
-def _topic(robot: Robot, sensor: Sensor, item: "SensorTopic") -> PlannedTopic:
-    below = f"{robot.topic_namespace}/"
+def _topic(owner: SensorOwner, item: "SensorTopic") -> PlannedTopic:
     if item.is_ros:
-        name = item.name if item.name.startswith("/") else below + item.name
-        return PlannedTopic(item.own, item.type, robot.remapped(name))
-    if robot.bridged is None:
+        name = item.name if item.name.startswith("/") else f"{owner.plugin_namespace}/{item.name}"
+        return PlannedTopic(item.own, item.type, owner.remappings.get(name, name))
+    if owner.bridged is None:
         short = re.sub(r"^/world/\*/model/.*?/(?:link|joint)/.*?/sensor/", "", item.name)
-        return PlannedTopic(item.own, item.type, robot.remapped(below + short.strip("/")), item.name)
-    return PlannedTopic(item.own, item.type, bridged_name(item.name, robot.bridged), item.name)
+        name = f"{owner.namespace}/{short.strip('/')}"
+        return PlannedTopic(item.own, item.type, owner.remappings.get(name, name), item.name)
+    return PlannedTopic(item.own, item.type, bridged_name(item.name, owner.bridged), item.name)
 
 
 def bridged_name(in_gazebo: str, bridged: Mapping[str, str]) -> str | None:

@@ -72,11 +72,7 @@ class LaunchPackages(PackageIndex):
     def prefix(self, package: str, near: str | Path | None = None) -> Path:
         """Return the folder that holds ``share/PACKAGE``, as in an install tree."""
         share = self.find(package, near)
-        if share.parent.name == "share":
-            return share.parent.parent
-        if str(share.parent) in (ABSENT, BUILT_IN):
-            return share
-        return _prefix_of(share)
+        return share if str(share.parent) in (ABSENT, BUILT_IN) else prefix_of(share)
 
     def locate(self, path: str | Path, near: str | Path | None = None) -> Path:
         """Find a file that is named by its author's own path, by the package in the path.
@@ -135,7 +131,10 @@ def _repository(package: Path) -> Path | None:
 
 
 @functools.lru_cache(maxsize=1024)
-def _prefix_of(share: Path) -> Path:
+def prefix_of(share: Path) -> Path:
+    """Return the folder that holds ``share/PACKAGE``, for a package's share folder; that of a source has a link."""
+    if share.parent.name == "share":
+        return share.parent.parent
     prefix = lasting_folder(str(share)) / "prefix"
     link = prefix / "share" / share.name
     link.parent.mkdir(parents=True, exist_ok=True)

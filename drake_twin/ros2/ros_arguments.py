@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -20,6 +21,7 @@ class RosArguments:
         namespace: Its namespace from ``-r __ns:=``.
         remappings: (from, to) pairs.
         parameters: Files and single values, in order.
+        log_levels: (logger, level) pairs; the logger is empty for all.
     """
 
     arguments: tuple[str, ...]
@@ -27,6 +29,7 @@ class RosArguments:
     namespace: str | None = None
     remappings: tuple[tuple[str, str], ...] = ()
     parameters: tuple[Path | Mapping[str, ParameterValue], ...] = ()
+    log_levels: tuple[tuple[str, str], ...] = ()
 
 
 def split_ros_arguments(words: Sequence[str]) -> RosArguments:
@@ -34,6 +37,7 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
     own: list[str] = []
     remappings: list[tuple[str, str]] = []
     parameters: list[Path | Mapping[str, ParameterValue]] = []
+    log_levels: list[tuple[str, str]] = []
     names: dict[str, str] = {}
     ros = False
     position = 0
@@ -56,7 +60,44 @@ def split_ros_arguments(words: Sequence[str]) -> RosArguments:
                 parameters.append({source.rpartition(":")[2]: _value(target)})
             elif word == "--params-file":
                 parameters.append(Path(value))
-    return RosArguments(tuple(own), names.get("name"), names.get("namespace"), tuple(remappings), tuple(parameters))
+            elif word == "--log-level":
+                log_levels.append((source, target) if target else ("", value))
+    name, namespace = names.get("name"), names.get("namespace")
+    return RosArguments(tuple(own), name, namespace, tuple(remappings), tuple(parameters), tuple(log_levels))
+
+
+def ros_arguments(
+    name: str,
+    namespace: str,
+    remappings: Sequence[tuple[str, str]],
+    parameters: Sequence[Path | Mapping[str, Any]],
+) -> tuple[str, ...]:
+    """Return the command line that `split_ros_arguments` reads as these values.
+
+    Args:
+        name: The node's name; empty for its own.
+        namespace: The node's namespace; empty for its own.
+        remappings: (from, to) pairs.
+        parameters: Files and mappings, in order.
+    """
+    words = []
+    for key, value in (("__node", name), ("__ns", namespace), *remappings):
+        if value:
+            words += ["-r", f"{key}:={value}"]
+    for item in parameters:
+        if isinstance(item, Mapping):
+            for key, value in item.items():
+                words += ["-p", f"{key}:={_text(value)}"]
+        else:
+            words += ["--params-file", str(item)]
+    return ("--ros-args", *words) if words else ()
+
+
+def _text(value: Any) -> str:
+    """Return a parameter's value as YAML on one line."""
+    plain = list(value) if isinstance(value, tuple) else value
+    text = yaml.safe_dump(plain, default_flow_style=True, width=10**9, allow_unicode=True)
+    return text.removesuffix("...\n").strip()
 
 
 def _value(text: str) -> ParameterValue:

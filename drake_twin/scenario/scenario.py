@@ -47,6 +47,9 @@ RESERVED_NAMES = frozenset(
 HYDROELASTIC, POINT = "hydroelastic", "point"
 CONTACTS = (HYDROELASTIC, POINT)
 
+# The name in `Scenario.values` of the ground's coefficient of friction.
+GROUND_FRICTION = "friction"
+
 # What a collision mesh becomes: its convex hull, or convex pieces of it.
 COLLISION_KINDS = ("hull", "decomposition")
 
@@ -64,6 +67,11 @@ class World:
         file: An SDF world: a path, ``package://`` or ``model://``, or the name of a built-in one such as ``empty.sdf``.
         contact: ``hydroelastic``: flat shapes of the world touch with their faces; or ``point``: in a point.
         without_models: The names of models of the file to leave out, such as those that are robots of the scenario.
+        model_poses: Model of the file → its pose in place of the file's: x, y, z (m), roll, pitch, yaw (rad).
+        model_copies: Name of a further model → the model of the file that it is like, at the same pose unless
+            `model_poses` gives it one.
+        bridged: Of the sensors of the file's models: topic in Gazebo → the topic in ROS that a bridge publishes it on;
+            None where no bridge runs, so that each one is published below its model's name.
     """
 
     gravity: Vector3 | None = None
@@ -72,6 +80,9 @@ class World:
     file: str | None = None
     contact: str = HYDROELASTIC
     without_models: tuple[str, ...] = ()
+    model_poses: Mapping[str, tuple[float, float, float, float, float, float]] = field(default_factory=dict)
+    model_copies: Mapping[str, str] = field(default_factory=dict)
+    bridged: Mapping[str, str] | None = None
 
     @property
     def has_own_ground(self) -> bool:
@@ -108,6 +119,10 @@ class Robot:
             each sensor is published below the robot's namespace.
         without_repairs: Names of repairs to leave out; ``drake_twin/docs/repairs.md`` lists them.
         added_controllers: Controller name → its ``type`` and its parameters, beside those of the parameters files.
+        controller_parameters: Controller name → parameters that replace those of the parameters files. Parameters
+            within a mapping are named with dots, for example ``gains.joint_1.p``.
+        friction: The coefficient of friction of all its collision shapes; by default those of its file.
+        joint_friction: Joint name → its dry friction (N·m or N) in place of the file's.
     """
 
     name: str
@@ -130,6 +145,9 @@ class Robot:
     added_controllers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     unconfigured_controllers: tuple[str, ...] = ()
     bridged: Mapping[str, str] | None = None
+    controller_parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    friction: float | None = None
+    joint_friction: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def topic_namespace(self) -> str:
@@ -173,6 +191,31 @@ class Command:
     optional: bool = False
 
 
+@saved("NodeProgram")
+@dataclass(frozen=True)
+class NodeProgram:
+    """A rclpy program of the user's that runs beside the robots, in the twin's process.
+
+    Attributes:
+        executable: A Python script; with a package, the name of its program as for ``ros2 run``.
+        package: The ROS package; empty for a script.
+        arguments: The command line. What follows ``--ros-args`` names the node, remaps its topics and sets parameters.
+        environment: Variables that differ from those of the process.
+        time: The simulation time at which it starts (s).
+    """
+
+    executable: str
+    package: str = ""
+    arguments: tuple[str, ...] = ()
+    environment: Mapping[str, str] = field(default_factory=dict)
+    time: float = 0.0
+
+    @property
+    def what(self) -> str:
+        """``PACKAGE/EXECUTABLE``, or the script's name."""
+        return f"{self.package}/{self.executable}" if self.package else self.executable.rpartition("/")[2]
+
+
 @saved("Scenario")
 @dataclass(frozen=True)
 class Scenario:
@@ -192,7 +235,10 @@ class Scenario:
         commands: Messages to publish, with their times.
         seed: What the noise of sensors is drawn from.
         sensor_noise: Whether sensors have the noise that their files give them.
+        nodes: The rclpy programs that run beside the robots, in the order of their turns.
         findings: What a launch file asks for and the twin does not do, each with the reason.
+        values: Parameters of the plant that differ from the files', by name: masses, dampings, the ground's friction;
+            `drake_twin.twin.varied_parameters` lists them. Servo gains stay those of the files' values.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -210,6 +256,8 @@ class Scenario:
     findings: tuple[Finding, ...] = ()
     seed: int = 0
     sensor_noise: bool = True
+    nodes: tuple[NodeProgram, ...] = ()
+    values: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -273,6 +321,11 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if robot.name in names:
             yield ("robots", index, "name"), f"two robots are named {robot.name!r}"
         names.add(robot.name)
+        frictions: list[tuple[tuple[str, ...], float | None]] = [(("friction",), robot.friction)]
+        frictions += [(("joint_friction", name), value) for name, value in robot.joint_friction.items()]
+        for where, value in frictions:
+            if value is not None and not value >= 0:
+                yield ("robots", index, *where), f"{value:g} is below zero"
     children: set[str] = set()
     for index, transform in enumerate(scenario.static_transforms):
         if transform.child in children:
@@ -288,6 +341,11 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if command.period is not None and not scenario.time_step <= command.period <= LONGEST_TIME:
             what = f"it must be {scenario.time_step:g} s (the time step) or more"
             yield ("commands", index, "period"), f"{command.period:g} s is not a period: {what}"
+    for index, node in enumerate(scenario.nodes):
+        if not node.executable:
+            yield ("nodes", index, "executable"), "a node needs a script, or a package and its program"
+        if not 0 <= node.time <= LONGEST_TIME:
+            yield ("nodes", index, "time"), f"{node.time:g} s is not a time from zero to {LONGEST_TIME:g} s"
 
 
 def _unknown(value: str, valid: tuple[str, ...]) -> str:

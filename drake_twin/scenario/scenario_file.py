@@ -180,6 +180,10 @@ def _with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:
     return dataclasses.replace(
         scenario,
         robots=robots,
+        nodes=tuple(
+            node if node.package else dataclasses.replace(node, executable=absolute(node.executable))
+            for node in scenario.nodes
+        ),
         package_paths=tuple(absolute(name) for name in scenario.package_paths),
         world=dataclasses.replace(scenario.world, file=scenario.world.file and absolute(scenario.world.file)),
     )

@@ -26,4 +26,4 @@ def classic_topic(plugin: GazeboPlugin, topic: str) -> str:
 
 def classic_frame(sensor: Sensor, otherwise: str) -> str:
     """Return the default frame of a sensor with a classic plugin, its link (``SensorFrameID``); else another one."""
-    return otherwise if classic_plugin(sensor) is None else sensor.gazebo_link
+    return otherwise if classic_plugin(sensor) is None else sensor.gazebo_link.rpartition("::")[2]

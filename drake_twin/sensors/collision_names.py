@@ -35,6 +35,28 @@ def collision_names(description: RobotDescription, link: str) -> dict[tuple[str,
     return found
 
 
+def static_geometries(
+    description: RobotDescription, links: list[str], inspector: SceneGraphInspector
+) -> Iterator[tuple[GeometryId, tuple[str, int]]]:
+    """Yield the geometries of some links of a static model, as `collision_geometries` does."""
+    root = etree.fromstring(description.text.encode())
+    places = {
+        f"{description.name.replace('::', '/')}/{link}/{item.get('name', '')}": (link, index)
+        for link in links
+        for index, item in enumerate(root.iterfind(f"model/link[@name='{link}']/collision"))
+    }
+    for geometry in inspector.GetAllGeometryIds(Role.kProximity):
+        place = places.get(static_shape_name(inspector, geometry))
+        if place is not None:
+            yield geometry, place
+
+
+def static_shape_name(inspector: SceneGraphInspector, geometry: GeometryId) -> str:
+    """Return the name ``MODEL/LINK/SHAPE`` of a shape of a static model; see `drake_twin.diagram.static_world`."""
+    name = str(inspector.GetName(geometry))
+    return name.rpartition("::")[2].partition("|")[0].rpartition("/")[0]
+
+
 def collision_geometries(
     description: RobotDescription,
     links: list[str],
@@ -45,7 +67,7 @@ def collision_geometries(
     """Yield the geometries of some links, with link and index of the collision shape that each one is of."""
     root = etree.fromstring(description.text.encode())
     for link in links:
-        elements = root.findall(f".//link[@name='{link}']/collision")
+        elements = root.findall(f"{'link' if root.tag == 'robot' else 'model/link'}[@name='{link}']/collision")
         named = {item.get("name", ""): index for index, item in enumerate(elements) if item.get("name")}
         unnamed = [index for index, item in enumerate(elements) if not item.get("name")]
         known: dict[str, int] = {}

@@ -14,11 +14,17 @@ from drake_twin import messages
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.classic import classic_plugin, classic_topic
-from drake_twin.sensors.collision_names import collision_geometries, collision_names
+from drake_twin.sensors.collision_names import (
+    collision_geometries,
+    collision_names,
+    static_geometries,
+    static_shape_name,
+)
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
 
+_STATIC = ("world", "static_world::static_world")  # frames of the shapes of static models
 _COLLISION = 5  # ros_gz_interfaces/msg/Entity
 
 
@@ -123,16 +129,19 @@ class ContactSensor(SensorSystem):
         assert setup.description is not None, "collision shapes have their names there"
         assert setup.scene_graph is not None, "shapes are there"
         self._inspector = setup.scene_graph.model_inspector()
-        link, settings = setup.sensor.gazebo_link or setup.sensor.link, setup.settings
-        names = collision_names(setup.description, link)
-        links = list(dict.fromkeys((setup.sensor.link, *(own for own, _ in names))))
-        shapes = collision_geometries(setup.description, links, setup.plant, setup.instance, self._inspector)
-        robot = setup.plant.GetModelInstanceName(setup.instance)
+        description, sensor, settings = setup.description, setup.sensor, setup.settings
+        link = sensor.gazebo_link if sensor.gazebo_link in description.links else sensor.link
+        names = collision_names(description, link)
+        links = list(dict.fromkeys((sensor.link, *(own for own, _ in names))))
+        if setup.anchors:
+            shapes = static_geometries(description, links, self._inspector)
+        else:
+            shapes = collision_geometries(description, links, setup.plant, setup.instance, self._inspector)
         self._names, self._watched = {}, set()
         unknown = set(settings.collisions)
         for geometry, shape in shapes:
             name = names.get(shape, "")
-            self._names[geometry] = f"{robot}::{link}::{name}"
+            self._names[geometry] = f"{setup.owner}::{link}::{name}"
             found = {asked for asked in settings.collisions if asked in _spellings(name, shape[0])}
             unknown -= found
             if found:
@@ -155,6 +164,8 @@ class ContactSensor(SensorSystem):
         if geometry in self._names:
             return self._names[geometry]
         frame = self._inspector.GetName(self._inspector.GetFrameId(geometry))
+        if frame in _STATIC:
+            return static_shape_name(self._inspector, geometry).replace("/", "::")
         own = self._inspector.GetName(geometry).rpartition("::")[2].partition("|")[0]
         return f"{frame}::{own}"
 

@@ -11,22 +11,36 @@ from pydrake.common.value import AbstractValue
 from pydrake.geometry import Role
 from pydrake.systems.framework import Context
 
+from drake_twin.description.gazebo_plugins import plugin_kind
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
 from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.ray_caster import RayCaster
 from drake_twin.sensors.registry import sensor
-from drake_twin.sensors.scan_messages import ScanGrid, laser_scan, nearest_range, point_cloud, point_cloud2
+from drake_twin.sensors.scan_messages import (
+    ScanGrid,
+    classic_point_cloud2,
+    laser_scan,
+    nearest_range,
+    point_cloud,
+    point_cloud2,
+)
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
 
 _MOST_RAYS = 2_000_000
-_PLUGINS = tuple(f"gazebo_ros_{kind}" for kind in ("ray_sensor", "laser", "gpu_laser", "block_laser", "range"))
+# Of ROS 1, which still stand in files, with their default topics.
+_ROS_1 = {
+    **dict.fromkeys(("gazebo_ros_laser", "gazebo_ros_gpu_laser", "gazebo_ros_block_laser"), "/world"),
+    "gazebo_ros_range": "/range",
+}
+_PLUGINS = ("gazebo_ros_ray_sensor", *_ROS_1)
 # What Gazebo classic's plugins publish; the first is the default of gazebo_ros_ray_sensor.
 _OUTPUTS = ("sensor_msgs/PointCloud2", "sensor_msgs/LaserScan", "sensor_msgs/PointCloud", "sensor_msgs/Range")
 _OF_PLUGIN = {"gazebo_ros_block_laser": "sensor_msgs/PointCloud", "gazebo_ros_range": "sensor_msgs/Range"}
-_RADIATIONS = ("infrared", "ultrasound")  # 1 and 0 of sensor_msgs/msg/Range
+_SOUND = "ultrasound"
+_RADIATIONS = ("infrared", _SOUND)  # 1 and 0 of sensor_msgs/msg/Range
 
 
 @dataclass(frozen=True)
@@ -87,10 +101,14 @@ class Lidar(SensorSystem):
         if kind in _PLUGINS:
             plugin = element.part("plugin")
             assert plugin is not None
-            otherwise = _OF_PLUGIN.get(kind, "sensor_msgs/LaserScan")
-            default = _OUTPUTS if kind == "gazebo_ros_ray_sensor" else (otherwise, *_OUTPUTS)
-            output = plugin.choice("output_type", default)
-            radiation = 1 - _RADIATIONS.index(plugin.choice("radiation_type", _RADIATIONS))
+            if kind in _ROS_1:
+                output = _OF_PLUGIN.get(kind, "sensor_msgs/LaserScan")
+                radiation = int(plugin.text("radiation", default=_SOUND) != _SOUND)
+                for name in ("topicName", "frameName", "robotNamespace"):
+                    plugin.has(name)
+            else:
+                output = plugin.choice("output_type", _OUTPUTS)
+                radiation = 1 - _RADIATIONS.index(plugin.choice("radiation_type", _RADIATIONS))
         noise = read_noise(part)
         return LidarSettings(grid, noise, element.sensor.kind in ("ray", "lidar"), output, radiation)
 
@@ -102,7 +120,7 @@ class Lidar(SensorSystem):
 
     @classmethod
     def topics(cls, sensor: Sensor, settings: LidarSettings, base: str) -> Iterable[SensorTopic]:
-        """Return its scan and its points; one topic of Gazebo classic's plugin."""
+        """Return its scan and its points; one topic of Gazebo classic's plugin, ``topicName`` of ROS 1's."""
         plugin = classic_plugin(sensor, *_PLUGINS)
         if plugin is None:
             return (
@@ -110,11 +128,15 @@ class Lidar(SensorSystem):
                 SensorTopic("points", "sensor_msgs/msg/PointCloud2", f"{base}/points"),
             )
         kind = settings.output.replace("/", "/msg/")
-        return (SensorTopic("scan", kind, classic_topic(plugin, "~/out"), is_ros=True),)
+        otherwise = _ROS_1.get(plugin_kind(plugin), "")
+        name = SensorElement(sensor).text("plugin/topicName", default=otherwise) if otherwise else "~/out"
+        return (SensorTopic("scan", kind, classic_topic(plugin, name), is_ros=True),)
 
     @classmethod
     def default_frame(cls, sensor: Sensor, settings: LidarSettings, scoped: str) -> str:
-        """Return the link with Gazebo classic's plugin; else Gazebo's scoped name."""
+        """Return the link with Gazebo classic's plugin, ``frameName`` with ROS 1's; else Gazebo's scoped name."""
+        if classic_plugin(sensor, *_ROS_1) is not None:
+            return SensorElement(sensor).text("plugin/frameName", default="world").lstrip("/")
         return classic_frame(sensor, scoped)
 
     @classmethod
@@ -159,7 +181,7 @@ class Lidar(SensorSystem):
         make: dict[str, Any] = {
             "": lambda: laser_scan(header, settings.grid, ranges),
             "sensor_msgs/LaserScan": lambda: laser_scan(header, settings.grid, ranges),
-            "sensor_msgs/PointCloud2": lambda: point_cloud2(header, settings.grid, self._directions_S, ranges),
+            "sensor_msgs/PointCloud2": lambda: classic_point_cloud2(header, self._directions_S, ranges),
             "sensor_msgs/PointCloud": lambda: point_cloud(header, self._directions_S, ranges),
             "sensor_msgs/Range": lambda: nearest_range(header, settings.grid, ranges, settings.radiation),
         }

@@ -7,7 +7,7 @@ triangles: they are met by formula.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,12 +17,23 @@ from pydrake.geometry import Box, Convex, GeometryId, HalfSpace, Mesh, Role, Sce
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from drake_twin.description.mesh_triangles import mesh_triangles
 from drake_twin.errors import InputError
-from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of
+from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, sizes_of
 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
 _BRAKE = "/friction/"  # in the names of the shapes that brake joints, which nobody sees
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
+
+
+@dataclass(frozen=True)
+class _Balls:
+    """Round shapes of one kind: centers, turns, radii of the spheres about them, and their `sizes_of`, one a row."""
+
+    centers: np.ndarray
+    turns: np.ndarray
+    radii: np.ndarray
+    sizes: np.ndarray
 
 
 @dataclass
@@ -47,10 +58,31 @@ class _Group:
         if not self.triangles:
             return None
         rtcore_scene, mesh_construction = _embree()
-        scene = rtcore_scene.EmbreeScene()
-        for vertices, faces in self.triangles:
-            mesh_construction.TriangleMesh(scene, vertices.astype(np.float32), faces.astype(np.int32))
+        scene = rtcore_scene.EmbreeScene(_device())
+        counts = np.cumsum([0, *(len(vertices) for vertices, _ in self.triangles)])
+        vertices = np.vstack([vertices for vertices, _ in self.triangles])
+        faces = np.vstack([faces + count for (_, faces), count in zip(self.triangles, counts, strict=False)])
+        mesh_construction.TriangleMesh(scene, vertices.astype(np.float32), faces.astype(np.int32))
         return scene
+
+    @cached_property
+    def kinds(self) -> tuple[tuple[type[Shape], _Balls], ...]:
+        """The round shapes of each kind."""
+        found: dict[type[Shape], list[tuple[Shape, RigidTransform]]] = {}
+        for shape, pose in self.round:
+            found.setdefault(next(kind for kind in ROUND_SHAPES if isinstance(shape, kind)), []).append((shape, pose))
+        return tuple(
+            (
+                kind,
+                _Balls(
+                    centers=np.array([pose.translation() for _, pose in items]),
+                    turns=np.array([pose.rotation().matrix() for _, pose in items]),
+                    radii=np.array([radius_of(shape) for shape, _ in items]),
+                    sizes=np.array([sizes_of(shape) for shape, _ in items]),
+                ),
+            )
+            for kind, items in found.items()
+        )
 
     @cached_property
     def sphere(self) -> tuple[np.ndarray, float]:
@@ -65,21 +97,20 @@ class _Group:
         reach += [np.linalg.norm(pose.translation() - center) + radius_of(shape) for shape, pose in self.round]
         return center, float(max(reach))
 
-    def cast(self, origin: np.ndarray, directions: np.ndarray, nearest: float) -> np.ndarray:
-        """Return how far away rays meet the shapes, in the group's axes."""
+    def cast(self, origin: np.ndarray, directions: np.ndarray, nearest: float, farthest: float) -> np.ndarray:
+        """Return how far away rays meet the shapes, in the group's axes; see `RayCaster.cast`."""
         found = np.full(len(directions), np.inf)
         if self.scene is not None:
             starts = (origin + nearest * directions).astype(np.float32)
             ways = np.full(len(directions), 1e37, dtype=np.float32)
             ways = self.scene.run(starts, directions.astype(np.float32), query="DISTANCE", dists=ways).astype(float)
             found = np.where(ways < 1e30, ways + nearest, np.inf)
-        for shape, pose in self.round:
-            turn = pose.rotation().matrix()
-            start = (origin - pose.translation()) @ turn
-            rays = np.flatnonzero(_meets(directions @ turn, -start[np.newaxis], np.array([radius_of(shape)]))[0])
-            with np.errstate(divide="ignore", invalid="ignore"):
-                met = distances(shape, start, directions[rays] @ turn, nearest)
-            found[rays] = np.minimum(found[rays], met)
+        for kind, balls in self.kinds:
+            shapes, rays = _meets(directions, balls.centers - origin, balls.radii, nearest, farthest)
+            turns = balls.turns[shapes]
+            starts = np.einsum("ij,ijk->ik", origin - balls.centers[shapes], turns)
+            ways = np.einsum("ij,ijk->ik", directions[rays], turns)
+            np.minimum.at(found, rays, distances(kind, balls.sizes[shapes], starts, ways, nearest))
         for pose in self.planes:
             normal = pose.rotation().matrix()[:, 2]
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -144,19 +175,19 @@ class RayCaster:
             nearest: Shapes that are nearer are not seen (m).
             farthest: Shapes that are farther away need not be seen (m).
         """
-        found = self._static.cast(origin, directions, nearest)
+        found = self._static.cast(origin, directions, nearest, farthest)
         if not self._moving:
             return found
-        turns = np.array([poses[group.body or 0].rotation().matrix() for group in self._moving])
-        positions = np.array([poses[group.body or 0].translation() for group in self._moving])
+        matrices = np.array([poses[group.body or 0].GetAsMatrix34() for group in self._moving])
+        turns, positions = matrices[:, :, :3], matrices[:, :, 3]
         centers, radii = self._spheres
         ways = positions + np.einsum("bij,bj->bi", turns, centers) - origin
-        meets = _meets(directions, ways, radii)
-        meets[np.sqrt(np.einsum("bi,bi->b", ways, ways)) - radii > farthest] = False
-        for index in np.flatnonzero(meets.any(axis=1)):
-            rays, turn = np.flatnonzero(meets[index]), turns[index]
+        groups, rays_met = _meets(directions, ways, radii, nearest, farthest)
+        for index in np.unique(groups):
+            rays, turn = rays_met[groups == index], turns[index]
             start = (origin - positions[index]) @ turn
-            found[rays] = np.minimum(found[rays], self._moving[index].cast(start, directions[rays] @ turn, nearest))
+            met = self._moving[index].cast(start, directions[rays] @ turn, nearest, farthest)
+            found[rays] = np.minimum(found[rays], met)
         return found
 
     @cached_property
@@ -166,9 +197,22 @@ class RayCaster:
         return np.array(centers), np.array(radii)
 
 
-def _meets(directions: np.ndarray, ways: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """Return which spheres (rows) which rays (columns) may meet, by the ways from the rays' origin to their centers."""
-    squares = np.einsum("bi,bi->b", ways, ways)[:, np.newaxis]
+def _meets(
+    directions: np.ndarray, ways: np.ndarray, radii: np.ndarray, nearest: float, farthest: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pairs of spheres and rays that may meet: the indices of the spheres, in order, and of the rays.
+
+    Args:
+        directions: Unit vectors, one a row.
+        ways: The ways from the rays' origin to the spheres' centers, one a row (m).
+        radii: Of the spheres (m).
+        nearest: Spheres that are nearer as a whole are left out (m).
+        farthest: Spheres that are farther away are left out (m).
+    """
+    squares = np.einsum("bi,bi->b", ways, ways)
+    lengths = np.sqrt(squares)
+    there = np.flatnonzero((lengths - radii <= farthest) & ((1.0 + _MARGIN) * (lengths + radii) >= nearest))
+    ways, radii, squares = ways[there], radii[there], squares[there][:, np.newaxis]
     reach = (radii + _MARGIN * (radii + np.sqrt(squares[:, 0])))[:, np.newaxis] ** 2
     found = np.empty((len(ways), len(directions)), dtype=bool)
     for begin in range(0, len(directions), _BLOCK):
@@ -176,7 +220,9 @@ def _meets(directions: np.ndarray, ways: np.ndarray, radii: np.ndarray) -> np.nd
         near = squares - along**2 <= reach
         near &= along > 0.0
         found[:, begin : begin + _BLOCK] = near
-    return np.asarray(found | (squares <= reach))
+    found |= squares <= reach
+    rows, rays = np.nonzero(found)
+    return there[rows], rays
 
 
 def _add(
@@ -210,7 +256,8 @@ def _triangles(
         file, scale = Path(shape.source().path()), np.array(shape.scale3())
         key = (str(file), *map(str, scale))
         if key not in meshes:
-            meshes[key] = _of_file(file, scale)
+            unscaled, of_mesh = mesh_triangles(file)
+            meshes[key] = unscaled * scale, of_mesh
         return meshes[key]
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()
@@ -224,14 +271,12 @@ def _triangles(
     raise InputError(f"a lidar cannot see a {type(shape).__name__}")
 
 
-def _of_file(file: Path, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    import trimesh  # importing it takes a third of a second
+@cache
+def _device() -> Any:
+    """Return what all scenes share."""
+    from embreex.rtcore import EmbreeDevice
 
-    mesh = trimesh.load_scene(file).to_mesh()
-    vertices = np.asarray(mesh.vertices)
-    if file.suffix in (".gltf", ".glb"):  # y is up in the file
-        vertices = np.column_stack([vertices[:, 0], -vertices[:, 2], vertices[:, 1]])
-    return vertices * scale, np.asarray(mesh.faces)
+    return EmbreeDevice()
 
 
 def _embree() -> tuple[Any, Any]:

@@ -1,4 +1,7 @@
-"""Where rays meet spheres, ellipsoids, cylinders and capsules: the quadratic formula, in double precision."""
+"""Where rays meet spheres, ellipsoids, cylinders and capsules: the quadratic formula, in double precision.
+
+Many rays and shapes of one kind are calculated at once, as pairs of a ray and a shape; each pair's numbers are its own.
+"""
 
 import numpy as np
 from pydrake.geometry import Capsule, Cylinder, Ellipsoid, Shape, Sphere
@@ -15,47 +18,64 @@ def radius_of(shape: Shape) -> float:
     return float(shape.radius() + (shape.length() / 2 if isinstance(shape, Capsule) else 0.0))
 
 
-def distances(shape: Shape, origin: np.ndarray, directions: np.ndarray, nearest: float) -> np.ndarray:
-    """Return how far away rays meet a round shape from outside or inside (m); infinite where they do not.
+def sizes_of(shape: Shape) -> tuple[float, float, float]:
+    """Return what `distances` takes of a round shape: its half axes; radius, radius and half of a cylinder's length."""
+    if isinstance(shape, Ellipsoid):
+        return shape.a(), shape.b(), shape.c()
+    radius = shape.radius()
+    return radius, radius, radius if isinstance(shape, Sphere) else shape.length() / 2
+
+
+def distances(
+    kind: type[Shape], sizes: np.ndarray, origins: np.ndarray, directions: np.ndarray, nearest: float
+) -> np.ndarray:
+    """Return how far away rays meet round shapes from outside or inside (m); infinite where they do not.
 
     Args:
-        shape: A sphere, ellipsoid, cylinder or capsule.
-        origin: Where the rays begin, in the shape's frame.
-        directions: Unit vectors, one a row.
+        kind: The shapes' class.
+        sizes: The result of `sizes_of` of each shape, (pairs, 3).
+        origins: Where each ray begins, in its shape's frame, (pairs, 3).
+        directions: Unit vectors in the shapes' frames, (pairs, 3).
         nearest: What is nearer is not seen (m).
     """
-    if isinstance(shape, Sphere):
-        return _first(_quadric(origin, directions, np.full(3, 1 / shape.radius())), nearest)
-    if isinstance(shape, Ellipsoid):
-        return _first(_quadric(origin, directions, 1 / np.array([shape.a(), shape.b(), shape.c()])), nearest)
-    half = shape.length() / 2
-    side = _quadric(origin, directions, np.array([1.0, 1.0, 0.0]) / shape.radius())
-    side[np.abs(origin[2] + side * directions[:, 2]) > half] = np.inf
-    return _first(np.vstack([side, *_ends(shape, origin, directions, half)]), nearest)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if kind in (Sphere, Ellipsoid):
+            return _first(_quadric(origins / sizes, directions / sizes), nearest)
+        radius, half = sizes[:, :1], sizes[:, 2]
+        side = _quadric(origins[:, :2] / radius, directions[:, :2] / radius)
+        side[np.abs(origins[:, 2] + side * directions[:, 2]) > half] = np.inf
+        ends = _balls if kind is Capsule else _discs
+        return _first(
+            np.vstack([side, *(ends(radius, half, sign, origins, directions) for sign in (1.0, -1.0))]), nearest
+        )
 
 
-def _ends(shape: Shape, origin: np.ndarray, directions: np.ndarray, half: float) -> list[np.ndarray]:
-    """Return the distances to the two ends: discs of a cylinder, half spheres of a capsule."""
-    found = []
-    for end in (half, -half):
-        if isinstance(shape, Capsule):
-            ball = _quadric(origin - [0.0, 0.0, end], directions, np.full(3, 1 / shape.radius()))
-            ball[(origin[2] + ball * directions[:, 2]) * np.sign(end) < half] = np.inf
-            found.append(ball)
-        else:
-            disc = (end - origin[2]) / directions[:, 2]
-            across = origin[:2] + disc[:, np.newaxis] * directions[:, :2]
-            disc[~(np.einsum("ij,ij->i", across, across) <= shape.radius() ** 2)] = np.inf
-            found.append(disc[np.newaxis])
+def _discs(
+    radius: np.ndarray, half: np.ndarray, sign: float, origins: np.ndarray, directions: np.ndarray
+) -> np.ndarray:
+    """Return the distances to the upper or lower ends of cylinders."""
+    found: np.ndarray = (sign * half - origins[:, 2]) / directions[:, 2]
+    across = origins[:, :2] + found[:, np.newaxis] * directions[:, :2]
+    found[~(np.einsum("ij,ij->i", across, across) <= radius[:, 0] ** 2)] = np.inf
+    return found[np.newaxis]
+
+
+def _balls(
+    radius: np.ndarray, half: np.ndarray, sign: float, origins: np.ndarray, directions: np.ndarray
+) -> np.ndarray:
+    """Return the distances to the upper or lower half balls of capsules."""
+    start = origins.copy()
+    start[:, 2] -= sign * half
+    found = _quadric(start / radius, directions / radius)
+    found[sign * (origins[:, 2] + found * directions[:, 2]) < half] = np.inf
     return found
 
 
-def _quadric(origin: np.ndarray, directions: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Return both distances at which ``|scales · p| = 1``, one a row; infinite or NaN for a ray that misses."""
-    start, way = origin * scales, directions * scales
-    a = np.einsum("ij,ij->i", way, way)
-    b = way @ start
-    c = start @ start - 1.0
+def _quadric(starts: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """Return both distances at which ``|start + t way| = 1``, one a row; infinite or NaN for a ray that misses."""
+    a = np.einsum("ij,ij->i", ways, ways)
+    b = np.einsum("ij,ij->i", ways, starts)
+    c = np.einsum("ij,ij->i", starts, starts) - 1.0
     root = np.sqrt(b**2 - a * c)
     # The sum that cancels is avoided: the other root follows from the product of both.
     larger = -b - np.copysign(root, b)
@@ -63,5 +83,4 @@ def _quadric(origin: np.ndarray, directions: np.ndarray, scales: np.ndarray) -> 
 
 
 def _first(candidates: np.ndarray, nearest: float) -> np.ndarray:
-    candidates = np.atleast_2d(candidates)
     return np.asarray(np.where(candidates >= nearest, candidates, np.inf).min(axis=0))

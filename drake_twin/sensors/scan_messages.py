@@ -100,21 +100,47 @@ def point_cloud2(header: Any, grid: ScanGrid, directions: np.ndarray, ranges: np
     )
 
 
+def classic_point_cloud2(header: Any, directions: np.ndarray, ranges: np.ndarray) -> Any:
+    """Return what was met as a dense ``PointCloud2`` (gazebo_ros/conversions/sensor_msgs.hpp): x, y, z, intensity."""
+    met = np.isfinite(ranges)
+    data = np.zeros((np.count_nonzero(met), 4), dtype="<f4")
+    data[:, :3] = ranges[met, np.newaxis] * directions[met]
+    return messages.PointCloud2(
+        header=header,
+        height=1,
+        width=len(data),
+        fields=[
+            messages.PointField(name=name, offset=4 * index, datatype=_FLOAT32, count=1)
+            for index, name in enumerate(("x", "y", "z", "intensity"))
+        ],
+        is_bigendian=False,
+        point_step=16,
+        row_step=16 * len(data),
+        data=data.reshape(-1).view(np.uint8),
+        is_dense=True,
+    )
+
+
 def point_cloud(header: Any, directions: np.ndarray, ranges: np.ndarray) -> Any:
-    """Return what was met as a ``PointCloud``."""
+    """Return what was met as a ``PointCloud`` with its intensities (gazebo_ros/conversions/sensor_msgs.hpp)."""
     met = np.isfinite(ranges)
     xyz = (ranges[met, np.newaxis] * directions[met]).astype(np.float32).tolist()
-    return messages.PointCloud(header=header, points=[messages.Point32(x=x, y=y, z=z) for x, y, z in xyz], channels=[])
+    intensity = messages.ChannelFloat32(name="intensity", values=np.zeros(len(xyz), dtype=np.float32))
+    points_met = [messages.Point32(x=x, y=y, z=z) for x, y, z in xyz]
+    return messages.PointCloud(header=header, points=points_met, channels=[intensity])
 
 
 def nearest_range(header: Any, grid: ScanGrid, ranges: np.ndarray, radiation: int) -> Any:
-    """Return the least range as a ``Range`` (gazebo_plugins/src/gazebo_ros_ray_sensor.cpp)."""
+    """Return the least range as a ``Range``; the largest float without a hit.
+
+    As in gazebo_ros/conversions/sensor_msgs.hpp.
+    """
     return messages.Range(
         header=header,
         radiation_type=radiation,
-        field_of_view=grid.angle_max - grid.angle_min,
+        field_of_view=max(grid.angle_max - grid.angle_min, grid.row_max - grid.row_min),
         min_range=grid.range_min,
         max_range=grid.range_max,
-        range=float(ranges.min()),
+        range=float(min(ranges.min(), np.finfo(np.float32).max)),
         variance=0.0,
     )

@@ -23,3 +23,8 @@ class SensorHost(PlantReader):
         super().__init__()
         self.sensors: list[SensorSystem] = []
         self.shared: dict[Any, Any] = {}
+
+    def forget(self) -> None:
+        """Forget the sensors, which refer to this system, so that it can be freed; it cannot be used afterwards."""
+        self.sensors.clear()
+        self.shared.clear()

@@ -1,5 +1,6 @@
 """What a sensor is built from."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +12,9 @@ from pydrake.multibody.tree import Joint, ModelInstanceIndex, RigidBody
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.robot_description import Pose, RobotDescription, Sensor
 from drake_twin.description.surroundings import Surroundings
+from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
+from drake_twin.sensors.cameras.lazy_renderer import LazyRenderer
 from drake_twin.sensors.noise import NoiseSource
 from drake_twin.sensors.sensor_host import SensorHost
 
@@ -33,6 +36,10 @@ class SensorSetup:
         prefix: The beginning of its ports' names there.
         surroundings: Where on Earth the world is, and its magnetic field.
         frame_prefix: The prefix of its link names in tf messages.
+        renderer: What draws the pictures of cameras.
+        owner: The name of its robot, or of its model of the world.
+        anchors: Frame → pose in the world, of a static model, which has no bodies in the plant.
+        models: The models of the world's file.
     """
 
     sensor: Sensor
@@ -47,10 +54,16 @@ class SensorSetup:
     host: SensorHost | None = None
     prefix: str = ""
     surroundings: Surroundings = field(default_factory=Surroundings)
+    renderer: LazyRenderer = field(default_factory=LazyRenderer)
+    owner: str = ""
+    anchors: Mapping[str, RigidTransform] = field(default_factory=dict)
+    models: tuple[WorldModel, ...] = ()
 
     @property
     def body(self) -> RigidBody:
-        """The body of its link."""
+        """The body of its link; the world body for one of a static model."""
+        if self.sensor.link in self.anchors:
+            return self.plant.world_body()
         return self.plant.GetBodyByName(drake_link_name(self.sensor.link), self.instance)
 
     @property
@@ -60,7 +73,7 @@ class SensorSetup:
 
     @property
     def pose(self) -> RigidTransform:
-        """The pose of the sensor S in its link's body B, or in its joint's frame on the child.
+        """The pose of the sensor S in its `body` B, or in its joint's frame on the child.
 
         Raises:
             InputError: If the file's pose is relative to an unknown frame.
@@ -68,8 +81,10 @@ class SensorSetup:
         sensor = self.sensor
         own = transform(sensor.pose)
         if not sensor.pose_frame or sensor.pose_frame in (sensor.link, sensor.joint):
-            return own
-        if not self.plant.HasFrameNamed(sensor.pose_frame, self.instance):
+            return self.anchors[sensor.link] @ own if self.anchors else own
+        if sensor.pose_frame in self.anchors:
+            return self.anchors[sensor.pose_frame] @ own
+        if self.anchors or not self.plant.HasFrameNamed(sensor.pose_frame, self.instance):
             what = f"sensor {sensor.name!r}: its pose is relative to the unknown frame {sensor.pose_frame!r}"
             raise InputError(what, file=sensor.place.file or None, line=sensor.place.line)
         frame = self.plant.GetFrameByName(sensor.pose_frame, self.instance)

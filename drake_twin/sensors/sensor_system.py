@@ -49,6 +49,7 @@ class SensorSystem:
         setup: What it was built from.
         host: The system that has its ports.
         warnings: Why it does not measure all that its file asks for, as sentences.
+        delay: How long after its measurement a message is published (s); None for at once.
     """
 
     message_type: ClassVar[str] = ""
@@ -108,6 +109,7 @@ class SensorSystem:
         self.host = SensorHost() if setup.host is None else setup.host
         self.host.sensors.append(self)
         self.warnings: tuple[str, ...] = ()
+        self.delay: float | None = None
         self._inputs: list[InputPort] = []
         self._channels = {
             name: setup.noise.channel(name, noise)
@@ -129,6 +131,18 @@ class SensorSystem:
         """Return the header of a message of the present time."""
         return messages.header(context.get_time(), self.setup.frame)
 
+    def ask(self, own: str, context: Context) -> Callable[[], Any]:
+        """Begin to measure at the present time, for a sensor with a `delay`.
+
+        Args:
+            own: The topic's `SensorTopic.own`.
+            context: The host's.
+
+        Returns:
+            A function that returns the message, or None without one; it waits for it and needs no context.
+        """
+        raise NotImplementedError
+
     def measurement_tickets(self) -> set[Any]:
         """Return what a measurement depends on: the plant's ports declared so far, and time if it has noise."""
         tickets = {self.host.input_port_ticket(port.get_index()) for port in self._inputs}
@@ -149,27 +163,26 @@ class SensorSystem:
         name = self.port_name(self.values_port)
         return self.host.DeclareVectorOutputPort(name, size, weakly(calc), self.measurement_tickets())
 
-    def declare_cache_entry(self, name: str, calc: Callable[[Context, AbstractValue], None]) -> CacheEntry:
-        """Declare what several topics have in common, set by ``calc(context, value)`` from the plant's ports so far.
+    def declare_cache_entry(self, name: str, calc: Callable[..., None], *first: Any) -> CacheEntry:
+        """Declare what several topics have in common, set by ``calc(*first, context, value)`` from the plant's ports.
 
         Its value is any Python object: ``entry.Eval(context)``.
         """
-        producer = ValueProducer(allocate=lambda: AbstractValue.Make(None), calc=weakly(calc))
+        producer = ValueProducer(allocate=lambda: AbstractValue.Make(None), calc=weakly(calc, *first))
         return self.host.DeclareCacheEntry(self.port_name(name), producer, self.measurement_tickets())
 
-    def declare_message_output(
-        self, calc: Callable[[Context, AbstractValue], None], own: str = "message"
-    ) -> OutputPort:
-        """Declare the output port of a topic, set by ``calc(context, output)`` from the plant's ports so far, and time.
+    def declare_message_output(self, calc: Callable[..., None], own: str = "message", *first: Any) -> OutputPort:
+        """Declare the output port of a topic, set by ``calc(*first, context, output)`` from the plant's ports and time.
 
         Args:
             calc: Sets a message, or None while it has none.
             own: The topic's `SensorTopic.own`.
+            *first: The first arguments of ``calc``.
         """
         return self.host.DeclareAbstractOutputPort(
             self.port_name(own),
             lambda: AbstractValue.Make(None),
-            weakly(calc),
+            weakly(calc, *first),
             {*self.measurement_tickets(), self.host.time_ticket()},
         )
 

@@ -1,6 +1,6 @@
 """Actions as ROS 2 has them on the graph: three services, feedback and a status for each action."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -14,8 +14,8 @@ from drake_twin.twin.endpoints import PUBLISHED, Endpoint
 from drake_twin.twin.twin import Twin
 
 # action_msgs/msg/GoalStatus
-_UNKNOWN, _CANCELING = 0, 3
-_STATUSES = {"accepted": 1, "executing": 2, "succeeded": 4, "canceled": 5, "aborted": 6}
+_UNKNOWN = 0
+STATUSES = {"accepted": 1, "executing": 2, "canceling": 3, "succeeded": 4, "canceled": 5, "aborted": 6}
 _ACCEPTED_CANCEL, _REJECTED_CANCEL, _UNKNOWN_GOAL, _ENDED_GOAL = range(4)  # action_msgs/srv/CancelGoal
 _MOST_ENDED = 50  # goals whose results are kept
 _FEEDBACK_PERIOD = 0.05  # s of simulation time; action_monitor_rate is 20 Hz by default
@@ -27,7 +27,7 @@ class Goal(Protocol):
 
     @property
     def status(self) -> str:
-        """``accepted``, ``executing``, ``succeeded``, ``aborted`` or ``canceled``."""
+        """``accepted``, ``executing``, ``canceling``, ``succeeded``, ``aborted`` or ``canceled``."""
 
     @property
     def is_done(self) -> bool:
@@ -46,8 +46,10 @@ class Goal(Protocol):
 
 
 @dataclass(frozen=True)
-class _Known:
-    goal: Goal
+class KnownGoal:
+    """A goal, and the time at which it was accepted, as a message."""
+
+    goal: Any  # a Goal, or what a kind of server keeps in its place
     stamp: Any
 
 
@@ -82,7 +84,7 @@ class ActionServer:
             PUBLISHED, f"{name}/_action/status", "action_msgs/msg/GoalStatusArray", node, latched=True
         )
         self._type, self._start, self._time, self._proceed = type, start, time, proceed
-        self._goals: dict[bytes, _Known] = {}
+        self._goals: dict[bytes, KnownGoal] = {}
         self._last_statuses: list[Fields] = []
         self._next_feedback = 0.0
 
@@ -102,7 +104,7 @@ class ActionServer:
         for known in self._goals.values():
             self._proceed(known.goal)
         statuses: list[Fields] = [
-            {"goal_info": _info(key, known), "status": _STATUSES[known.goal.status]}
+            {"goal_info": _info(key, known), "status": STATUSES[known.goal.status]}
             for key, known in self._goals.items()
         ]
         if statuses != self._last_statuses:
@@ -115,18 +117,22 @@ class ActionServer:
                 if not known.goal.is_done and (feedback := known.goal.feedback) is not None:
                     yield self.feedback_topic.name, {"goal_id": _uuid(key), "feedback": feedback}
 
-    def _send_goal(self, request: Any) -> Fields:
+    def _send_goal(self, request: Any) -> Fields | Later:
         key, stamp = bytes(request.goal_id.uuid), time_message(self._time())
         if key in self._goals:
             return {**refused(self.name, "a goal of this id is known already", "accepted"), "stamp": stamp}
         try:
-            self._goals[key] = _Known(self._start(request.goal), stamp)
+            self._keep(key, KnownGoal(self._start(request.goal), stamp))
         except TwinError as error:
             return {**refused(self.name, error, "accepted"), "stamp": stamp}
+        return {"accepted": True, "stamp": stamp}
+
+    def _keep(self, key: bytes, known: KnownGoal) -> None:
+        """Keep a goal, and forget those that ended long ago."""
+        self._goals[key] = known
         ended = [key for key, known in self._goals.items() if known.goal.is_done]
         for old in islice(ended, max(0, len(ended) - _MOST_ENDED)):
             del self._goals[old]
-        return {"accepted": True, "stamp": stamp}
 
     def _get_result(self, request: Any) -> Later:
         known = self._goals.get(bytes(request.goal_id.uuid))
@@ -135,13 +141,22 @@ class ActionServer:
         while not known.goal.is_done:
             yield
         result = known.goal.result
-        return {"status": _STATUSES[known.goal.status], **({} if result is None else {"result": result})}
+        return {"status": STATUSES[known.goal.status], **({} if result is None else {"result": result})}
 
-    def _cancel_goal(self, request: Any) -> Fields:
-        """Cancel a goal, or with its zero those accepted until a time, or with both zero all."""
+    def _cancel_goal(self, request: Any) -> Fields | Later:
+        code, running = self._to_cancel(request)
+        for known in running.values():
+            known.goal.cancel()
+        return canceling(code, running)
+
+    def _to_cancel(self, request: Any) -> tuple[int, dict[bytes, KnownGoal]]:
+        """Return the code of the answer, and the goals to cancel.
+
+        It is one goal, or with its zero those accepted until a time, or with both zero all.
+        """
         wanted, until = bytes(request.goal_info.goal_id.uuid), _nanoseconds(request.goal_info.stamp)
         if wanted != _ALL_GOALS and wanted not in self._goals and not until:
-            return {"return_code": _UNKNOWN_GOAL}
+            return _UNKNOWN_GOAL, {}
         chosen = {
             key: known
             for key, known in self._goals.items()
@@ -149,13 +164,8 @@ class ActionServer:
         }
         running = {key: known for key, known in chosen.items() if not known.goal.is_done}
         if wanted in chosen and not running:
-            return {"return_code": _ENDED_GOAL}
-        for known in running.values():
-            known.goal.cancel()
-        return {
-            "return_code": _ACCEPTED_CANCEL if running or wanted == _ALL_GOALS else _REJECTED_CANCEL,
-            "goals_canceling": [_info(key, known) for key, known in running.items()],
-        }
+            return _ENDED_GOAL, {}
+        return _ACCEPTED_CANCEL if running or wanted == _ALL_GOALS else _REJECTED_CANCEL, running
 
 
 def action_servers(twin: Twin) -> Iterator[ActionServer]:
@@ -171,11 +181,17 @@ def action_servers(twin: Twin) -> Iterator[ActionServer]:
     yield ActionServer(steps, kind, SIMULATION_NODE, lambda goal: StepsGoal(twin, goal.steps), time, StepsGoal.proceed)
 
 
+def canceling(code: int, goals: Mapping[bytes, KnownGoal]) -> Fields:
+    """Return the response to the wish to cancel goals."""
+    infos = [_info(key, known) for key, known in goals.items()]
+    return {"return_code": code, **({"goals_canceling": infos} if infos else {})}
+
+
 def _uuid(key: bytes) -> Fields:
     return {"uuid": list(key)}
 
 
-def _info(key: bytes, known: _Known) -> Fields:
+def _info(key: bytes, known: KnownGoal) -> Fields:
     return {"goal_id": _uuid(key), "stamp": known.stamp}
 
 

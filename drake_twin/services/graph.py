@@ -1,50 +1,105 @@
 """All that a twin answers on the graph, and its actions' news; goals survive a spawn and a delete."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from drake_twin.services.actions import ActionServer, action_servers
-from drake_twin.services.registry import Fields, Service, services_of
+from drake_twin.services.node_actions import NodeActionServer
+from drake_twin.services.registry import Fields, Later, Service, services_of
 from drake_twin.twin.endpoints import Endpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.seam import Seam
 from drake_twin.wires.wire import Wire
 
+if TYPE_CHECKING:
+    from drake_twin.nodes.action_graph import ActionGraph
+    from drake_twin.nodes.graph import Graph
+    from drake_twin.nodes.nodes import Nodes
 
-def connect(twin: Twin, wires: Sequence[Wire]) -> Seam:
+
+def connect(twin: Twin, wires: Sequence[Wire], nodes: "Nodes | None" = None) -> Seam:
     """Connect a twin, with its services and actions, to wires.
 
     Args:
         twin: The twin.
         wires: The wires.
+        nodes: Its node programs.
 
     Returns:
         The connection; close it to end the wires.
     """
-    services = GraphServices()
-    return Seam(twin, wires, services.services, services)
+    services = GraphServices() if nodes is None else GraphServices(nodes.graph, nodes.actions)
+    seam = Seam(twin, wires, services.services, services)
+    if nodes is not None:
+        nodes.graph.taps.append(lambda publication, message: seam.send(publication.topic, message))
+    return seam
 
 
 class GraphServices:
-    """The services and actions of a twin."""
+    """The services and actions of a twin, and the topics and services of its node programs.
 
-    def __init__(self) -> None:
+    Args:
+        graph: What its node programs share.
+        node_actions: Their actions.
+    """
+
+    def __init__(self, graph: "Graph | None" = None, node_actions: "ActionGraph | None" = None) -> None:
+        self._graph, self._node_actions = graph, node_actions
         self._actions: dict[str, ActionServer] = {}
 
-    def loaded(self, twin: Twin) -> tuple[tuple[str, ...], ...]:
-        """Return the loaded controllers of each robot, which are nodes."""
-        return tuple(tuple(twin.controller_manager(robot).states) for robot in twin.robots)
+    def loaded(self, twin: Twin) -> tuple[Any, ...]:
+        """Return the loaded controllers of each robot, which are nodes, and the state of the node programs."""
+        controllers = tuple(tuple(twin.controller_manager(robot).states) for robot in twin.robots)
+        return *controllers, None if self._graph is None else self._graph.version
 
     def services(self, twin: Twin) -> tuple[Service, ...]:
         """Return the services with the present robots, those of actions among them."""
         present = {server.name: server for server in action_servers(twin)}
-        self._actions = {name: self._actions.get(name, server) for name, server in present.items()}
+        self._actions = {
+            **{server.name: server for server in self._of_node_actions(twin)},
+            **{name: self._actions.get(name, server) for name, server in present.items()},
+        }
         of_actions = (service for server in self._actions.values() for service in server.services())
-        return (*services_of(twin), *of_actions)
+        return (*services_of(twin), *of_actions, *self._of_nodes())
+
+    def _of_node_actions(self, twin: Twin) -> Iterator[ActionServer]:
+        """Yield the actions of node programs; one that is still there keeps its goals."""
+        if self._node_actions is None:
+            return
+        for name, offer in self._node_actions.offers.items():
+            known = self._actions.get(name)
+            if isinstance(known, NodeActionServer) and known.offer is offer:
+                yield known
+            else:
+                yield NodeActionServer(offer, self._node_actions, lambda: twin.time)
+
+    def _of_nodes(self) -> Iterator[Service]:
+        if self._graph is None:
+            return
+        for name, (offer, *_) in self._graph.offers.items():
+            yield Service(name, offer.type, offer.node, partial(self._ask, name, offer.type))
+
+    def _ask(self, name: str, kind: str, request: Any) -> Later:
+        """Ask a node's service; its response comes in a later slot."""
+        assert self._graph is not None
+        responses: list[Any] = []
+        self._graph.ask(name, kind, request, responses.append)
+        while not responses:
+            yield
+        response = responses[0]
+        return {key: getattr(response, key) for key in response.__dataclass_fields__ if key != "__msgtype__"}
+
+    def hear(self, topic: str, message: Any) -> None:
+        """Pass on to node programs what another program has published."""
+        if self._graph is not None:
+            self._graph.hear(topic, message)
 
     def topics(self) -> tuple[Endpoint, ...]:
-        """Return the topics of the actions."""
+        """Return the topics of the actions and of the node programs."""
         servers = self._actions.values()
-        return tuple(topic for server in servers for topic in (server.feedback_topic, server.status_topic))
+        own = (topic for server in servers for topic in (server.feedback_topic, server.status_topic))
+        return (*own, *(() if self._graph is None else self._graph.endpoints()))
 
     def news(self) -> Iterator[tuple[str, Fields]]:
         """Yield the messages of actions that are due: their topics and their fields."""

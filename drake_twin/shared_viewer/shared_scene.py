@@ -51,7 +51,7 @@ class SharedScene:
 
     def __init__(self, twin: Twin):
         self._diagram = weakref.ref(twin.diagram)
-        inspector = _scene_graph(twin).model_inspector()
+        inspector = scene_graph_of(twin).model_inspector()
         world = inspector.world_frame_id()
         bodies: dict[FrameId, str] = {}
         geometries: dict[str, DrawnGeometry] = {}
@@ -59,7 +59,7 @@ class SharedScene:
             if inspector.IsDeformableGeometry(geometry):
                 continue
             frame = inspector.GetFrameId(geometry)
-            body = WORLD if frame == world else _body_path(inspector.GetName(frame))
+            body = WORLD if frame == world else body_path(inspector.GetName(frame))
             if frame != world:
                 bodies[frame] = body
             name = inspector.GetName(geometry).rpartition("::")[2].replace("/", "_")
@@ -85,19 +85,23 @@ class SharedScene:
 
     def poses(self, twin: Twin) -> np.ndarray:
         """Return the present poses of the bodies in the world as 4x4 matrices, shape (bodies, 4, 4)."""
-        scene_graph = _scene_graph(twin)
+        scene_graph = scene_graph_of(twin)
         query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(twin.context))
         poses = [query.GetPoseInWorld(frame).GetAsMatrix4() for frame in self._frames]
         return np.array(poses).reshape(len(poses), 4, 4)
 
 
-def _scene_graph(twin: Twin) -> SceneGraph:
+def scene_graph_of(twin: Twin) -> SceneGraph:
+    """Return the scene graph of a twin's diagram."""
     scene_graph: Any = twin.diagram.GetSubsystemByName("scene_graph")
     return scene_graph
 
 
-def _body_path(frame: str) -> str:
-    """Return ``model/body``: two levels only, so that no body's path is below another's and moves with it."""
+def body_path(frame: str) -> str:
+    """Return the path of a body, ``model/body``, given its name ``model::body``.
+
+    It has two levels only, so that no body's path is below another's and moves with it.
+    """
     model, _, body = frame.replace("/", "_").rpartition("::")
     return f"{model.replace('::', '.') or WORLD}/{body}"
 

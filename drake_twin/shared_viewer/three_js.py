@@ -60,6 +60,31 @@ def three_js_object(geometry: DrawnGeometry) -> dict[str, Any]:
     return writer.document(children, geometry.X_BG)
 
 
+def points_object(
+    path: str, points: np.ndarray, color: tuple[float, float, float] | np.ndarray, size: float
+) -> dict[str, Any]:
+    """Return points as an object of three.js.
+
+    Args:
+        path: Its path in the scene.
+        points: The points (m), shape (n, 3).
+        color: Their color: red, green, blue; or one for each, shape (n, 3).
+        size: The size of each (m).
+    """
+    return _Writer(path).vertices("Points", points, {"type": "PointsMaterial", "size": size}, color)
+
+
+def lines_object(path: str, ends: np.ndarray, color: tuple[float, float, float]) -> dict[str, Any]:
+    """Return line segments as an object of three.js.
+
+    Args:
+        path: Its path in the scene.
+        ends: The ends of all segments one after the other (m), shape (2 n, 3).
+        color: Their color: red, green, blue.
+    """
+    return _Writer(path).vertices("LineSegments", ends, {"type": "LineBasicMaterial"}, color)
+
+
 def _primitives(shape: Shape) -> list[tuple[dict[str, Any], np.ndarray]]:
     """Return the geometries of a shape, each with its matrix in the shape's frame."""
     match shape:
@@ -146,6 +171,18 @@ class _Writer:
             "material": material,
             "matrix": matrix.T.ravel().tolist(),
         }
+
+    def vertices(
+        self, kind: str, vertices: np.ndarray, material: dict[str, Any], color: tuple[float, float, float] | np.ndarray
+    ) -> dict[str, Any]:
+        """Return a document with one object of vertices without faces."""
+        attributes = {"position": _array(vertices, _FLOAT32)}
+        if isinstance(color, np.ndarray):
+            attributes["color"] = _array(color, _FLOAT32)
+            color, material = (1.0, 1.0, 1.0), {**material, "vertexColors": True}
+        geometry = {"type": "BufferGeometry", "data": {"attributes": attributes}}
+        item = self.mesh(geometry, np.eye(4), self.material((*color, 1.0), **material))
+        return self.document([{**item, "type": kind}], np.eye(4))
 
     def triangles(self, part: MeshPart, color: tuple[float, float, float, float], matrix: np.ndarray) -> dict[str, Any]:
         attributes = {"position": _array(part.vertices, _FLOAT32), "normal": _array(part.normals, _FLOAT32)}

@@ -1,11 +1,17 @@
 """Simulation time as a message."""
 
+from typing import Any
+
+import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin import messages
+from drake_twin.systems.draft import Drafter
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
+
+_NOTHING = np.zeros(0)
 
 
 class ClockPublisher(WitnesslessSystem):
@@ -30,5 +36,13 @@ class ClockPublisher(WitnesslessSystem):
         """Return the port ``clock``."""
         return self._clock
 
+    def drafter(self) -> Drafter:
+        """Return what drafts its messages."""
+        return Drafter(lambda reading: _NOTHING, lambda nothing: nothing, _clock, 0)
+
     def _calc_clock(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(messages.Clock(clock=messages.time_message(context.get_time())))
+        output.set_value(_clock(context.get_time(), _NOTHING))
+
+
+def _clock(time: float, _: np.ndarray) -> Any:
+    return messages.Clock(clock=messages.time_message(time))

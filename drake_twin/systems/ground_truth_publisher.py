@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,12 +14,14 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Pose
+from drake_twin.systems.draft import Drafter
 from drake_twin.systems.rotations import quaternion_from_rpy
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
 _NO_COVARIANCE = np.zeros(36)
+_PARTS = (0, 3), (3, 7), (7, 10), (10, 13)
 _NO_COVARIANCE.setflags(write=False)
 
 
@@ -94,19 +98,30 @@ class GroundTruthPublisher(WitnesslessSystem):
         """Return the port ``<robot>/ground_truth/odom``."""
         return self.GetOutputPort(f"{robot}/ground_truth/odom")
 
+    def drafter(self, base: RobotBase) -> Drafter:
+        """Return what drafts the messages of a robot."""
+
+        def numbers(state: np.ndarray) -> np.ndarray:
+            return _numbers(*base.position_and_velocity(state))
+
+        return Drafter(attrgetter("state"), numbers, partial(_odometry, base), 13)
+
     def _calc_odom(self, base: RobotBase, context: Context, output: AbstractValue) -> None:
         position, velocity = base.position_and_velocity(self._state.Eval(context))
-        output.set_value(_odometry(base, position, velocity, context.get_time()))
+        output.set_value(_odometry(base, context.get_time(), _numbers(position, velocity)))
 
 
-def _odometry(base: RobotBase, position: np.ndarray, velocity: np.ndarray, time: float) -> Any:
+def _numbers(position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """Return position (m), quaternion (w, x, y, z), and in the link's own axes angular and linear velocity."""
     quaternion = position[:4] / np.linalg.norm(position[:4])
     R_BW = RotationMatrix(Quaternion(quaternion)).inverse()
-    angular, linear = R_BW.multiply(velocity.reshape(2, 3).T).T.tolist()
-    w, x, y, z = quaternion.tolist()
-    pose = messages.Pose(
-        position=messages.Point(*position[4:7].tolist()), orientation=messages.Quaternion(x=x, y=y, z=z, w=w)
-    )
+    velocities = R_BW.multiply(velocity.reshape(2, 3).T).T.ravel()
+    return np.concatenate((position[4:7], quaternion, velocities))
+
+
+def _odometry(base: RobotBase, time: float, numbers: np.ndarray) -> Any:
+    position, (w, x, y, z), angular, linear = (numbers[start:end].tolist() for start, end in _PARTS)
+    pose = messages.Pose(position=messages.Point(*position), orientation=messages.Quaternion(x=x, y=y, z=z, w=w))
     twist = messages.Twist(linear=messages.Vector3(*linear), angular=messages.Vector3(*angular))
     return messages.Odometry(
         header=messages.header(time, "world"),

@@ -145,9 +145,7 @@ class JointServo(WitnesslessSystem):
 
     def commanded(self, context: Context) -> tuple[list[float], list[float]]:
         """Return all actuators' commanded positions and velocities, within their limits; NaN without a command."""
-        return self._commanded(self.assignment(context), self._values(context))
-
-    def _commanded(self, assignment: ServoAssignment, values: Sequence[float]) -> tuple[list[float], list[float]]:
+        assignment, values = self.assignment(context), self._values(context)
         return self._clamped(0, values, assignment.positions), self._clamped(1, values, assignment.velocities)
 
     def _values(self, context: Context) -> list[float]:
@@ -174,8 +172,9 @@ class JointServo(WitnesslessSystem):
         return clamped
 
     def _calc_desired_state(self, context: Context, output: BasicVector) -> None:
-        assignment = self.assignment(context)
-        positions, velocities = self._commanded(assignment, self._values(context))
+        assignment, values = self.assignment(context), self._values(context)
+        positions = self._clamped(0, values, assignment.positions)
+        velocities = self._clamped(1, values, assignment.velocities)
         for index, source in enumerate(assignment.positions):
             if isnan(positions[index]):
                 positions[index] = assignment.holds[index]

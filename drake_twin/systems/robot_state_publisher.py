@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from functools import cached_property
+from itertools import repeat
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,10 +14,14 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
+from drake_twin.systems.draft import Draft, Drafter, LaterDraft, Reading
 from drake_twin.systems.joint_frames import JointFrames
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
+
+_POSITION_FIRST = [4, 5, 6, 1, 2, 3, 0]  # of qw, qx, qy, qz, x, y, z
+_W_LAST = [1, 2, 3, 0]
 
 
 @dataclass(frozen=True)
@@ -121,8 +127,9 @@ class RobotStatePublisher(WitnesslessSystem):
         fixed = [(robot.frame_prefix, j) for robot in robots for j in robot.description.joints if j.type == "fixed"]
         self._moving, self._fixed = _Transforms(moving), _Transforms(fixed)
         self._indices = np.array(indices, dtype=int)
-        self._bases = [(robot.base_frame, robot.layout) for robot in robots if robot.base_frame]
-        if not all(layout.has_moving_base for _, layout in self._bases):
+        self._base_frames = [("world", robot.base_frame) for robot in robots if robot.base_frame]
+        self._bases = [robot.layout for robot in robots if robot.base_frame]
+        if not all(layout.has_moving_base for layout in self._bases):
             raise ValueError("a base that does not move is a static transform")
         self._static = _Transforms(
             [("", Joint(frame.child, "fixed", frame.parent, frame.child, frame.pose)) for frame in static_transforms]
@@ -156,61 +163,93 @@ class RobotStatePublisher(WitnesslessSystem):
     def _declare_output(self, name: str, calc: Callable[..., None], prerequisites: set[Any]) -> OutputPort:
         return self.DeclareAbstractOutputPort(name, lambda: AbstractValue.Make(None), calc, prerequisites)
 
+    def tf_drafter(self) -> Callable[[Reading], Draft]:
+        """Return what drafts the messages of ``tf``. It refers to this system, which must not keep it."""
+        if not self._odometry and not self._poses:
+            numbers = 7 * (len(self._bases) + len(self._moving.frames))
+            return Drafter(attrgetter("state"), self._numbers, self._message, numbers)
+
+        def draft(reading: Reading) -> Draft:
+            state, others = reading.state, self._others(self.GetMyContextFromRoot(reading.root_context))
+            return LaterDraft(lambda: self._message(reading.time, self._numbers(state), *others))
+
+        return draft
+
     def _calc_tf(self, context: Context, output: AbstractValue) -> None:
-        state = self._state.Eval(context)
+        numbers = self._numbers(self._state.Eval(context))
+        output.set_value(self._message(context.get_time(), numbers, *self._others(context)))
+
+    def _others(self, context: Context) -> tuple[list[Any], list[Any]]:
+        """Return the transforms that do not follow from the state: those of drives, and those of links."""
+        drives = [port.Eval(context) for port in self._odometry]
+        poses = [port.Eval(context) for port in self._poses]
         stamp = messages.time_message(context.get_time())
-        transforms = []
-        if self._bases:
-            header = messages.Header(stamp, "world")
-            transforms = [_base_transform(header, frame, layout, state) for frame, layout in self._bases]
-        for message in (port.Eval(context) for port in self._odometry):
-            if message is not None:
-                transforms += message.transforms
-        transforms += self._moving.messages(state[self._indices], stamp)
-        for poses in (port.Eval(context) for port in self._poses):
-            transforms += [_link_transform(stamp, link, poses) for link in self._links]
-        output.set_value(messages.TFMessage(transforms))
+        return (
+            [item for message in drives if message is not None for item in message.transforms],
+            [_link_transform(stamp, link, of_bodies) for of_bodies in poses for link in self._links],
+        )
+
+    def _numbers(self, state: np.ndarray) -> np.ndarray:
+        """Return the true poses of the bases, then the poses of the joints: x, y, z, qx, qy, qz, qw of each."""
+        bases = [_base_pose(layout, state) for layout in self._bases]
+        return np.concatenate((*bases, self._moving.poses(state[self._indices]).ravel()))
+
+    def _message(
+        self, time: float, numbers: np.ndarray, of_drives: Sequence[Any] = (), of_links: Sequence[Any] = ()
+    ) -> Any:
+        stamp = messages.time_message(time)
+        poses = numbers.reshape(-1, 7)
+        bases, joints = poses[: len(self._bases)], poses[len(self._bases) :]
+        moving = _transforms(stamp, self._moving.frames, joints, self._moving.translations)
+        transforms = [*_transforms(stamp, self._base_frames, bases), *of_drives, *moving]
+        return messages.TFMessage([*transforms, *of_links])
 
     def _calc_tf_static(self, context: Context, output: AbstractValue) -> None:
         stamp = messages.time_message(0.0)
-        output.set_value(messages.TFMessage([*self._static.messages(None, stamp), *self._fixed.messages(None, stamp)]))
+        static = [_transforms(stamp, item.frames, item.poses()) for item in (self._static, self._fixed)]
+        output.set_value(messages.TFMessage([transform for transforms in static for transform in transforms]))
 
     def _calc_robot_description(self, text: str, context: Context, output: AbstractValue) -> None:
         output.set_value(messages.String(text))
 
 
 class _Transforms:
-    """The ``geometry_msgs/msg/TransformStamped`` messages of joints, each with its frame prefix."""
+    """The poses of joints, each with its frame prefix.
+
+    Attributes:
+        frames: The parent and the child frame of each.
+    """
 
     def __init__(self, joints: Sequence[tuple[str, Joint]]):
-        self._frames = JointFrames([joint for _, joint in joints])
-        self._parents = [prefix + joint.parent for prefix, joint in joints]
-        self._children = [prefix + joint.child for prefix, joint in joints]
+        self._joints = JointFrames([joint for _, joint in joints])
+        self.frames = [(prefix + joint.parent, prefix + joint.child) for prefix, joint in joints]
         self._at_zero = np.zeros(len(joints))
-        self._moves = [bool(moves) for moves in self._frames.moves_along]
-        self._translations: list[Any] | None = None  # transforms that no position changes are made once
 
-    def messages(self, positions: np.ndarray | None, stamp: Any) -> list[Any]:
-        """Return the transforms for joint positions (rad or m; None for all zero) at a time (s)."""
+    @cached_property
+    def translations(self) -> list[Any]:
+        """The translations (m) that do not change, as ``geometry_msgs/msg/Vector3``; None for the others."""
+        moves, xyz = self._joints.moves_along, self._joints.xyz(self._at_zero)
+        return [None if moves[index] else messages.Vector3(*xyz[index].tolist()) for index in range(len(self.frames))]
+
+    def poses(self, positions: np.ndarray | None = None) -> np.ndarray:
+        """Return x, y, z (m), qx, qy, qz, qw for joint positions (rad or m; None for all zero), shape (n, 7)."""
         positions = self._at_zero if positions is None else positions
-        if self._translations is None:
-            self._translations = [messages.Vector3(*xyz) for xyz in self._frames.xyz(self._at_zero).tolist()]
-        translations = self._translations
-        if any(self._moves):
-            translations = [
-                messages.Vector3(*xyz) if changes else constant
-                for xyz, changes, constant in zip(
-                    self._frames.xyz(positions).tolist(), self._moves, translations, strict=True
-                )
-            ]
-        headers = {parent: messages.Header(stamp, parent) for parent in self._parents}
-        stamped, transform, rotation = messages.TransformStamped, messages.Transform, messages.Quaternion
-        return [
-            stamped(headers[parent], child, transform(translation, rotation(x, y, z, w)))
-            for parent, child, translation, (w, x, y, z) in zip(
-                self._parents, self._children, translations, self._frames.quaternions(positions).tolist(), strict=True
-            )
-        ]
+        poses = np.empty((len(self.frames), 7))
+        poses[:, :3], poses[:, 3:] = self._joints.xyz(positions), self._joints.quaternions(positions)[:, _W_LAST]
+        return poses
+
+
+def _transforms(
+    stamp: Any, frames: Sequence[tuple[str, str]], poses: np.ndarray, translations: Iterable[Any] = repeat(None)
+) -> list[Any]:
+    """Return ``geometry_msgs/msg/TransformStamped`` messages of frames, parent and child, and their poses."""
+    headers = {parent: messages.Header(stamp, parent) for parent in dict(frames)}
+    stamped, transform = messages.TransformStamped, messages.Transform
+    vector, rotation = messages.Vector3, messages.Quaternion
+    return [
+        stamped(headers[parent], child, transform(still or vector(x, y, z), rotation(qx, qy, qz, qw)))
+        for (parent, child), (x, y, z, qx, qy, qz, qw), still in zip(frames, poses.tolist(), translations, strict=False)
+    ]
 
 
 def _link_transform(stamp: Any, link: LinkFrame, poses: Sequence[RigidTransform]) -> Any:
@@ -220,8 +259,10 @@ def _link_transform(stamp: Any, link: LinkFrame, poses: Sequence[RigidTransform]
     return messages.TransformStamped(messages.Header(stamp, link.parent), link.child, transform)
 
 
-def _base_transform(header: Any, frame: str, layout: StateLayout, state: np.ndarray) -> Any:
-    w, x, y, z, *xyz = layout.base_state(state)[0].tolist()
-    norm = sqrt(w * w + x * x + y * y + z * z)
-    rotation = messages.Quaternion(x / norm, y / norm, z / norm, w / norm)
-    return messages.TransformStamped(header, frame, messages.Transform(messages.Vector3(*xyz), rotation))
+def _base_pose(layout: StateLayout, state: np.ndarray) -> np.ndarray:
+    """Return x, y, z (m), qx, qy, qz, qw of a moving base."""
+    quaternion_first = layout.base_state(state)[0]
+    quaternion = quaternion_first[:4]
+    pose = quaternion_first[_POSITION_FIRST]
+    pose[3:] /= np.sqrt(quaternion @ quaternion)
+    return pose

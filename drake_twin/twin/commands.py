@@ -164,6 +164,8 @@ class Commands:
 
     def due_steps(self) -> list[float]:
         """Return the steps at which something is due."""
+        if not (self.schedule or self.expiries):
+            return []
         due = [item.due_step(self._clock.time_step) for item in self.schedule]
         return due + [step_at(time, self._clock.time_step) for time in self.expiries.values()]
 

@@ -48,15 +48,17 @@ class Wrench:
 
     Attributes:
         entity: The full name of the link.
-        force: The force at the link's origin, in the world's axes (N).
+        force: The force, in the world's axes (N).
         torque: The torque, in the world's axes (N·m).
         until: The simulation time at which it ends (s).
+        at: The point of the link at which the force acts, in the link's frame (m).
     """
 
     entity: str
     force: tuple[float, float, float]
     torque: tuple[float, float, float]
     until: float
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 def find_body(built: TwinDiagram, entity: str) -> RigidBody:
@@ -136,12 +138,12 @@ def set_entity_state(
         raise InputError(f"Entity [{entity}] cannot be moved: it {what}")
     frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
     now = entity_state(built, plant_context, entity, reference)
-    p = _numbers(position, 3, "position") if position is not None else np.array(now.position)
-    q = _numbers(orientation, 4, "orientation") if orientation is not None else np.array(now.orientation)
+    p = finite_numbers(position, 3, "position") if position is not None else np.array(now.position)
+    q = finite_numbers(orientation, 4, "orientation") if orientation is not None else np.array(now.orientation)
     if not np.abs(q).max() > 0:
         raise InputError("the orientation is zero, which is not a rotation")
-    v = _numbers(linear, 3, "linear velocity") if linear is not None else np.array(now.linear)
-    w = _numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
+    v = finite_numbers(linear, 3, "linear velocity") if linear is not None else np.array(now.linear)
+    w = finite_numbers(angular, 3, "angular velocity") if angular is not None else np.array(now.angular)
     X_WR = plant.CalcRelativeTransform(plant_context, plant.world_frame(), frame)
     X_WB = X_WR @ RigidTransform(_rotation(q), p)
     V_WR = frame.CalcSpatialVelocityInWorld(plant_context)
@@ -184,6 +186,7 @@ def make_wrench(
     torque: Iterable[float],
     until: float,
     reference: str,
+    at: Iterable[float],
 ) -> Wrench:
     """Return a wrench in the world's axes, given one in a frame.
 
@@ -194,8 +197,9 @@ def make_wrench(
     R = RotationMatrix()
     if reference != WORLD:
         R = find_body(built, reference).body_frame().CalcPoseInWorld(plant_context).rotation()
-    turned = [R @ _numbers(vector, 3, what) for vector, what in ((force, "force"), (torque, "torque"))]
-    return Wrench(str(entity), _three(turned[0]), _three(turned[1]), until)
+    turned = [R @ finite_numbers(vector, 3, what) for vector, what in ((force, "force"), (torque, "torque"))]
+    point = finite_numbers(at, 3, "point")
+    return Wrench(str(entity), _three(turned[0]), _three(turned[1]), until, _three(point))
 
 
 def _rotation(q: np.ndarray) -> RotationMatrix:
@@ -205,7 +209,12 @@ def _rotation(q: np.ndarray) -> RotationMatrix:
     return RotationMatrix(Quaternion(q / np.linalg.norm(q)))
 
 
-def _numbers(values: Iterable[float], count: int, what: str) -> np.ndarray:
+def finite_numbers(values: Iterable[float], count: int, what: str) -> np.ndarray:
+    """Return a list of numbers as an array.
+
+    Raises:
+        InputError: If there are not ``count`` of them, or one is not finite; ``what`` names them.
+    """
     try:
         numbers = np.array([float(value) for value in values])
     except (TypeError, ValueError, OverflowError):

@@ -25,13 +25,14 @@ class Inbox:
 
     Attributes:
         is_open: Whether anybody uses the inbox.
+        is_urgent: Whether anybody uses it who needs an answer within a part of a frame.
         looks: Functions to call between two advances, before the requests.
     """
 
     def __init__(self) -> None:
         self.looks: list[Callable[[], None]] = []
-        self._users = 0
-        self.is_open = False
+        self._users = self._urgent_users = 0
+        self.is_open = self.is_urgent = False
         self._waiting: deque[_Request] = deque()
         self._lock = Lock()
         self._arrived = Event()
@@ -41,15 +42,23 @@ class Inbox:
         """Whether a request waits."""
         return bool(self._waiting)
 
-    def open(self) -> None:
-        """Use the inbox until `close`."""
-        self._users += 1
-        self.is_open = True
+    def open(self, *, urgent: bool = True) -> None:
+        """Use the inbox until `close`.
 
-    def close(self) -> None:
-        """End what `open` began."""
-        self._users -= 1
-        self.is_open = self._users > 0
+        Args:
+            urgent: Whether a run in real time advances in parts of a frame, of 5 ms, for these requests; a person's may
+                wait for the next frame.
+        """
+        self._count(1, urgent)
+
+    def close(self, *, urgent: bool = True) -> None:
+        """End what `open` began, with the same argument."""
+        self._count(-1, urgent)
+
+    def _count(self, more: int, urgent: bool) -> None:
+        self._users += more
+        self._urgent_users += more if urgent else 0
+        self.is_open, self.is_urgent = self._users > 0, self._urgent_users > 0
 
     def put(
         self,

@@ -5,8 +5,9 @@ rebuilt, every state is transferred by name, and the old diagram is released, so
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import starmap
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,9 @@ from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.entities import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.plant_parameters import PlantParameters
+from drake_twin.twin.pull import Pull
 from drake_twin.twin.state import read_robot_state
+from drake_twin.twin.varied_parameters import varied_parameters
 
 # Longer than the longest grid (s): a limit that is met except for rounding leaves a step of 1e-16 s. In such a step the
 # velocity that CENIC gives a mimic joint, its position error divided by the step, is unbounded.
@@ -52,6 +55,14 @@ class Moment:
 
 def _sample(controller: StatefulController, context: Context) -> Sample:
     return controller.sample(context)
+
+
+def is_same_robot(plan: RobotPlan, other: RobotPlan | None) -> bool:
+    """Return whether two plans are of one robot, which may be welded to another place of the world."""
+    if other is None or plan is other:
+        return plan is other
+    robot, there = plan.robot, other.robot
+    return plan.model.is_fixed and replace(robot, xyz=there.xyz, rpy=there.rpy) == there
 
 
 class Physics:
@@ -91,6 +102,7 @@ class Physics:
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
         self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
         self._time_step = scenario.time_step
+        self.use_values(scenario.values)
         keepers = [
             item
             for parts in self.built.parts.values()
@@ -124,11 +136,11 @@ class Physics:
         state = plant.GetPositionsAndVelocities(self.plant_context)
         if len(self._quaternions):
             squares = np.add.reduce(state[self._quaternions] ** 2, axis=1)
-            if np.logical_or.reduce(squares >= 4.0) and np.logical_and.reduce(np.isfinite(squares)):
+            if 4.0 <= np.maximum.reduce(squares) < inf:
                 halvings = np.maximum(np.frexp(np.sqrt(squares))[1] - 1, 0)
                 state[self._quaternions] = np.ldexp(state[self._quaternions], -halvings[:, np.newaxis])
                 plant.SetPositions(self.plant_context, state[: plant.num_positions()])
-        return bool(np.logical_and.reduce(np.abs(state) < ABSURD))
+        return bool(np.maximum.reduce(np.abs(state), initial=0.0) < ABSURD)  # false for NaN
 
     def initialize(self) -> None:
         """Initialize the simulator at the context's time and state.
@@ -175,6 +187,24 @@ class Physics:
         """Set the context to its default state at time zero."""
         self.built.diagram.SetDefaultContext(self.context)
         self.context.SetTime(0.0)
+        if self._start_parameters:
+            self._parameters.put(self.context, self._start_parameters)
+
+    def use_values(self, values: Mapping[str, float]) -> None:
+        """Start with these values of a scenario from now on.
+
+        Raises:
+            ScenarioError: If a value is unknown or invalid.
+        """
+        self._start_parameters = varied_parameters(self.built, values)
+
+    def set_values(self, values: Mapping[str, float]) -> None:
+        """Set these values of a scenario at once, and all other parameters to those as built.
+
+        Raises:
+            ScenarioError: If a value is unknown or invalid.
+        """
+        self._parameters.put(self.context, varied_parameters(self.built, values))
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""
@@ -225,11 +255,13 @@ class Physics:
         """
         known = {plan.name: plan for plan in old.built.plans}
         for plan in self.built.plans:
-            if plan is known.get(plan.name):
+            if is_same_robot(plan, known.get(plan.name)):
                 self.set_robot_state(plan.name, np.array(state["robots"][plan.name]["state"]))
                 assert self.built.robots[plan.name].layout == old.built.robots[plan.name].layout
-        self._parameters.put(self.context, state["parameters"], leave_out_unknown=True)
-        if self.built.world == old.built.world:
+        own = old._start_parameters
+        since = {name: value for name, value in state["parameters"].items() if value != own.get(name)}
+        self._parameters.put(self.context, self._start_parameters | since, leave_out_unknown=True)
+        if self.built.world.file == old.built.world.file:
             self._set_models(
                 {name: vectors for name, vectors in state["models"].items() if name in self.built.world_models}
             )
@@ -259,7 +291,7 @@ class Physics:
             for instance, vector in zip(self.built.world_models[name], vectors, strict=True):
                 self.built.plant.SetPositionsAndVelocities(self.plant_context, instance, np.array(vector))
 
-    def set_wrenches(self, wrenches: Sequence[Wrench]) -> None:
+    def set_wrenches(self, wrenches: Sequence[Wrench | Pull]) -> None:
         """Apply these forces and torques to links, and no others."""
         port = self.built.plant.get_applied_spatial_force_input_port()
         if not wrenches and not port.HasValue(self.plant_context):
@@ -268,6 +300,7 @@ class Physics:
         for wrench in wrenches:
             force = ExternallyAppliedSpatialForce()
             force.body_index = find_body(self.built, wrench.entity).index()
+            force.p_BoBq_B = np.array(wrench.at)
             force.F_Bq_W = SpatialForce(tau=np.array(wrench.torque), f=np.array(wrench.force))
             forces.append(force)
         port.FixValue(self.plant_context, forces)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
 
 _FRAME = 1 / 30  # s of wall time between two frames
-_SLICES = 7  # of a frame while other threads use the inbox: none longer than 5 ms
+_SLICES = 7  # of a frame while other programs use the inbox: none longer than 5 ms
 _MOST_STEPS_A_FRAME = 10_000
 _MOST_BEHIND = 0.25  # s of wall time that is caught up after the processor was busy elsewhere, as with a browser
 _SLICE = 0.01  # s of simulation time between two looks at the wall clock in a run that never waits
@@ -57,7 +57,7 @@ def _run(
         if as_fast_as_possible and not twin.paused:
             _advance_for(twin, _FRAME, until)
             continue
-        slices = _SLICES if twin.inbox.is_open else 1
+        slices = _SLICES if twin.inbox.is_urgent else 1
         for _ in range(slices):
             if not twin.paused:
                 owed += _FRAME / slices * twin.real_time_rate

@@ -25,20 +25,25 @@ if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
 
 _KIND, _VERSION = "recording", 2
-_CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
+CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
 _SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
 _METHODS = (
     "apply_wrench",
     "clear_emergency_stop",
+    "copy_model",
     "delete",
+    "drag",
     "emergency_stop",
+    "place",
     "publish",
+    "release",
     "reset",
     "restore",
     "send_goal",
     "set_entity_state",
     "set_joint_positions",
     "set_time_step",
+    "set_values",
     "silence",
     "spawn",
 )  # names of methods of `Twin`
@@ -68,7 +73,7 @@ class Call:
     is_refused: bool = False
 
     def __post_init__(self) -> None:
-        known = self.name in (_CONTROLLER_MANAGER, _CANCEL) or self.name in _METHODS
+        known = self.name in (CONTROLLER_MANAGER, _CANCEL) or self.name in _METHODS
         given = isinstance(self.arguments, tuple) and isinstance(self.named, Mapping)
         if not known or not given or not all(isinstance(name, str) for name in self.named) or not _is_time(self.time):
             raise InputError(f"{shortened(self.name)} at {shortened(self.time)} s is not a call that can be recorded")
@@ -117,11 +122,16 @@ class Recorder:
 
     Args:
         time: Returns the present simulation time (s).
+
+    Attributes:
+        start: The moment at which the recording has begun; None without one.
+        listeners: Called with the name and the arguments of each call that was not refused.
     """
 
     def __init__(self, time: Callable[[], float]):
         self._time = time
         self.start: Snapshot | None = None
+        self.listeners: list[Callable[[str, tuple[Any, ...]], None]] = []
         self._calls: list[Call] = []
 
     @property
@@ -134,7 +144,17 @@ class Recorder:
         self.start = start
         self._calls = []
 
-    def note(self, name: str, *arguments: Any, **named: Any) -> int | None:
+    def note(self, name: str, *arguments: Any) -> None:
+        """Record a call that is not refused, and tell the listeners."""
+        self.keep(name, *arguments)
+        self.tell(name, arguments)
+
+    def tell(self, name: str, arguments: tuple[Any, ...]) -> None:
+        """Tell the listeners of a call."""
+        for listener in self.listeners:
+            listener(name, arguments)
+
+    def keep(self, name: str, *arguments: Any, **named: Any) -> int | None:
         """Record a call.
 
         Returns:
@@ -173,19 +193,25 @@ def recorded(method: _Method) -> _Method:
     @functools.wraps(method)
     def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
         recorder = twin.recorder
-        if recorder.start is None:
+        if recorder.start is None and not recorder.listeners:
             return method(twin, *arguments, **named)
         given = signature.bind(twin, *arguments, **named)
+        if recorder.start is None:
+            result = method(twin, *arguments, **named)
+            recorder.tell(method.__name__, tuple(given.arguments.values())[1:])
+            return result
         for name, value in given.arguments.items():
             if name != "self":
                 given.arguments[name] = _settled(value)
         noted = {name: value for name, value in given.arguments.items() if name not in ("self", "on_result")}
-        index = recorder.note(method.__name__, **noted)
+        index = recorder.keep(method.__name__, **noted)
         try:
-            return method(*given.args, **given.kwargs)
+            result = method(*given.args, **given.kwargs)
         except TwinError:
             recorder.refuse(index)
             raise
+        recorder.tell(method.__name__, tuple(noted.values()))
+        return result
 
     return call  # type: ignore[return-value]
 
@@ -224,7 +250,7 @@ def _do(twin: "Twin", call: Call) -> None:
         InputError: If the call cannot be repeated.
     """
     try:
-        if call.name == _CONTROLLER_MANAGER:
+        if call.name == CONTROLLER_MANAGER:
             robot, method, *arguments = call.arguments
             if method not in _SERVICES:
                 raise InputError(f"unknown service {method!r}")

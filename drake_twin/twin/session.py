@@ -16,17 +16,19 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.goals import Goals
-from drake_twin.twin.physics import Physics
+from drake_twin.twin.physics import Physics, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.schedule import step_at
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import hash_plain
 from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
+from drake_twin.twin.varied_parameters import needs_build
 from drake_twin.twin.wrenches import Wrenches
 
 # What goes wrong with saved values of another kind than they should be; some of Drake's checks end the process.
@@ -64,6 +66,7 @@ class Session:
         wrenches: What pushes links.
         goals: The goals of actions.
         subscriptions: The callbacks of topics.
+        alarm: The stops for node programs.
         sunk: Robot → findings about what it stood in when it came.
     """
 
@@ -76,12 +79,14 @@ class Session:
         note: Callable[..., object],
     ):
         self._meshcat, self._extensions, self._note = meshcat, tuple(extensions), note
-        self.scenario = scenario
+        self.scenario = self._given = scenario
+        self._text: tuple[Scenario | None, str] = None, ""  # as YAML
         self.first_robots = tuple(robot.name for robot in scenario.robots)
         self.clock = Clock(scenario.time_step)
         self.commands, self.wrenches, self.goals = Commands(), Wrenches(), Goals()
         self.controls: dict[str, RobotControl] = {}
         self.subscriptions = Subscriptions(scenario.time_step)
+        self.alarm = Alarm(scenario.time_step)
         self._use(Physics(scenario, meshcat, plans=plans, extensions=self._extensions))
         self._start()
         self.sunk: dict[str, tuple[Finding, ...]] = self.find_sunk(tuple(self.controls))
@@ -173,7 +178,9 @@ class Session:
 
     def snapshot(self) -> Snapshot:
         """Return the present moment."""
-        return Snapshot(scenario=scenario_to_yaml(self.scenario), **self.state())
+        if self._text[0] is not self.scenario:
+            self._text = self.scenario, scenario_to_yaml(self.scenario)
+        return Snapshot(scenario=self._text[1], **self.state())
 
     def restore(self, snapshot: Snapshot) -> None:
         """Set the state of a snapshot; without a change if its scenario cannot be used, else reset if its state cannot.
@@ -181,13 +188,13 @@ class Session:
         Raises:
             InputError: If the snapshot cannot be used.
         """
+        before = self.clock.time
         scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
         if snapshot.time_step != scenario.time_step:
             raise InputError(f"the saved state has steps of {snapshot.time_step} s, and its scenario others")
         self.goals.drop_all()
         self.clock.next_time_step = None
-        if scenario != self.scenario:
-            self.rebuild(scenario)
+        self._change_to(scenario)
         self._start()
         state = snapshot.state()
         try:
@@ -207,13 +214,29 @@ class Session:
             raise InputError(f"the saved state does not fit the robots that it names ({reason})") from None
         self.physics.initialize()
         self.subscriptions.begin(self.clock.time)
+        self.alarm.jumped(before)
 
-    def reset(self) -> None:
-        """Return to the start: time zero, start positions, no commands, the scenario's commands ahead."""
+    def reset(self, scenario: Scenario | None = None, check: Callable[[str, Any], object] | None = None) -> None:
+        """Return to the start: time zero, start positions, no commands, the scenario's commands ahead.
+
+        Args:
+            scenario: The scenario to start; by default the present one.
+            check: Checks the commands of a scenario that is given, as for `check_commands`.
+
+        Raises:
+            InputError: If the scenario cannot be built; nothing is changed then.
+        """
+        before = self.clock.time
+        if scenario is not None:
+            self._change_to(scenario)
+            self.clock.next_time_step = None
         self.goals.drop_all()
         self.commands.silenced.clear()
         self._start()
         self.subscriptions.begin(0.0)
+        self.alarm.jumped(before)
+        if scenario is not None and check is not None:
+            self.check_commands(check)
 
     def rebuild(self, scenario: Scenario) -> None:
         """Switch to the diagram of another scenario, and transfer all state that has a place in it.
@@ -224,7 +247,7 @@ class Session:
         old = self.physics
         physics = Physics(scenario, self._meshcat, old.built, extensions=self._extensions)
         state, before, known = self.state(), self.scenario.commands, dict(self.controls)
-        self.scenario = scenario
+        self.scenario = self._given = scenario
         if scenario.time_step != self.clock.time_step:
             self.clock.step = step_at(self.clock.time, scenario.time_step)
             self.clock.time_step = scenario.time_step
@@ -236,13 +259,27 @@ class Session:
         physics.transfer(state, old)
         self.commands.transfer(state, before, scenario.commands)
         for name, control in self.controls.items():
-            if control is known.get(name):
+            if name in known and is_same_robot(control.plan, known[name].plan):
                 control.set_state(state)
         self.wrenches.put(self.wrenches.items)
         self.subscriptions.use(scenario.time_step)
+        self.alarm.use(scenario.time_step)
+        self.alarm.hasten(self.clock.time)
         physics.initialize()
         old.discard()
         self.subscriptions.look_again()
+
+    def _change_to(self, scenario: Scenario) -> None:
+        """Use another scenario: set its values if that suffices, else build its diagram."""
+        if not needs_build(self.scenario, scenario, self.built.plans):
+            self.physics.use_values(scenario.values)
+            self.scenario = scenario
+        elif not needs_build(self._given, scenario, self.built.plans):  # its optional commands are checked already
+            self.physics.use_values(scenario.values)
+            self.scenario = replace(self.scenario, values=scenario.values, seed=scenario.seed)
+            self._given = scenario
+        else:
+            self.rebuild(scenario)
 
     def _start(self) -> None:
         self.clock.step = 0

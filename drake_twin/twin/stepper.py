@@ -3,7 +3,9 @@
 import logging
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import floor
+from operator import lt
 from threading import get_ident
 from typing import Any
 
@@ -11,12 +13,12 @@ from pydrake.systems.analysis import InitializeParams, SimulatorStatus
 
 from drake_twin.errors import CommandError, InputError, RunError
 from drake_twin.scenario import CENIC
-from drake_twin.twin.entities import Wrench
 from drake_twin.twin.failure import failure, is_possible
 from drake_twin.twin.inbox import PERIOD, Inbox
 from drake_twin.twin.physics import Moment
 from drake_twin.twin.schedule import ScheduledCommand, step_at
 from drake_twin.twin.session import Session
+from drake_twin.twin.wrenches import Acting
 
 _log = logging.getLogger(__name__)
 
@@ -42,6 +44,7 @@ class Stepper:
         self._inbox = inbox
         self._publish = publish
         self._thread: int | None = None
+        self._refused: dict[str, str] = {}  # topics of the scenario's commands → why the last one was refused
         self.paused = False
 
     @property
@@ -81,7 +84,11 @@ class Stepper:
             while clock.step < target and not self.paused:
                 if session.subscriptions.due_step <= clock.step:
                     session.subscriptions.deliver(clock.step)
-                    if self.paused:
+                    if self.paused or session.alarm.requests:
+                        break
+                if session.alarm.due_step <= clock.step:
+                    session.alarm.ring()
+                    if self.paused or session.alarm.requests:
                         break
                 if self._inbox.is_open and self._inbox.is_waiting:
                     self._inbox.look()
@@ -116,6 +123,7 @@ class Stepper:
         time = clock.step * clock.time_step
         if wrenches:
             session.wrenches.drop_ended(time)
+            session.wrenches.renew(clock)
         session.commands.apply(time, self._publish_scheduled)
         for control in controls:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
@@ -142,7 +150,11 @@ class Stepper:
         try:
             self._publish(scheduled.topic, scheduled.data)
         except CommandError as error:
-            _log.warning("%s", error)
+            if self._refused.get(scheduled.topic) != str(error):  # once for each cause
+                _log.warning("%s", error)
+            self._refused[scheduled.topic] = str(error)
+        else:
+            self._refused.pop(scheduled.topic, None)
 
     def _advance_simulator(self, step: int) -> bool:
         """Advance to a step, or to the first one at which a controller ends the advance; return whether one did."""
@@ -181,7 +193,7 @@ class Stepper:
         physics.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         physics.simulator.AdvanceTo(physics.time_of(next_step))
 
-    def _go_back_from(self, error: BaseException, start: Moment, end: int, wrenches: tuple[Wrench, ...]) -> RunError:
+    def _go_back_from(self, error: BaseException, start: Moment, end: int, wrenches: Acting) -> RunError:
         """Return to the last good state, and return the error to raise.
 
         Args:
@@ -210,7 +222,7 @@ class Stepper:
             physics.go_back(good)
         return found
 
-    def _go_back_to_start(self, start: Moment, wrenches: tuple[Wrench, ...]) -> None:
+    def _go_back_to_start(self, start: Moment, wrenches: Acting) -> None:
         """Return to where an advance began: what was due then is still due."""
         session = self._session
         session.wrenches.put(wrenches)
@@ -223,12 +235,21 @@ class Stepper:
         """Return the next step at which something is due, the end of the longest advance, or the target."""
         session, clock = self._session, self._session.clock
         longest = max(1, round(_LONGEST_ADVANCE / clock.time_step))
-        due = [target, clock.step + longest, session.subscriptions.due_step, *session.commands.due_steps()]
-        due += [step_at(item.until, clock.time_step) for item in session.wrenches.items]
+        due = [
+            target,
+            clock.step + longest,
+            session.subscriptions.due_step,
+            session.alarm.due_step,
+            *session.commands.due_steps(),
+        ]
+        if session.wrenches.items:
+            due += [step_at(item.until, clock.time_step) for item in session.wrenches.items]
+            if session.wrenches.pulls:
+                due.append(session.wrenches.next_renewal(clock))
         if (change := clock.change_step()) is not None:
             due.append(change)
         for control in session.controls.values():
             if control.check_period is not None:
                 steps = clock.steps(control.check_period)
                 due.append((clock.step // steps + 1) * steps)
-        return int(min(step for step in due if step > clock.step))
+        return int(min(filter(partial(lt, clock.step), due)))

@@ -1,10 +1,15 @@
 """The subscriptions to a twin's topics, and the times of their deliveries."""
 
 from collections.abc import Callable
-from math import floor, inf
+from dataclasses import dataclass
+from math import ceil, floor, inf
+from operator import attrgetter
 from typing import Any
 
+from drake_twin.systems.draft import Draft
 from drake_twin.twin.schedule import step_at
+
+_due = attrgetter("due")
 
 
 class Subscription:
@@ -15,17 +20,33 @@ class Subscription:
         callback: Called with the message.
         period: The grid's spacing (s); None for a message that never changes, which is delivered once.
         time: The present time (s), at which the first message is delivered.
+        takes_drafts: Whether the callback is given drafts of the messages.
+        delay: How long after its measurement a message is delivered (s); it is measured at points of the grid only.
+            None for at once.
 
     Attributes:
         due: The step of the next delivery, for the step length of the last `use`; infinite without one.
         is_latched: Whether its message never changes.
+        delay: The delay (s).
+        takes_drafts: Whether the callback is given drafts of the messages.
     """
 
-    def __init__(self, topic: str, callback: Callable[[Any], None], period: float | None, time: float):
+    def __init__(
+        self,
+        topic: str,
+        callback: Callable[[Any], None],
+        period: float | None,
+        time: float,
+        *,
+        takes_drafts: bool = False,
+        delay: float | None = None,
+    ):
         self.topic = topic
         self.callback = callback
+        self.delay = delay
         self.due: float = 0
         self.is_latched = period is None
+        self.takes_drafts = takes_drafts
         self._period = period or inf
         self._next_point = self._last_point_before(time)
         self._latched: Any = None
@@ -46,11 +67,14 @@ class Subscription:
             self.use(time_step)
             self.due = max(self.due, step + 1)
 
-    def take(self, message: Any) -> None:
+    def take(self, draft: Draft) -> None:
         """Deliver a message."""
         if self.is_latched:
-            self._latched = message
-        self.callback(message)
+            self._latched = draft.message()
+        if self.takes_drafts:
+            self.callback(draft)
+        elif (message := draft.message()) is not None:
+            self.callback(message)
 
     def look_again(self, message: Any) -> None:
         """Schedule another delivery if a message that should never change has, because its robot was replaced."""
@@ -62,8 +86,17 @@ class Subscription:
         self._next_point = self._last_point_before(time)
 
     def _last_point_before(self, time: float) -> int:
-        """Return the last point of the grid that is not after a time."""
-        return floor(time / self._period + 1e-9)
+        """Return the last point of the grid that is not after a time; with a delay the first that is not before."""
+        return floor(time / self._period + 1e-9) if self.delay is None else ceil(time / self._period - 1e-9)
+
+
+@dataclass
+class _LateMessage:
+    """A message that is measured already: its subscription, the time of its delivery (s), and its draft."""
+
+    subscription: Subscription
+    time: float
+    draft: Draft
 
 
 class Subscriptions:
@@ -73,14 +106,17 @@ class Subscriptions:
         time_step: The physics step (s).
 
     Attributes:
-        latest: Returns a topic's message at the present time; None without one, or for an unknown topic.
+        read: Returns a reading of the present time.
+        draft: Drafts a topic's message from it; None without a message, or for an unknown topic.
         due_step: The step at which the next delivery is due; infinite without one.
     """
 
-    def __init__(self, time_step: float, latest: Callable[[str], Any] = lambda topic: None):
-        self.latest = latest
+    def __init__(self, time_step: float):
+        self.read: Callable[[], Any] = lambda: None
+        self.draft: Callable[[str, Any], Draft | None] = lambda topic, reading: None
         self._time_step = time_step
         self._items: list[Subscription] = []
+        self._late: list[_LateMessage] = []
         self.due_step: float = inf
 
     def add(self, subscription: Subscription) -> Callable[[], None]:
@@ -100,16 +136,36 @@ class Subscriptions:
     def deliver(self, step: int) -> None:
         """Deliver the messages that are due at a step; callbacks may add and end subscriptions."""
         while self.due_step <= step:
+            reading = self.read()
+            drafts: dict[str, Draft | None] = {}
             for subscription in [item for item in self._items if item.due <= step]:
-                if subscription.due <= step:  # not ended meanwhile
-                    message = self.latest(subscription.topic)
-                    subscription.pass_step(step, self._time_step)
-                    if message is not None:
-                        subscription.take(message)
+                if subscription.due > step:  # ended meanwhile
+                    continue
+                topic = subscription.topic
+                if topic not in drafts:
+                    drafts[topic] = self.draft(topic, reading)
+                draft = drafts[topic]
+                subscription.pass_step(step, self._time_step)
+                if draft is None:
+                    continue
+                if subscription.delay is None:
+                    subscription.take(draft)
+                else:
+                    self._late.append(_LateMessage(subscription, step * self._time_step + subscription.delay, draft))
+            if self._late:
+                self._deliver_late(step)
             self._note_due_step()
 
+    def _deliver_late(self, step: int) -> None:
+        for late in [item for item in self._late if step_at(item.time, self._time_step) <= step]:
+            if late in self._late:  # not ended meanwhile
+                self._late.remove(late)
+                if late.draft.message() is not None:  # made here, as it may wait for another process
+                    late.subscription.take(late.draft)
+
     def begin(self, time: float) -> None:
-        """Restart all subscriptions at a time (s)."""
+        """Restart all subscriptions at a time (s); messages that are late are dropped."""
+        self._late.clear()
         for subscription in self._items:
             subscription.begin(time)
         self.use(self._time_step)
@@ -118,7 +174,8 @@ class Subscriptions:
         """Deliver again the messages that should never change but have, because their robots were replaced."""
         for subscription in self._items:
             if subscription.is_latched:
-                subscription.look_again(self.latest(subscription.topic))
+                draft = self.draft(subscription.topic, self.read())
+                subscription.look_again(None if draft is None else draft.message())
                 subscription.use(self._time_step)
         self._note_due_step()
 
@@ -126,7 +183,10 @@ class Subscriptions:
         if subscription in self._items:
             self._items.remove(subscription)
             subscription.due = inf
+            self._late = [item for item in self._late if item.subscription is not subscription]
             self._note_due_step()
 
     def _note_due_step(self) -> None:
-        self.due_step = min([item.due for item in self._items], default=inf)
+        self.due_step = min(map(_due, self._items), default=inf)
+        if self._late:
+            self.due_step = min(self.due_step, *(step_at(item.time, self._time_step) for item in self._late))

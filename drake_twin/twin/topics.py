@@ -12,6 +12,7 @@ from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages import Numbers, float64_multi_array
+from drake_twin.systems.draft import Draft, LaterDraft, Reading
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.session import Session
 from drake_twin.twin.subscriptions import Subscription
@@ -96,7 +97,7 @@ class Topics:
             raise refused
         if not heard and topic not in self._unheard:
             self._unheard.add(topic)
-            _log.warning("%s: nobody hears this: controller %s is not active", topic, item.controller)
+            _log.warning("%s: no controller hears this: %s is not active", topic, item.controller)
 
     def check(self, topic: Any, data: Any) -> None:
         """Check whether a controller accepts a command.
@@ -150,7 +151,7 @@ class Topics:
         session.commands.set(action, value, session.clock.time)
         return session.goals.add(action, item, value, control, on_result)
 
-    def subscribe(self, topic: Any, callback: Any, rate: Any) -> Callable[[], None]:
+    def subscribe(self, topic: Any, callback: Any, rate: Any, *, drafts: bool = False) -> Callable[[], None]:
         """Call back with a topic's messages; see `Twin.subscribe`."""
         if not callable(callback):
             raise InputError(f"{callback!r} cannot be called with the messages of {topic!r}")
@@ -163,7 +164,12 @@ class Topics:
         period = None if rate is None else 1.0 / rate
         session = self._session
         ports = session.built.publishers[self.published_topic(topic).topic]
-        ends = [session.subscriptions.add(Subscription(port, callback, period, session.clock.time)) for port in ports]
+        time, published = session.clock.time, session.built.published
+        items = [
+            Subscription(port, callback, period, time, takes_drafts=drafts, delay=published[port].delay)
+            for port in ports
+        ]
+        ends = [session.subscriptions.add(item) for item in items]
         if len(ends) == 1:
             return ends[0]
 
@@ -182,10 +188,30 @@ class Topics:
                 return message
         return None
 
-    def latest_or_none(self, topic: str) -> Any:
-        """Return a topic's message at the present time; None also if its robot has been deleted."""
-        item = self._session.built.published.get(topic)
-        return None if item is None else self._message(item)
+    def read(self) -> Reading:
+        """Read what messages are drafted from, at the present time."""
+        physics = self._session.physics
+        return Reading(physics.built.plant, physics.context)
+
+    def draft(self, topic: str, reading: Reading) -> Draft | None:
+        """Draft a topic's message from a reading of the present time; None without one, or if its robot is deleted.
+
+        Raises:
+            RunError: If it needs the step to come, and Drake cannot solve it.
+        """
+        item = self._session.physics.built.published.get(topic)
+        if item is None or (item.controller and not self._is_published(item)):
+            return None
+        if item.drafter is None:
+            message = self.evaluate(item.port, reading.root_context)
+            return None if message is None else LaterDraft(lambda: message)
+        try:
+            draft = item.drafter(reading)
+        except (RuntimeError, SystemExit) as error:
+            raise self._session.failure(error) from error
+        if item.delay is None:
+            return draft
+        return LaterDraft(lambda: draft.message() if topic in self._session.built.published else None)
 
     def evaluate(self, port: OutputPort, context: Context) -> Any:
         """Evaluate an output port.
@@ -199,7 +225,7 @@ class Topics:
             raise self._session.failure(error) from error
 
     def _message(self, item: PublishedTopic) -> Any:
-        session = self._session
-        if item.controller and not session.controls[item.robot].manager.is_active(item.controller):
-            return None
-        return self.evaluate(item.port, session.physics.context)
+        return self.evaluate(item.port, self._session.physics.context) if self._is_published(item) else None
+
+    def _is_published(self, item: PublishedTopic) -> bool:
+        return not item.controller or self._session.controls[item.robot].manager.is_active(item.controller)

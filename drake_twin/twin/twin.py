@@ -5,16 +5,16 @@ repeatable to the last bit.
 """
 
 import functools
-import logging
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Concatenate, ParamSpec, Self, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, Self, TypeVar
 
 from pydrake.geometry import Meshcat
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, OutputPort
 
 from drake_twin.controllers.interface import Interface
+from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.topics import CommandTopic
 from drake_twin.diagram.twin_diagram import Extension
@@ -22,15 +22,20 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, texts
 from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
+from drake_twin.systems.draft import Draft
 from drake_twin.twin.action import ActionGoal
+from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.edits import copy_model, delete, drag, place, push, spawn
 from drake_twin.twin.endpoints import Endpoint, endpoints_of
-from drake_twin.twin.entities import EntityState, entity_state, make_wrench, set_entity_state, set_joint_positions
+from drake_twin.twin.entities import EntityState, entity_state, set_entity_state, set_joint_positions
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.real_time import Frames, run_in_real_time
 from drake_twin.twin.recording import Recorder, Recording, recorded
 from drake_twin.twin.schedule import meeting_step
+from drake_twin.twin.sensor_reading import SensorReading
 from drake_twin.twin.session import Session
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import RobotState, read_robot_state
@@ -40,9 +45,15 @@ from drake_twin.values import is_number
 
 _FASTEST = 1e6  # times real time
 
-_log = logging.getLogger(__name__)
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+
+class Closable(Protocol):
+    """What runs beside a twin."""
+
+    def close(self) -> None:
+        """End it."""
 
 
 def _outside_callbacks(
@@ -74,6 +85,8 @@ class Twin:
     Attributes:
         recorder: Takes note of what is done to the twin, once `record` has been called.
         inbox: What other threads ask of the twin.
+        more_findings: Findings of what runs beside it, such as node programs.
+        companions: What runs beside it, and is closed with it.
 
     Raises:
         InputError: If a file or a value of the scenario cannot be used.
@@ -89,8 +102,11 @@ class Twin:
         self.recorder = Recorder(lambda: self.time)
         self._session = Session(scenario, meshcat, plans, extensions, self.recorder.note)
         self._topics = Topics(self._session)
-        self._session.subscriptions.latest = self._topics.latest_or_none
+        subscriptions = self._session.subscriptions
+        subscriptions.read, subscriptions.draft = self._topics.read, self._topics.draft
         self.inbox = Inbox()
+        self.more_findings: list[Finding] = []
+        self.companions: list[Closable] = []
         self._stepper = Stepper(self._session, self._topics.publish, self.inbox)
         self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
         self._real_time_rate = 1.0
@@ -136,6 +152,11 @@ class Twin:
         return self._session.clock.time_step
 
     @property
+    def alarm(self) -> Alarm:
+        """Stops of the simulation for who runs in lock-step with it."""
+        return self._session.alarm
+
+    @property
     def paused(self) -> bool:
         """Whether time stands still."""
         return self._stepper.paused
@@ -175,6 +196,11 @@ class Twin:
         return self._session.built.plans
 
     @property
+    def world_file(self) -> WorldFile | None:
+        """What the scenario's world file holds: its models and lights; None without one."""
+        return self._session.built.world_file
+
+    @property
     def collision_shapes(self) -> tuple[TouchingShape, ...]:
         """How each collision shape touches: with its faces, in a point, or as a wheel."""
         return self._session.built.shapes
@@ -185,7 +211,7 @@ class Twin:
         session = self._session
         sunk = (item for robot in self.robots for item in session.sunk.get(robot, ()))
         faults = (item for control in session.controls.values() for item in control.faults)
-        return (*session.built.findings, *sunk, *faults)
+        return (*session.built.findings, *sunk, *faults, *session.built.renderer.findings, *self.more_findings)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -210,33 +236,20 @@ class Twin:
         Raises:
             InputError: If there is one of its name already, or its files cannot be used; nothing is changed then.
         """
-        if not isinstance(robot, Robot):
-            raise InputError(f"{shortened(robot)} is not a Robot: make one with Robot(name, model)")
-        if any(known.name == robot.name for known in self.scenario.robots):
-            raise InputError(f"Entity [{robot.name}] already exists.")
-        self._session.rebuild(replace(self.scenario, robots=(*self.scenario.robots, robot)))
-        self._session.sunk |= {robot.name: ()} | self._session.find_sunk((robot.name,))
-        for finding in self._session.sunk[robot.name]:
-            _log.warning("%s", finding)
+        spawn(self._session, robot)
 
     @_outside_callbacks("delete")
     @recorded
     def delete(self, robot: str) -> None:
-        """Remove a robot and its topics from the world; all others keep their state.
+        """Remove a robot and its topics, or a model of the world; all others keep their state.
+
+        Args:
+            robot: The name of the robot or model.
 
         Raises:
-            InputError: If the robot is unknown, or is the last one.
+            InputError: If the robot or model is unknown, or the robot is the last one.
         """
-        if robot not in self.robots:
-            raise InputError(f"Entity [{robot}] does not exist.", value=str(robot), valid=self.robots)
-        kept = tuple(item for item in self.scenario.robots if item.name != robot)
-        if not kept:
-            raise InputError(f"Entity [{robot}] is the last one: a twin needs at least one robot.")
-        commanded = self._session.built.commanded
-        own = {item.topic for item in commanded.values() if item.robot == robot}
-        own -= {item.topic for item in commanded.values() if item.robot != robot}
-        commands = tuple(command for command in self.scenario.commands if command.topic not in own)
-        self._session.rebuild(replace(self.scenario, robots=kept, commands=commands))
+        delete(self._session, robot)
 
     def robot_state(self, robot: str, *, with_efforts: bool = True) -> RobotState:
         """Return the joints and the true base pose of a robot at the present time.
@@ -327,6 +340,39 @@ class Twin:
             reference=reference,
         )
 
+    @_outside_callbacks("rearrange")
+    @recorded
+    def place(self, entity: str, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
+        """Put a robot or a model of the world elsewhere, at rest; also what is welded to the world or never moves.
+
+        Joints keep their positions, and all others their state.
+
+        Args:
+            entity: Its name.
+            xyz: The position of its root link, or of a static model, in the world (m).
+            rpy: Roll, pitch and yaw (rad).
+
+        Raises:
+            InputError: If the entity is unknown or moves on driven joints, or a value is invalid.
+        """
+        place(self._session, entity, xyz, rpy)
+
+    @_outside_callbacks("rearrange")
+    @recorded
+    def copy_model(self, model: str, name: str, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
+        """Add a model like one of the world.
+
+        Args:
+            model: The name of a model of the world.
+            name: The name of the new one.
+            xyz: Its position in the world (m).
+            rpy: Its roll, pitch and yaw (rad).
+
+        Raises:
+            InputError: If the model is unknown, the name is taken, or a value is invalid.
+        """
+        copy_model(self._session, model, name, xyz, rpy)
+
     @recorded
     def apply_wrench(
         self,
@@ -335,8 +381,9 @@ class Twin:
         torque: Iterable[float] = (0.0, 0.0, 0.0),
         duration: float = 0.0,
         reference: str = "world",
+        at: Iterable[float] = (0.0, 0.0, 0.0),
     ) -> None:
-        """Push a link at its origin for a while.
+        """Push a link for a while; force times duration is the impulse (N·s).
 
         Args:
             entity: A link, or a robot or model for its root link.
@@ -344,17 +391,43 @@ class Twin:
             torque: N·m, likewise.
             duration: How long (simulated s); one step at least.
             reference: ``world``, or an entity.
+            at: The point of the link at which the force acts, in the link's frame (m).
 
         Raises:
             InputError: If an entity is unknown, or a value is invalid.
         """
-        if not is_number(duration) or duration < 0:
-            raise InputError(f"invalid duration {duration!r} s: it must be a number from zero up")
-        session = self._session
-        until = min(self.time + max(float(duration), self.time_step), LONGEST_TIME)
-        wrench = make_wrench(session.built, session.physics.plant_context, entity, force, torque, until, reference)
-        session.wrenches.drop_ended(self.time)
-        session.wrenches.put((*session.wrenches.items, wrench))
+        push(self._session, entity, force, torque, duration, reference, at)
+
+    @recorded
+    def drag(
+        self,
+        entity: str,
+        target: Iterable[float],
+        at: Iterable[float] = (0.0, 0.0, 0.0),
+        duration: float = LONGEST_TIME,
+        stiffness: float | None = None,
+    ) -> None:
+        """Draw a point of a link to a point of the world with a damped spring, in place of the one that draws it now.
+
+        The spring's force follows the motion every 5 ms of simulated time, and is constant in between.
+
+        Args:
+            entity: A link, or a robot or model for its root link.
+            target: Where to draw it to, in the world (m).
+            at: The point of the link, in the link's frame (m).
+            duration: How long (simulated s); until `release` by default.
+            stiffness: N/m. By default the spring and the robot's or model's whole mass have 10 rad/s, or less where the
+                link is so light that this would be unstable. The damping is critical.
+
+        Raises:
+            InputError: If the entity is unknown or fixed to the world, or a value is invalid.
+        """
+        drag(self._session, entity, target, at, duration, stiffness)
+
+    @recorded
+    def release(self, entity: str) -> None:
+        """End what `drag` began; nothing happens if nothing draws the entity."""
+        self._session.wrenches.release(str(entity))
 
     # Topics and actions ----------------------------------------------------------------------------------------------
 
@@ -446,6 +519,10 @@ class Twin:
         """
         return self._topics.subscribe(topic, callback, rate)
 
+    def subscribe_drafts(self, topic: str, callback: Callable[[Draft], None]) -> Callable[[], None]:
+        """Call back with drafts of a topic's messages, which any thread may make; otherwise like `subscribe`."""
+        return self._topics.subscribe(topic, callback, None, drafts=True)
+
     def latest(self, topic: str) -> Any:
         """Return a topic's message at the present time; None while its controller is not active or has none.
 
@@ -461,6 +538,25 @@ class Twin:
             InputError: If the robot is unknown.
         """
         return self.latest(f"{self._session.plan(robot).robot.topic_namespace}/joint_states")
+
+    @property
+    def sensors(self) -> tuple[tuple[str, SensorPlan], ...]:
+        """The sensors that are simulated, each with its robot's name, or with that of its model of the world."""
+        built = self._session.built
+        of_robots = [(plan.name, item) for plan in built.plans for item in plan.sensors]
+        return (*of_robots, *((model.name, item) for model in built.sensing_models for item in model.sensors))
+
+    def sensor(self, robot: str, name: str) -> SensorReading:
+        """Return a sensor of a robot: ``twin.sensor("robot_1", "camera").image``, ``.depth``; ``.ranges`` of a lidar.
+
+        Args:
+            robot: The robot's name.
+            name: The sensor's name in its file.
+
+        Raises:
+            InputError: If the robot or the sensor is unknown.
+        """
+        return SensorReading(self._session, robot, name)
 
     def evaluate(self, port: OutputPort) -> Any:
         """Return the value of an output port of `diagram` or of its plant, at the present time.
@@ -543,7 +639,7 @@ class Twin:
         """Run until a simulation time (s), as fast as possible.
 
         Times are met by whole physics steps: the twin stops at the first step that is not before ``time``. It stops
-        earlier when a callback pauses it, and does not move while it is paused.
+        earlier when a callback pauses it or a node resets it, and does not move while it is paused.
 
         Returns:
             The simulation time reached (s).
@@ -557,7 +653,7 @@ class Twin:
         target = self._session.clock.step_at(time)
         if target < self.step_count:
             raise InputError(f"{time:g} s lies in the past: the twin is at {self.time:g} s. Use reset() to start again")
-        self._stepper.advance(target, float(time))
+        self._advance(target, float(time))
         return self.time
 
     def step(self, count: int = 1) -> float:
@@ -578,10 +674,21 @@ class Twin:
         stepper, clock = self._stepper, self._session.clock
         was_paused, stepper.paused = stepper.paused, False
         try:
-            stepper.advance(clock.step + count)
+            self._advance(clock.step + count)
         finally:
             stepper.paused = stepper.paused or was_paused
         return clock.time
+
+    def _advance(self, target: int, time: float | None = None) -> None:
+        """Advance to a step, with a stop wherever something has to be done between two advances."""
+        stepper, alarm, clock = self._stepper, self._session.alarm, self._session.clock
+        stepper.advance(target, time)
+        while alarm.requests:
+            step = clock.step
+            alarm.do_requests()
+            if clock.step != step:  # a reset or a restored state
+                return
+            stepper.advance(target, time)
 
     @functools.cached_property
     def frames(self) -> Frames:
@@ -640,15 +747,34 @@ class Twin:
 
     @_outside_callbacks("reset")
     @recorded
-    def reset(self) -> None:
+    def reset(self, scenario: Scenario | None = None) -> None:
         """Return to the start: time zero, start positions, no commands, the scenario's commands ahead again.
 
         Subscriptions stay, and count from zero again. Pending commands are dropped.
 
+        Args:
+            scenario: The scenario to start; by default the present one. Where the two differ only in their
+                ``values``, these are set in the present diagram; else it is built again. The state is the same.
+
         Raises:
-            InputError: If called inside a callback.
+            InputError: If called inside a callback, or the scenario cannot be built; nothing is changed then.
         """
-        self._session.reset()
+        self._session.reset(scenario, self._topics.check)
+
+    @_outside_callbacks("change")
+    @recorded
+    def set_values(self, values: Mapping[str, float]) -> None:
+        """Set parameters of the plant at once, as the scenario would with these ``values`` beside its own.
+
+        `reset` takes them back; all other parameters become the scenario's.
+
+        Args:
+            values: Name → value, as in `Scenario`.
+
+        Raises:
+            InputError: If a value is unknown or invalid; nothing is changed then.
+        """
+        self._session.physics.set_values({**self.scenario.values, **values})
 
     @_outside_callbacks("close")
     def close(self) -> None:
@@ -660,6 +786,9 @@ class Twin:
         Raises:
             InputError: If called inside a callback.
         """
+        while self.companions:
+            self.companions.pop().close()
+        self._session.built.renderer.close()
         self._session.physics.discard()
 
     def __enter__(self) -> Self:

@@ -4,16 +4,13 @@ Text and bytes only: nothing here opens a session. The upstream sources are ``li
 ``attachment_helpers.cpp`` and ``qos.cpp`` in ``rmw_zenoh_cpp/src/detail``.
 """
 
-import os
-import re
 import struct
 from dataclasses import dataclass
 
-from drake_twin.errors import InputError
+from drake_twin.wires.ros_names import dds_type, ros_type
 
 NO_HASH = "TypeHashNotSupported"  # what ROS 2 Humble writes, which has no type hashes
-NODE, PUBLISHER, SUBSCRIPTION, SERVICE = "NN", "MP", "MS", "SS"
-_LARGEST_DOMAIN = 232  # docs.ros.org, "The ROS_DOMAIN_ID": DDS has no ports for more
+NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = "NN", "MP", "MS", "SS", "SC"
 _ATTACHMENT = struct.Struct("<qqB16s")
 
 
@@ -62,7 +59,7 @@ class Node:
 
         Args:
             number: The endpoint's number within the session.
-            kind: `PUBLISHER`, `SUBSCRIPTION` or `SERVICE`.
+            kind: `PUBLISHER`, `SUBSCRIPTION`, `SERVICE` or `CLIENT`.
             topic: The topic's or service's name with a leading slash.
             ros_type: Its type, for example ``std_msgs/msg/String``.
             type_hash: ``RIHS01_…``, or `NO_HASH`.
@@ -75,15 +72,45 @@ class Node:
         return f"@ros2_lv/{numbers}/{kind}/%/{_mangled(self.namespace)}/{_mangled(self.name)}"
 
 
-def is_name(name: str) -> bool:
-    """Tell whether a topic's or service's full name can be part of a key expression."""
-    return re.fullmatch(r"(/[^/*$?#%@\s]+)+", name) is not None
+@dataclass(frozen=True)
+class GraphEntity:
+    """A node or an endpoint on the graph, as its liveliness token describes it.
+
+    Attributes:
+        kind: `NODE`, `PUBLISHER`, `SUBSCRIPTION`, `SERVICE` or `CLIENT`.
+        node: The full name of its node.
+        name: The full name of its topic or service; empty for a node.
+        type: Its ROS type; empty for a node.
+        hash: The type's hash; empty for a node.
+        latched: Whether late joiners get the last messages.
+    """
+
+    kind: str
+    node: str
+    name: str = ""
+    type: str = ""
+    hash: str = ""
+    latched: bool = False
 
 
-def dds_type(ros_type: str) -> str:
-    """Return the name that DDS has for a type: ``std_msgs::msg::dds_::String_`` for ``std_msgs/msg/String``."""
-    package, folder, name = ros_type.split("/")
-    return f"{package}::{folder}::dds_::{name}_"
+def read_token(token: str) -> GraphEntity | None:
+    """Return what a liveliness token describes; None for one of another format."""
+    _, *parts = token.split("/")
+    if len(parts) < 8 or parts[4] not in (NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT):
+        return None
+    kind, namespace, node = parts[4], parts[6].replace("%", "/").rstrip("/"), parts[7]
+    full = f"{namespace}/{node}"
+    if kind == NODE:
+        return GraphEntity(kind, full)
+    if len(parts) != 12:
+        return None
+    name, dds, type_hash, qos = parts[8:]
+    return GraphEntity(kind, full, name.replace("%", "/"), ros_type(dds), type_hash, qos.split(":")[1:2] == ["1"])
+
+
+def graph_key(domain: int | str) -> str:
+    """Return the key expression of all liveliness tokens of a domain; of all domains with ``*``."""
+    return f"@ros2_lv/{domain}/**"
 
 
 def topic_key(domain: int, topic: str, ros_type: str, type_hash: str) -> str:
@@ -124,20 +151,6 @@ def read_attachment(data: bytes) -> tuple[int, int, bytes]:
         raise ValueError(f"an attachment of {len(data)} bytes, but rmw_zenoh's has {_ATTACHMENT.size}")
     sequence, time, _, source = _ATTACHMENT.unpack(data)
     return sequence, time, source
-
-
-def domain_of_environment() -> int:
-    """Return ``ROS_DOMAIN_ID``, 0 by default.
-
-    Raises:
-        InputError: If it is not a domain.
-    """
-    text = os.environ.get("ROS_DOMAIN_ID", "").strip()
-    if not text:
-        return 0
-    if not text.isascii() or not text.isdigit() or int(text) > _LARGEST_DOMAIN:
-        raise InputError(f"ROS_DOMAIN_ID={text}: a ROS domain is a whole number from 0 to {_LARGEST_DOMAIN}")
-    return int(text)
 
 
 def _mangled(name: str) -> str:

@@ -10,14 +10,15 @@ import logging
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from queue import Queue
-from threading import Thread
+from queue import SimpleQueue
+from threading import Event, Thread
 from typing import Any, Protocol
 
 import numpy as np
 
 from drake_twin.errors import TwinError
-from drake_twin.messages.interface_types import definition, deserialize, make, serialize, type_hash
+from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
+from drake_twin.systems.draft import Draft, LaterDraft
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEndpoint
@@ -64,6 +65,9 @@ class WiredActions(Protocol):
     def news(self) -> Iterable[tuple[str, Mapping[str, Any]]]:
         """Return the messages that are due: their topics and their fields."""
 
+    def hear(self, topic: str, message: Any) -> None:
+        """Take a message that a wire has heard."""
+
 
 @dataclass
 class _Topic:
@@ -108,14 +112,22 @@ class Seam:
         self._topics: dict[str, _Topic] = {}
         self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
         self._served: dict[str, tuple[WiredService, list[Closable]]] = {}
+        self._commanded: set[str] = set()
         self._has_changed = False
         self._logged: set[tuple[str, str]] = set()
-        self._queue: Queue[tuple[_Topic, Any, int] | None] = Queue(_MOST_WAITING)
+        self._queue: SimpleQueue[tuple[_Topic, Draft, float] | Event | None] = SimpleQueue()
+        self._has_room = Event()
         self._thread = Thread(target=self._send, name="drake_twin sender", daemon=True)
         self._thread.start()
         twin.inbox.open()
         twin.inbox.looks.append(self._look)
         self._look()
+
+    def flush(self) -> None:
+        """Wait until the pending messages are sent."""
+        sent = Event()
+        self._queue.put(sent)
+        sent.wait()
 
     def close(self) -> None:
         """Send the pending messages, and end the wires."""
@@ -145,12 +157,12 @@ class Seam:
             for name, fields in self._actions.news():
                 topic = self._topics[name]
                 if any(sender.is_heard for sender in topic.senders):
-                    self._hand_over(topic, make(topic.endpoint.type, fields))
+                    self._hand_over(topic, LaterDraft(partial(make, topic.endpoint.type, fields)))
 
     def _keep_topics(self, endpoints: Sequence[Endpoint]) -> None:
         """Offer these endpoints, and the services, and no others."""
         services = {item.name: item for item in self._services_of(self._twin)} if endpoints else {}
-        of_actions = self._actions.topics() if self._actions is not None and endpoints else ()
+        of_actions = tuple(self._actions.topics()) if self._actions is not None and endpoints else ()
         offered = {item.name: item for item in (*endpoints, *of_actions) if item.kind == PUBLISHED}
         for name in [name for name, topic in self._topics.items() if offered.get(name) != topic.endpoint]:
             self._forget(self._topics.pop(name))
@@ -158,7 +170,8 @@ class Seam:
             self._topics[name] = topic = _Topic(offered[name], is_of_twin=offered[name] in endpoints)
             wired = _wired(offered[name])
             topic.senders += [wire.advertise(wired, self._note_listeners) for wire in self._wires]
-        commanded = {item.name: item for item in endpoints if item.kind == COMMANDED}
+        commanded = {item.name: item for item in (*of_actions, *endpoints) if item.kind == COMMANDED}
+        self._commanded = {item.name for item in endpoints if item.kind == COMMANDED}
         _close_missing(self._heard, commanded)
         for name in commanded.keys() - self._heard.keys():
             item = commanded[name]
@@ -176,7 +189,8 @@ class Seam:
         """Follow who listens, later, in the simulation's thread."""
         if not self._has_changed:
             self._has_changed = True
-            self._twin.inbox.put(self._follow_listeners)
+            if not self._twin.inbox.put(self._follow_listeners):  # it is full: the next change tells
+                self._has_changed = False
 
     def _follow_listeners(self) -> None:
         self._has_changed = False
@@ -187,7 +201,7 @@ class Seam:
         """Subscribe to a topic with listeners, and to no other."""
         is_heard = topic.is_of_twin and any(sender.is_heard for sender in topic.senders)
         if is_heard and topic.end is None:
-            topic.end = self._twin.subscribe(topic.endpoint.name, partial(self._hand_over, topic))
+            topic.end = self._twin.subscribe_drafts(topic.endpoint.name, partial(self._hand_over, topic))
         elif not is_heard and topic.end is not None:
             topic.end()
             topic.end = None
@@ -200,21 +214,35 @@ class Seam:
 
     # Out -------------------------------------------------------------------------------------------------------------
 
-    def _hand_over(self, topic: _Topic, message: Any) -> None:
-        self._queue.put((topic, message, round(self._twin.time * 1e9)))
+    def _hand_over(self, topic: _Topic, draft: Draft) -> None:
+        while self._queue.qsize() > _MOST_WAITING:  # the simulation waits
+            self._has_room.clear()
+            self._has_room.wait(0.1)
+        self._queue.put((topic, draft, self._twin.time))
+
+    def send(self, name: str, message: Any) -> None:
+        """Send a message that a node program has published, if anybody listens."""
+        topic = self._topics.get(name)
+        if topic is not None and any(sender.is_heard for sender in topic.senders):
+            self._hand_over(topic, LaterDraft(lambda: message))
 
     def _send(self) -> None:
         """Serialize and send, in the sender's thread."""
         while (item := self._queue.get()) is not None:
-            topic, message, time = item
+            if isinstance(item, Event):
+                item.set()
+                continue
+            topic, draft, time = item
             try:
-                data = serialize(message)
+                if (data := draft.serialized()) is None:
+                    continue
                 for sender in topic.senders:
                     if sender.is_heard:
-                        sender.send(data, time)
+                        sender.send(data, round(time * 1e9))
             except Exception as error:  # of a wire that ends, or of a topic that is taken off meanwhile
                 self._log(topic.endpoint.name, f"a message is not sent: {error}")
-            self._queue.task_done()
+            finally:
+                self._has_room.set()
 
     # In --------------------------------------------------------------------------------------------------------------
 
@@ -233,6 +261,10 @@ class Seam:
             self._log(topic.name, "commands come faster than they are read: older ones are dropped")
 
     def _publish(self, topic: str, message: Any) -> None:
+        if self._actions is not None:
+            self._actions.hear(topic, message)
+        if topic not in self._commanded:
+            return
         try:
             self._twin.publish(topic, message)
         except TwinError as error:
@@ -264,7 +296,7 @@ class Seam:
             if service.between_advances:
                 self._look()  # who asks for a spawn finds its topics on the graph when the answer is there
             if not isinstance(fields, Generator):
-                reply(serialize(_response(service.type, fields)))
+                reply(serialize(make_response(service.type, fields)))
                 return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))
@@ -276,7 +308,7 @@ class Seam:
         try:
             next(answer)
         except StopIteration as end:
-            reply(serialize(_response(service.type, end.value)))
+            reply(serialize(make_response(service.type, end.value)))
             return
         except (TwinError, ValueError) as error:
             self._refuse(service, reply, str(error))
@@ -287,7 +319,7 @@ class Seam:
 
     def _refuse(self, service: WiredService, reply: Reply, reason: str, cause: str = "") -> None:
         self._log(service.name, reason, cause)
-        reply(serialize(_response(service.type, {}, reason)))
+        reply(serialize(make_response(service.type, {}, reason)))
 
     def _log(self, topic: str, text: str, cause: str = "") -> None:
         """Log once per topic and cause."""
@@ -311,19 +343,6 @@ def _close_missing(known: dict[str, Any], wanted: Mapping[str, Any]) -> None:
     for name in [name for name, (item, _) in known.items() if name not in wanted or wanted[name].type != item.type]:
         for end in known.pop(name)[1]:
             end.close()
-
-
-def _response(kind: str, fields: Mapping[str, Any], reason: str = "") -> Any:
-    """Return a service's response; with a reason, in the field that it has for one."""
-    response = make(f"{kind}_Response", fields)
-    for place, name in (
-        (response, "message"),
-        (response, "status_message"),
-        (getattr(response, "result", None), "error_message"),
-    ):
-        if reason and isinstance(getattr(place, name, None), str):
-            setattr(place, name, reason)
-    return response
 
 
 def _is_stop(message: Any) -> bool:

@@ -17,12 +17,11 @@ from drake_twin.wires.rmw_zenoh_format import (
     Qos,
     any_type_key,
     attachment,
-    domain_of_environment,
     gid,
-    is_name,
     read_attachment,
     topic_key,
 )
+from drake_twin.wires.ros_names import domain_of_environment, is_name, ros_type
 from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
 from drake_twin.wires.zenoh_session import ROUTER_PORT, open_session
 
@@ -238,17 +237,25 @@ class _Sender:
 
 
 class _Listener:
-    """Hears the messages of a topic, whatever their hash, so that a wrong one can be reported."""
+    """Hears the messages of a topic, whatever their hash, so that a wrong one can be reported.
+
+    Of a latched topic, it hears the last message that was sent before, too.
+    """
 
     def __init__(self, session: Any, graph: _Graph, topic: WireEndpoint, heard: Callable[[bytes], None]):
-        from zenoh import handlers
+        from zenoh import ext, handlers
 
         self._topic, self._heard = topic, heard
         self._expected = topic_key(graph.domain, topic.name, topic.type, "")
         self._reported: set[str] = set()
         call = handlers.Callback(self._take, indirect=False)
-        self._subscriber = session.declare_subscriber(any_type_key(graph.domain, topic.name), call)
-        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos())
+        key = any_type_key(graph.domain, topic.name)
+        if topic.latched:
+            history = ext.HistoryConfig(max_samples=1, detect_late_publishers=True)
+            self._subscriber: Any = ext.declare_advanced_subscriber(session, key, call, history=history)
+        else:
+            self._subscriber = session.declare_subscriber(key, call)
+        _, self._leave = graph.add(SUBSCRIPTION, topic, Qos(topic.latched, 1 if topic.latched else 10))
 
     def close(self) -> None:
         """Take it off the graph."""
@@ -319,4 +326,4 @@ class _Server:
 
 def _ros_type(key: str) -> str:
     """Return the ROS type in a key expression."""
-    return key.split("/")[-2].replace("::dds_::", "/").replace("::", "/").removesuffix("_")
+    return ros_type(key.split("/")[-2])

@@ -68,7 +68,7 @@ def test_another_twin_takes_the_place_of_the_one_before():
 
 
 def test_a_long_run_is_thinned_and_still_reaches_from_start_to_end(monkeypatch):
-    monkeypatch.setattr("drake_twin.cli.history._MOST_SAMPLES", 10)
+    monkeypatch.setattr("drake_twin.cli.history.MOST_SAMPLES", 10)
     twin = driving().build()
     recorder = recorded(twin)
     twin.advance_to(0.5)

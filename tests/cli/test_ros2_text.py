@@ -5,7 +5,8 @@ from conftest import ARM, rovers
 
 from drake_twin import messages
 from drake_twin.builder.twin_builder import TwinBuilder
-from drake_twin.cli.ros2_text import controllers_text, message_text, topics_text
+from drake_twin.cli.ros2_text import controllers_text, topics_text
+from drake_twin.messages.text import message_text
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 import drake_twin
 
 
-@pytest.mark.parametrize("module", ["", ".run", ".check", ".benchmarks"])
+@pytest.mark.parametrize("module", ["", ".run", ".check", ".play", ".benchmarks"])
 def test_every_program_prints_the_version_and_ends(module):
     command = [sys.executable, "-m", f"drake_twin{module}", "--version"]
     result = subprocess.run(command, capture_output=True, text=True, check=False)

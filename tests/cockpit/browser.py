@@ -1,22 +1,28 @@
-"""The page in a real Chromium: fixtures and helpers of the tests that operate its controls and check the twin's state.
+"""The page in a real browser: fixtures and helpers of the tests that operate its controls and check the twin's state.
 
-Screenshots before and after each test are in its ``tmp_path``.
+The browser is Chromium; ``-m "browser and slow"`` runs the same tests in Firefox. Screenshots before and after each
+test are in its ``tmp_path``.
 """
 
+import contextlib
 import io
 import shutil
 
+import firefox
 import numpy as np
 import pytest
 from conftest import rovers
 from PIL import Image
 
 from drake_twin import Twin
+from drake_twin.cockpit import server
 from drake_twin.cockpit.served_page import ServedPage
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 OFFLINE = ["--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
+
+_ALSO_PLAYWRIGHT = "; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'"
 
 BROWSER_TESTS = [
     pytest.mark.browser,
@@ -24,14 +30,32 @@ BROWSER_TESTS = [
 ]
 
 
-@pytest.fixture(scope="module")
-def browser():
-    from playwright.sync_api import sync_playwright
+NO_FIREFOX = pytest.mark.skipif(firefox.FIREFOX is None or firefox.XVFB is None, reason=firefox.REASON)
+
+
+@contextlib.contextmanager
+def started(name, folder):
+    """Start a browser by its name."""
+    from playwright.sync_api import Locator, sync_playwright
 
     with sync_playwright() as playwright:
+        if name == "firefox":
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(Locator, "fill", firefox.typed)
+                for policy in ("_PAGE_POLICY", "_SCENE_POLICY"):  # Playwright evaluates its own code in the page
+                    patch.setattr(server, policy, getattr(server, policy) + _ALSO_PLAYWRIGHT)
+                with firefox.launched(playwright, folder) as browser:
+                    yield browser
+            return
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE_RENDERING + OFFLINE)
         yield browser
         browser.close()
+
+
+@pytest.fixture(scope="module", params=["chromium", pytest.param("firefox", marks=[pytest.mark.slow, NO_FIREFOX])])
+def browser(request, tmp_path_factory):
+    with started(request.param, tmp_path_factory.mktemp("browser")) as browser:
+        yield browser
 
 
 class Shown:
@@ -103,7 +127,7 @@ def show(browser, tmp_path):
         for number, tab in enumerate(it.tabs):
             tab.screenshot(path=tmp_path / f"after_{number}.png")
         it.close()
-        assert it.faults == []
+        assert it.faults == [], it.faults
 
 
 @pytest.fixture
@@ -113,17 +137,20 @@ def page(show):
 
 
 def folder(tab, robot="robot_1"):
-    return tab.locator(f"details.robot[data-robot={robot}]")
+    return tab.locator(f".robot[data-robot={robot}]")
 
 
 def picture(tab):
-    """The scene's pixels, once two pictures in a row are alike."""
+    """The scene's pixels, once two pictures in a row are alike; without the banner that no frame runs meanwhile."""
+    banner = tab.locator("#connection")
+    banner.evaluate("element => { element.style.visibility = 'hidden'; }")
     last = None
     for _ in range(40):
         shot = tab.locator("#scene").screenshot()
         if shot == last:
             break
         last = shot
+    banner.evaluate("element => { element.style.visibility = ''; }")
     return np.asarray(Image.open(io.BytesIO(last)).convert("RGB")).astype(int)
 
 

@@ -12,10 +12,15 @@ class FakeServer:
         self.is_watched = True
         self.told = {}
         self.files = {}
+        self.pictures = {}
         self._asked = []
 
     def ask(self, request, client=1):
         self._asked.append((client, request))
+        self.heard()
+
+    def listen(self, heard):
+        self.heard = heard
 
     def requests(self):
         asked, self._asked = self._asked, []
@@ -23,6 +28,9 @@ class FakeServer:
 
     def publish(self, texts):
         self.told |= {channel: json.loads(text) for channel, text in texts.items()}
+
+    def send_bytes(self, key, data):
+        self.pictures[key] = data
 
     def offer(self, name, content):
         self.files[name] = content

@@ -10,6 +10,7 @@ from robots_to_steer import CMD_VEL, TRAJECTORY, WHEELS_1, arm_with_trajectories
 from drake_twin import TwinBuilder
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.scene import Scene
+from drake_twin.scenario import Robot
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +42,54 @@ def test_steps_are_made_at_once_and_the_twin_stays_paused(page):
     assert page.twin.step_count == 7
     assert page.twin.paused
     assert page.state["steps"] == 7
+
+
+def test_what_a_callback_may_do_is_done_within_the_advance_that_it_meets(page):
+    page.cockpit.process_requests()  # a browser is connected
+    asked = page.twin.time + 0.02
+    stopped = []
+
+    def each_step(message):
+        if page.twin.time == pytest.approx(asked):
+            page.server.ask(protocol.EmergencyStop("robot_1"))
+        if page.twin.is_stopped("robot_1"):
+            stopped.append(page.twin.time)
+
+    page.twin.subscribe("/clock", each_step, 1000)
+    page.twin.advance_to(asked + 0.1)
+    assert stopped[0] <= asked + 0.006
+
+
+def test_what_a_callback_may_not_do_waits_for_the_frame_and_what_follows_it_too(page):
+    page.cockpit.process_requests()
+    done = []
+
+    def each_frame():
+        if not done:
+            page.server.ask(protocol.Reset())
+            page.server.ask(protocol.EmergencyStop("robot_1"))
+            page.twin.inbox.look()
+            done.append((page.twin.is_stopped("robot_1"), [text for _, text in page.cockpit._log.as_plain()]))
+            return True
+        page.cockpit.process_requests()
+        return False
+
+    page.twin.run(each_frame=each_frame, as_fast_as_possible=True)
+    assert not done[0][0]
+    assert page.twin.is_stopped("robot_1")
+    assert not any("refused" in text for level, text in page.messages)
+
+
+def test_nobody_looks_into_the_inbox_for_a_page_without_browsers(page):
+    page.cockpit.process_requests()
+    assert page.twin.inbox.is_open
+    page.server.clients = ()
+    page.cockpit.process_requests()
+    assert not page.twin.inbox.is_open
+    page.server.clients = (2,)
+    page.cockpit.process_requests()
+    page.cockpit.close()
+    assert not page.twin.inbox.is_open
 
 
 @pytest.mark.parametrize("time", [0.25, 0.1234, 1.0])
@@ -232,7 +281,7 @@ def test_nothing_is_told_while_nobody_is_connected(page):
     assert page.server.told == {}
     page.server.clients = (1,)
     page.cockpit.process_requests()
-    assert page.server.told.keys() == {"robots", "messages", "state"}
+    assert page.server.told.keys() == {"robots", "messages", "state", "timeline"}
 
 
 def test_a_second_browser_is_told_everything_and_the_robots_are_not_told_again(page):
@@ -242,12 +291,14 @@ def test_a_second_browser_is_told_everything_and_the_robots_are_not_told_again(p
     assert page.server.told.keys() == {"state"}
     page.server.clients = (1, 2)
     page.cockpit.process_requests()
-    assert page.server.told.keys() == {"robots", "messages", "state"}
+    assert page.server.told.keys() == {"robots", "messages", "state", "timeline"}
 
 
 def test_the_state_tells_positions_velocities_efforts_and_where_each_robot_is(page):
     page.ask(protocol.MoveJoint(WHEELS_1, 0, 3.0))
     page.twin.advance_to(0.5)
+    assert page.state["robots"]["robot_1"]["efforts"] is None  # nobody looks at them
+    page.ask(protocol.LookAtEfforts())
     told, state = page.state["robots"]["robot_1"], page.twin.robot_state("robot_1")
     assert told["positions"] == pytest.approx(state.positions, abs=1e-6)
     assert told["velocities"] == pytest.approx(state.velocities, abs=1e-6)
@@ -318,7 +369,7 @@ def test_a_joint_that_cannot_be_posed(scene, request_):
 def test_a_spawned_robot_has_controls_and_a_deleted_one_has_none(page):
     assert list(page.state["robots"]) == ["robot_1", "robot_2"]
     page.ask(protocol.Show("collision", True))
-    page.ask(protocol.Spawn(ROVER, "robot_3", (3.0, 0.0, 0.13), (0.0, 0.0, 0.0)))
+    page.twin.spawn(Robot("robot_3", ROVER, xyz=(3.0, 0.0, 0.13)))
     assert "robot_3" in page.state["robots"]
     assert page.robots["robot_3"]["groups"]
     page.ask(protocol.MoveJoint(WHEELS_1.replace("1", "3"), 0, 2.0), protocol.Follow("robot_3"))
@@ -331,14 +382,6 @@ def test_a_spawned_robot_has_controls_and_a_deleted_one_has_none(page):
     page.ask(protocol.MoveJoint(WHEELS_1.replace("1", "3"), 0, 2.0))
     assert page.state
     assert page.messages[-1][0] == "error"
-
-
-def test_a_spawn_that_is_refused_is_said_and_changes_nothing(page):
-    page.ask(protocol.Spawn("/nowhere.urdf", "robot_3", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    page.ask(protocol.Spawn(ROVER, "robot_1", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    assert list(page.state["robots"]) == ["robot_1", "robot_2"]
-    assert any("/nowhere.urdf" in text for _, text in page.messages)
-    assert any("already exists" in text for _, text in page.messages)
 
 
 def test_the_physics_step_is_changed_while_it_runs(page):

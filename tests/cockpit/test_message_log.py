@@ -27,3 +27,22 @@ def test_a_line_that_comes_again_is_counted_and_the_oldest_are_dropped():
     assert len(lines) == 200
     assert lines[-1]["text"] == "299"
     assert lines[-1]["number"] > lines[0]["number"]
+
+
+def test_a_warning_that_comes_again_among_others_is_counted_where_it_stands():
+    log = MessageLog()
+    for time in (1.0, 2.0, 3.0):
+        log.time = time
+        log.add("warning", "robot_1 is stopped")
+        log.add("warning", "robot_2 is stopped")
+    assert [(line["text"], line["times"], line["time"]) for line in log.as_plain()] == [
+        ("robot_1 is stopped", 3, 3.0),
+        ("robot_2 is stopped", 3, 3.0),
+    ]
+
+
+def test_an_error_that_comes_again_is_the_last_line():
+    log = MessageLog()
+    for text in ("no such file", "no such robot", "no such file"):
+        log.add("error", text)
+    assert [(line["text"], line["times"]) for line in log.as_plain()] == [("no such robot", 1), ("no such file", 2)]

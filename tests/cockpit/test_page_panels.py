@@ -77,7 +77,7 @@ def test_an_overlay_of_others_is_listed_drawn_and_removed(own_parts):
     it = FakePage(rovers(1).build(), Scene())
     assert it.state
     listed = it.server.told["robots"]["overlays"]
-    assert [item["name"] for item in listed] == ["frames", "contacts", "collision", "inertia", "origin"]
+    assert [item["name"] for item in listed] == ["frames", "contacts", "collision", "inertia", "sensors", "origin"]
     assert listed[-1] == {"name": "origin", "label": "Origin of the world", "hint": "A red ball"}
     it.ask(protocol.Show("origin", True))
     assert it.cockpit._scene.has_path(f"{OVERLAYS}/origin")
@@ -93,15 +93,15 @@ def test_a_panel_of_others_is_served_asked_and_published(own_parts):
     it = FakePage(rovers(1).build(), Scene())
     assert it.server.files["panel_horn.js"] == SCRIPT.encode()
     it.ask(protocol.AskPanel("horn", '{"honk": 2}'))
-    assert it.state["panels"] == {"horn": {"steps": 0, "honks": 2}}
-    assert it.server.told["robots"]["panels"] == ["horn"]
+    assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
+    assert it.server.told["robots"]["panels"] == ["world", "spawn", "topics", "horn"]
     for name, data, reason in (
         ("horn", '{"honk": 99}', "too loud"),
         ("horn", "{", "panel 'horn' sent data that is not JSON: '{'"),
-        ("bell", "1", "unknown panel 'bell'. Valid: horn"),
+        ("bell", "1", "unknown panel 'bell'. Valid: world, spawn, topics, horn"),
     ):
         it.ask(protocol.AskPanel(name, data))
-        assert it.state["panels"] == {"horn": {"steps": 0, "honks": 2}}
+        assert it.state["panels"]["horn"] == {"steps": 0, "honks": 2}
         assert reason in it.messages[-1][1]
     it.cockpit.close()
 

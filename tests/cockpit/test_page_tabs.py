@@ -12,9 +12,9 @@ def test_messages_are_on_a_line_and_all_of_them_in_a_list(page):
     it, tab = page
     it.twin.controller_manager("robot_1").switch_controller(deactivate=["forward_velocity_controller"])
     it.twin.publish(WHEELS_1, [1, 1, 1, 1])
-    it.frames(lambda: "nobody hears this" in tab.locator("#message-text").inner_text())
+    it.frames(lambda: "no controller hears this" in tab.locator("#message-text").inner_text())
     tab.locator("#messages-toggle").click()
-    assert "nobody hears this" in tab.locator("#messages li").last.inner_text()
+    assert "no controller hears this" in tab.locator("#messages li").last.inner_text()
 
 
 def test_what_is_refused_is_said(page):

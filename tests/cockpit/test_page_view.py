@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from browser import BROWSER_TESTS, browser, changed, orange, orange_bodies, page, picture, show
 from PIL import Image
+from playwright.sync_api import expect
 from robots_to_steer import WHEELS_1
 
 from drake_twin.builder.demo import demo_scenario
@@ -80,6 +81,7 @@ def test_the_camera_follows_a_robot_and_lets_it_go(page):
     it.frames(lambda: it.cockpit._camera.robot == "")
 
 
+@pytest.mark.parametrize("browser", ["chromium"], indirect=True)  # Playwright hears of no download in this Firefox
 def test_a_recording_is_downloaded_and_plays_without_a_network(show, browser, tmp_path):
     it, tab = show(demo_scenario("rover", 1))
     tab.get_by_role("button", name="Record").click()
@@ -108,3 +110,16 @@ def test_the_side_panel_is_folded_away(page):
     assert tab.get_by_label("Side panel").get_attribute("aria-expanded") == "false"
     tab.keyboard.press("p")
     assert tab.locator("#panel").is_visible()
+
+
+def test_a_switch_keeps_what_was_pressed_until_the_twin_has_heard_of_it(page):
+    it, tab = page
+    switch = tab.get_by_label("Contact forces")
+    switch.click(force=True)
+    it.cockpit.publish(7.77)  # a state from before the request
+    expect(tab.locator("#factor")).to_have_text("7.77")
+    assert switch.is_checked()
+    assert it.cockpit._overlays == {}
+    it.frames(lambda: len(it.cockpit._overlays) == 1)
+    switch.click(force=True)
+    it.frames(lambda: it.cockpit._overlays == {} and not switch.is_checked())

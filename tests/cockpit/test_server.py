@@ -182,12 +182,15 @@ def test_a_browser_that_does_not_read_holds_nobody_up_and_the_latest_wins(server
         async def listen(web_socket):
             for number in range(300):
                 server.publish({"state": json.dumps([number, "x" * 100_000])})
+                server.send_bytes("/camera", bytes([number % 256]) * 100_000)
                 while True:
-                    message = json.loads((await web_socket.receive()).data)
+                    received = await web_socket.receive()
+                    message = json.loads(received.data) if received.type is WSMsgType.TEXT else {"channel": "bytes"}
                     if message["channel"] == "state" and message["data"][0] >= number:
                         break
 
-        talk(server, listen)  # thirty megabytes, each seen at once
+        talk(server, listen)  # sixty megabytes, each seen at once
+        assert neglected._pending_bytes == {"/camera": bytes([299 % 256]) * 100_000}
         assert neglected._pending.keys() <= {"state", "alive"}
         assert json.loads(neglected._pending["state"])[0] == 299
         assert neglected.socket._req.transport.get_write_buffer_size() < 1_000_000

@@ -109,6 +109,20 @@ def test_a_link_goes_without_a_mesh_that_is_missing(tmp_path):
     assert f"{tmp_path}/gone.stl" in warning
 
 
+def test_a_mesh_of_the_models_neighbour_is_found_and_a_missing_model_is_said(tmp_path):
+    """As those of turtlebot3_gazebo/models, where no package is called turtlebot3_common."""
+    (tmp_path / "models/robot").mkdir(parents=True)
+    (tmp_path / "models/common").mkdir()
+    (tmp_path / "models/common/part.stl").write_bytes(trimesh.creation.box().export(file_type="stl"))
+    visual = '<visual name="{0}"><geometry><mesh><uri>model://{0}/part.stl</uri></mesh></geometry></visual>'
+    link = f'<link name="base">{visual.format("common")}{visual.format("gone")}</link>'
+    model = f'<sdf version="1.9"><model name="own">{link}</model></sdf>'
+    prepared = prepare_sdf(model, tmp_path / "models/robot/model.sdf", None, PackageIndex((), {}))
+    assert prepared.text.count("<visual") == 1
+    (warning,) = map(str, prepared.findings)
+    assert "the meshes of gone are left out" in warning
+
+
 def test_links_joints_and_text_are_those_of_the_file():
     body = ARM + JOINT.format(kind="prismatic", inside=AXIS.format("<limit><lower>-1</lower><upper>2</upper></limit>"))
     description = describe(body)

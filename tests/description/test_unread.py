@@ -17,10 +17,10 @@ from drake_twin.findings import Kind
 PACKAGES = PackageIndex((), {})
 
 DROPS = {
-    "logical camera": '<gazebo reference="base"><sensor name="l" type="logical_camera"/></gazebo>',
     "lidar's mask": '<gazebo reference="base"><sensor name="l" type="ray"><ray><mask/></ray></sensor></gazebo>',
-    "camera": '<gazebo reference="base"><sensor name="cam" type="camera"/></gazebo>',
-    "depth camera": '<gazebo reference="base"><sensor name="cam" type="rgbd_camera"/></gazebo>',
+    "thermal camera": '<gazebo reference="base"><sensor name="cam" type="thermal_camera"/></gazebo>',
+    "camera's save": '<gazebo reference="base"><sensor name="cam" type="camera"><camera><save/>'
+    "</camera></sensor></gazebo>",
     "contact sensor": '<gazebo reference="base"><sensor name="bump" type="contact"/></gazebo>',
     "unknown sensor": '<gazebo reference="base"><sensor name="x" type="tricorder"/></gazebo>',
     "noise": '<gazebo reference="base"><sensor name="imu" type="imu"><imu><noise/></imu></sensor></gazebo>',
@@ -113,8 +113,8 @@ def test_what_is_dropped_is_a_finding_with_its_line(tmp_path, drop):
 
 
 def test_a_finding_says_what_it_is_and_what_to_do(tmp_path):
-    (camera,) = lost(tmp_path, DROPS["logical camera"])
-    assert camera.what == "sensor 'l' of type logical_camera on 'base': the twin has no such sensor"
+    (camera,) = lost(tmp_path, DROPS["thermal camera"])
+    assert camera.what == "sensor 'cam' of type thermal_camera on 'base': the twin has no such sensor"
 
 
 def test_noise_that_no_channel_has_is_a_finding(tmp_path):

@@ -5,7 +5,9 @@ from lxml import etree
 from sdf_worlds import BOX, findings, refusal, world_of, write
 
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.surroundings import SUN, Light
 from drake_twin.description.world_file import read_world
+from drake_twin.errors import InputError
 
 # --- physics
 
@@ -142,6 +144,27 @@ def test_each_kind_of_what_is_not_used_is_told_once_with_its_lines(tmp_path):
     )
 
 
+def test_of_the_scene_background_and_shadows_are_used(tmp_path):
+    light = '<light name="l" type="directional"><cast_shadows>1</cast_shadows></light>'
+    body = f"<scene><background>0.1 0.2 0.3 1</background><shadows>0</shadows>\n<ambient>1 1 1</ambient></scene>{light}"
+    world = world_of(tmp_path, body)
+    assert world.surroundings.background == (0.1, 0.2, 0.3)
+    assert [item.casts_shadows for item in world.surroundings.lights] == [False]
+    assert tuple(map(str, world.findings)) == ("<ambient> in <scene> of the world (test.world:5)",)
+
+
+def test_lights_of_a_world_and_of_what_it_includes(tmp_path):
+    spot = """<light name="s" type="spot"><pose>1 2 3 0 0 0</pose><diffuse>0.5 0.6 0.7 1</diffuse>
+    <direction>0 1 0</direction><spot><outer_angle>0.8</outer_angle></spot><intensity>2</intensity>
+    <attenuation><constant>0.5</constant><linear>0.1</linear><quadratic>0.01</quadratic></attenuation></light>"""
+    world = world_of(tmp_path, f"{spot}<include><uri>model://sun</uri></include>")
+    first, sun = world.surroundings.lights
+    assert first == Light("spot", (1, 2, 3), (0, 1, 0), (0.5, 0.6, 0.7), 2.0, (0.5, 0.1, 0.01), 0.8, False)
+    assert sun == SUN
+    with pytest.raises(InputError, match="unknown light type 'laser'"):
+        world_of(tmp_path, '<light name="x" type="laser"/>')
+
+
 def test_plugins_whose_work_the_twin_does_are_passed_over(tmp_path):
     names = ("physics", "user-commands", "scene-broadcaster")
     body = "".join(f'<plugin filename="gz-sim-{name}-system" name="x"/>' for name in names)
@@ -150,9 +173,9 @@ def test_plugins_whose_work_the_twin_does_are_passed_over(tmp_path):
 
 
 def test_one_thing_about_many_models_is_one_warning(tmp_path):
-    link = '<link name="l"><sensor name="s" type="camera"/></link>'
+    link = '<link name="l"><light name="s"/></link>'
     body = "".join(f'<model name="m{index}">{link}</model>' for index in range(6))
-    assert findings(world_of(tmp_path, body)) == ("m0, m1, m2, m3 and 2 more: <sensor> camera is not used",)
+    assert findings(world_of(tmp_path, body)) == ("m0, m1, m2, m3 and 2 more: <light> is not used",)
 
 
 # --- bad input

@@ -130,13 +130,17 @@ def test_a_file_is_expanded_the_same_after_one_that_failed(tmp_path):
 def test_arguments_are_collected_over_all_includes(tmp_path):
     (tmp_path / "parts").mkdir()
     write_xacro(tmp_path / "parts" / "arm.xacro", '<xacro:arg name="reach"/>')
-    write_xacro(tmp_path / "wheel.xacro", '<xacro:arg name="radius"/><xacro:include filename="r.xacro"/>')
+    write_xacro(tmp_path / "wheel.xacro", '<xacro:arg name="radius" default="0.1"/><xacro:include filename="r.xacro"/>')
     body = (
         '<xacro:arg name="prefix" default=""/><xacro:include filename="wheel.xacro"/>'
         '<xacro:include filename="$(find parts)/arm.xacro"/>'
     )
     file = write_xacro(tmp_path / "r.xacro", body)
-    assert xacro_arguments(file, PackageIndex([tmp_path], {})) == {"prefix", "radius", "reach"}
+    assert xacro_arguments(file, PackageIndex([tmp_path], {})) == {
+        "prefix": "",
+        "radius": "0.1",
+        "reach": "",
+    }
 
 
 def test_includes_that_cannot_be_followed_do_not_hide_the_other_arguments(tmp_path):
@@ -144,7 +148,7 @@ def test_includes_that_cannot_be_followed_do_not_hide_the_other_arguments(tmp_pa
         f'<xacro:include filename="{name}"/>' for name in ("${part}.xacro", "gone.xacro", "$(find nowhere)/a.xacro")
     )
     file = write_xacro(tmp_path / "r.xacro", f'{includes}<xacro:arg name="prefix"/>')
-    assert xacro_arguments(file, PackageIndex((), {})) == {"prefix"}
+    assert xacro_arguments(file, PackageIndex((), {})) == {"prefix": ""}
 
 
 @pytest.fixture

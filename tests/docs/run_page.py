@@ -110,7 +110,10 @@ def command(line: str, place: str) -> None:
         words = ["python", "-m", f"drake_twin.{words[1]}", *words[2:]]
     assert words[:2] == ["python", "-m"], f"{place}: what is {line!r}?"
     program, arguments = words[2], [word for word in words[3:] if word != "[--strict]"]
-    assert program in ("drake_twin", "drake_twin.run", "drake_twin.check"), f"{place}: what is {line!r}?"
+    assert program in (
+        "drake_twin",
+        *(f"drake_twin.{name}" for name in ("run", "check", "play", "sweep", "calibrate")),
+    ), f"{place}: what is {line!r}?"
     if program == "drake_twin":
         program, arguments = f"drake_twin.{arguments[0]}", arguments[1:]
     if any("path/to" in word or word in WAITS or word == "PACKAGE" for word in arguments):
@@ -118,7 +121,7 @@ def command(line: str, place: str) -> None:
         return
     if program == "drake_twin.run":
         arguments.append("--headless")
-        if "--end-with-recording" not in arguments:
+        if "--end-with-recording" not in arguments and "--episode" not in arguments:
             arguments += ["--duration", "0.05"]
     if "--plugin" in arguments:  # a process of its own, as the page's programs import the module, too
         code = subprocess.run([sys.executable, "-m", program, *arguments], check=False).returncode

@@ -21,8 +21,8 @@ def test_hashes_are_those_of_ros(name, wanted):
     assert type_hash(name) == wanted
 
 
-def test_a_users_own_service_has_the_hash_of_ros():
-    add_definition("example_interfaces/srv/AddTwoInts", "int64 a\nint64 b\n---\nint64 sum\n")
+def test_a_service_of_a_package_that_the_twin_does_not_use():
+    """The hash is that of rmw_zenoh's docs/design.md."""
     wanted = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
     assert type_hash("example_interfaces/srv/AddTwoInts") == wanted
 
@@ -59,3 +59,11 @@ def test_a_text_holds_those_of_the_messages_in_it():
     text = definition("control_msgs/msg/DynamicJointState")
     assert "MSG: control_msgs/InterfaceValue" in text
     assert "float64[] values" in text
+
+
+def test_fields_that_are_left_out_have_the_values_of_their_definitions():
+    pose = make("geometry_msgs/msg/PoseStamped", {"pose": {"orientation": {"z": 1.0}}}).pose  # float64 w 1
+    assert (pose.orientation.z, pose.orientation.w) == (1.0, 1.0)
+    assert make("geometry_msgs/msg/Pose", {"orientation": {"w": 0.0}}).orientation.w == 0.0
+    assert make("control_msgs/msg/MotionPrimitive", {}).type == -1  # int8 type -1
+    assert make("simulation_interfaces/srv/StepSimulation_Request", {}).steps == 1  # uint64 steps 1

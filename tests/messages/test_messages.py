@@ -48,3 +48,13 @@ def test_a_twin_that_nobody_listens_to_does_not_load_the_message_library():
     )
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "False"
+
+
+def test_bytes_and_characters_are_numbers():
+    """A byte goes as one of rosbags' numbers with a sign: 200 is 200 - 256."""
+    status = messages.message("diagnostic_msgs/msg/DiagnosticStatus", {"level": 200})
+    assert status.level == 200 - 256
+    assert messages.message("std_msgs/msg/Char", {"data": 255}).data == 255
+    for kind in ("Byte", "Char"):
+        with pytest.raises(ValueError, match=r"data: 256 is not a "):
+            messages.message(f"std_msgs/msg/{kind}", {"data": 256})

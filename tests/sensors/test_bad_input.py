@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import example, given, settings
@@ -11,13 +12,16 @@ from launch_files import write
 from lxml import etree
 from rig import BODY, on_box, twin_with
 
+from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.sensors import SENSOR_PLUGINS
+from drake_twin.description.world_file import read_world
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.from_launch.bridges import bridge_lines
 from drake_twin.planning.sensor_plan import plan_sensors
+from drake_twin.planning.world_sensors import plan_models
 from drake_twin.ros2.launched import LaunchedProcess
 from drake_twin.scenario import Robot
 from drake_twin.sensors.registry import sensor_class, sensor_kinds
@@ -121,6 +125,11 @@ TAGS = (
     *("horizontal", "vertical", "magnetometer", "altimeter", "vertical_position", "air_pressure", "pressure"),
     *("reference_altitude", "gaussianNoise", "gaussian_noise", "xyz_offset", "rpy_offsets", "ros", "namespace"),
     *("remapping", "argument", "frame_name", "body_name", "initial_orientation_as_reference"),
+    *("camera", "image", "width", "height", "format", "clip", "near", "far", "horizontal_fov", "distortion", "k1"),
+    *("center", "lens", "intrinsics", "projection", "fx", "cx", "p_fx", "tx", "depth_camera", "delay", "cameraName"),
+    *("camera_info_topic", "camera_name", "focal_length", "rectification_matrix", "min_depth", "max_depth"),
+    *("lidar", "ray", "scan", "samples", "resolution", "min_angle", "max_angle", "range", "min", "max", "output_type"),
+    *("topicName", "frameName", "radiation", "logical_camera", "aspect_ratio", "pose", "update_rate", "frame_id"),
 )
 TEXTS = st.one_of(
     st.sampled_from(["", "0", "-1", "1e400", "nan", "true", "1 2 3", "gaussian", "ENU", "~/out:=/x", "'", ":=", "a:="]),
@@ -135,7 +144,9 @@ def elements(depth):
 
 def built(tree, parent):
     tag, text, children = tree
-    element = etree.SubElement(parent, tag, **({"filename": "libgazebo_ros_imu_sensor.so"} if tag == "plugin" else {}))
+    libraries = {"camera": "camera", "depth": "camera", "ray": "ray_sensor", "gpu_ray": "range"}
+    library = libraries.get(parent.get("type"), "imu_sensor")
+    element = etree.SubElement(parent, tag, **({"filename": f"libgazebo_ros_{library}.so"} if tag == "plugin" else {}))
     if tag == "noise":
         element.set("type", text)
     element.text = text
@@ -166,6 +177,33 @@ def test_any_element_is_planned_or_refused_in_a_paragraph(kind, trees):
         list(cls.topics(sensor, read, "/base"))
     except InputError:
         return
+
+
+@given(
+    st.sampled_from([*sensor_kinds(), "thermal", ""]), st.lists(elements(3), max_size=4), st.booleans(), st.booleans()
+)
+@settings(max_examples=100, deadline=None)
+def test_any_sensor_of_a_world_is_planned_or_refused_in_a_paragraph(kind, trees, is_static, is_nested):
+    root = etree.fromstring('<sdf version="1.9"><world name="w"><model name="m"><static/></model></world></sdf>')
+    model = root.find("world/model")
+    model[0].text = str(is_static)
+    place = etree.SubElement(model, "model", name="n") if is_nested else model
+    sensor = etree.SubElement(etree.SubElement(place, "link", name="l"), "sensor", name="s", type=kind)
+    for tree in trees:
+        built(tree, sensor)
+    with TemporaryDirectory() as folder:
+        file = Path(folder, "w.sdf")
+        file.write_bytes(etree.tostring(root))
+        try:
+            (found,) = read_world(str(file), PackageIndex(())).models
+            assert "<sensor" not in found.text
+            (plan,) = plan_models([found], {})
+        except InputError as error:
+            if error.file is None:
+                raise
+            return
+    assert plan.name == ("m::n" if is_nested else "m")
+    assert plan.sensors or plan.findings
 
 
 @given(st.lists(st.text(max_size=20), max_size=4), st.sampled_from(["parameter_bridge", "image_bridge"]))

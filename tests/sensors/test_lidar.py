@@ -126,6 +126,37 @@ def test_what_gazebo_classics_plugin_publishes(tmp_path, output, kind):
         assert message.field_of_view == pytest.approx(0.4)
     if kind == "PointCloud":
         assert [point.x for point in message.points] == pytest.approx([2.5] * 5, abs=1e-3)
+        assert [(item.name, item.values.tolist()) for item in message.channels] == [("intensity", [0.0] * 5)]
+    if kind == "PointCloud2":
+        assert [(item.name, item.offset, item.datatype) for item in message.fields] == [
+            ("x", 0, 7),
+            ("y", 4, 7),
+            ("z", 8, 7),
+            ("intensity", 12, 7),
+        ]
+        assert (message.height, message.width, message.point_step, message.row_step) == (1, 5, 16, 80)
+        assert message.is_dense
+        points = np.frombuffer(message.data.tobytes(), "<f4").reshape(5, 4)
+        assert points[:, 0] == pytest.approx(2.5, abs=1e-3)
+        assert points[:, 1] == pytest.approx(2.5 * np.tan([-0.2, -0.1, 0.0, 0.1, 0.2]), abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["PointCloud2", "PointCloud", "Range"])
+def test_what_gazebo_classics_plugin_publishes_of_nothing(tmp_path, kind):
+    """gazebo_ros/conversions/sensor_msgs.hpp: no points where nothing is met, and the largest float as the range."""
+    plugin = (
+        '<plugin name="laser" filename="libgazebo_ros_ray_sensor.so"><ros><remapping>~/out:=front</remapping></ros>'
+        f"<output_type>sensor_msgs/{kind}</output_type></plugin>"
+    )
+    ranges = "<min>0.3</min><max>1.0</max>"
+    twin = twin_with(tmp_path, lidar("ray", ranges=ranges, part="ray", plugin=plugin), world=WALL.format(2.1, 0))
+    message = heard(twin, "/box/front")[-1]
+    if kind == "Range":
+        assert message.range == np.finfo(np.float32).max
+    elif kind == "PointCloud":
+        assert message.points == []
+    else:
+        assert (message.height, message.width, message.data.size) == (1, 0, 0)
 
 
 def test_rays_are_cast_for_listeners_only_and_once_for_both_topics(tmp_path, monkeypatch):

@@ -6,8 +6,9 @@ files have the shapes of those of real packages.
 """
 
 import pytest
-from hinge import create, launched, node
+from hinge import node
 from launch_files import not_started, write
+from names_rig import INERTIAL, gazebo, spawned, table
 
 from drake_twin import Twin, TwinBuilder
 from drake_twin.builder.robot_file import robot_file_scenario
@@ -15,27 +16,11 @@ from drake_twin.findings import Kind, texts
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
 IMU, CONTACTS = "sensor_msgs/msg/Imu", "ros_gz_interfaces/msg/Contacts"
-INERTIAL = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1" ixy="0" ixz="0" iyz="0"/></inertial>'
+IMAGE, CAMERA_INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
 BASE = f"""<robot name="r"><link name="base_footprint"/><link name="base_link">{INERTIAL}
   <collision><geometry><box size=".4 .4 .2"/></geometry></collision></link><link name="imu_link"/>
   <joint name="a" type="fixed"><parent link="base_footprint"/><child link="base_link"/></joint>
   <joint name="b" type="fixed"><parent link="base_link"/><child link="imu_link"/></joint>{{}}</robot>"""
-
-
-def table(twin):
-    """The topics of sensors: (topic, type, frame, rate)."""
-    found = {}
-    for plan in twin.plans:
-        for item in plan.sensors:
-            for topic in item.topics:
-                if topic.topic is not None:
-                    assert twin.topics()[topic.topic] == topic.type
-                    found[topic.topic] = (topic.type, item.frame, item.rate)
-    return found
-
-
-def gazebo(inside="", link="imu_link", name="s", kind="imu"):
-    return f'<gazebo reference="{link}"><sensor name="{name}" type="{kind}">{inside}</sensor></gazebo>'
 
 
 def robot_with(tmp_path, *sensors, **options):
@@ -111,6 +96,29 @@ def test_a_plugin_of_gazebo_classic_names_its_topic_in_ros(tmp_path, plugin, exp
     assert table(twin) == {topic: (IMU, frame, 20.0)}
 
 
+@pytest.mark.parametrize(
+    ("plugin", "inside", "expected"),
+    [
+        ("laser", "", ("/world", "LaserScan", "world")),
+        ("laser", "<topicName>/scan</topicName><frameName>eye</frameName>", ("/scan", "LaserScan", "eye")),
+        (
+            "gpu_laser",
+            "<topicName>laser/scan</topicName><frameName>imu_link</frameName><robotNamespace>/r</robotNamespace>",
+            ("/r/laser/scan", "LaserScan", "r/imu_link"),
+        ),
+        ("block_laser", "<topicName>cloud</topicName>", ("/r/cloud", "PointCloud", "world")),
+        ("range", "<frameName>eye</frameName>", ("/range", "Range", "eye")),
+    ],
+)
+def test_a_laser_of_ros_1_is_named_by_its_own_elements(tmp_path, plugin, inside, expected):
+    """gazebo_ros_pkgs, branch noetic-devel: gazebo_plugins/src/gazebo_ros_{laser,gpu_laser,block_laser,range}.cpp."""
+    text = f'<plugin name="p" filename="libgazebo_ros_{plugin}.so">{inside}</plugin>'
+    twin = robot_with(tmp_path, gazebo(f"<ray><range><min>0.1</min><max>9</max></range></ray>{text}", kind="ray"))
+    topic, kind, frame = expected
+    assert table(twin) == {topic: (f"sensor_msgs/msg/{kind}", frame, 0.0)}
+    assert not [item for item in twin.findings if "Name" in item.what]
+
+
 def test_old_spellings_have_no_effect_and_are_findings(tmp_path):
     plugin = '<plugin name="p" filename="libgazebo_ros_imu_sensor.so"><topicName>a</topicName></plugin>'
     twin = robot_with(tmp_path, gazebo(plugin))
@@ -181,12 +189,6 @@ TURTLEBOT3_BRIDGE = """
 - {ros_topic_name: camera_info, gz_topic_name: camera/camera_info, ros_type_name: sensor_msgs/msg/CameraInfo,
    gz_type_name: gz.msgs.CameraInfo, direction: GZ_TO_ROS}
 """
-
-
-def spawned(tmp_path, text, name, *more):
-    suffix = "sdf" if "<sdf" in text else "urdf"
-    file = write(tmp_path / f"{name}.{suffix}", text)
-    return launched(tmp_path, create("-file", file, "-name", name, "-z", 0.1), *more).scenario
 
 
 def test_turtlebot3s_bridge_carries_its_imu_and_its_scan(tmp_path):
@@ -260,12 +262,16 @@ def test_linorobot2s_imu_and_scan_of_gazebo_classic(corpus):
     folder = corpus / "linorobot2"
     file = folder / "linorobot2_description" / "urdf" / "robots" / "2wd.urdf.xacro"
     twin = Twin(robot_file_scenario(file, package_paths=(str(folder),), xacro_args={}))
+    camera = "linorobot2_2wd/camera_depth_link"
     assert table(twin) == {
         "/linorobot2_2wd/imu/data": (IMU, "linorobot2_2wd/base_footprint", 20.0),
         "/linorobot2_2wd/scan": ("sensor_msgs/msg/LaserScan", "linorobot2_2wd/laser", 10.0),
+        "/camera/color/image_raw": (IMAGE, camera, 30.0),  # remapped in the plugin's <ros>, as the next three
+        "/camera/color/camera_info": (CAMERA_INFO, camera, 30.0),
+        "/camera/depth/image_rect_raw": (IMAGE, camera, 30.0),
+        "/camera/depth/color/points": ("sensor_msgs/msg/PointCloud2", camera, 30.0),
+        "/linorobot2_2wd/camera/depth/camera_info": (CAMERA_INFO, camera, 30.0),
     }
-    kinds = [item.what.split(" type ")[1].split(" ")[0] for item in twin.findings if item.kind is Kind.NOT_STARTED]
-    assert set(kinds) == {"depth"}
 
 
 def test_gz_topic_names_are_expanded_where_the_bridge_is_told_so(tmp_path):

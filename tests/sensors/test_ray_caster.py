@@ -234,7 +234,11 @@ def test_the_bounding_spheres_change_no_bit(monkeypatch):
         return caster.cast(poses, np.zeros(3), unit(rng.normal(size=(2000, 3))))
 
     culled = ranges()
-    always = lambda directions, ways, radii: np.ones((len(ways), len(directions)), dtype=bool)  # noqa: E731
+
+    def always(directions, ways, *_):
+        shapes, rays = np.indices((len(ways), len(directions)))
+        return shapes.ravel(), rays.ravel()
+
     monkeypatch.setattr("drake_twin.sensors.ray_caster._meets", always)
     assert culled.tobytes() == ranges().tobytes()
 

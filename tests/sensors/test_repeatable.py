@@ -8,7 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import ROVER
-from rig import on_box, twin_with
+from pydrake.geometry import Box, HalfSpace
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import AddMultibodyPlant, CoulombFriction, MultibodyPlantConfig
+from pydrake.multibody.tree import SpatialInertia
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from rig import BODY, on_box, twin_with
 
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import InputError
@@ -169,8 +175,6 @@ BROADCASTER = (
 
 
 def test_a_broadcaster_and_the_sensors_own_topic_have_the_same_values(tmp_path):
-    from rig import BODY
-
     (tmp_path / "box.urdf").write_text(BODY.format(SENSORS[0] + BROADCASTER))
     parameters = {"sensor_name": "i", "frame_id": "box"}
     builder = TwinBuilder().robot("box", tmp_path / "box.urdf", xyz=(0, 0, 0.1))
@@ -194,3 +198,65 @@ def test_with_cenic_a_listener_changes_no_state(tmp_path):
         hashes.add(twin.state_sha256())
         assert bool(heard) == listens
     assert len(hashes) == 1
+
+
+RAYS = """<update_rate>50</update_rate><lidar><scan><horizontal><samples>90</samples><min_angle>-3</min_angle>
+<max_angle>3</max_angle></horizontal></scan><range><min>0.5</min><max>9</max></range></lidar>"""
+
+
+@pytest.mark.parametrize("is_welded", [True, False])
+def test_a_spawn_in_between_changes_no_byte_of_a_robot_that_touches_nothing(tmp_path, is_welded):
+    """One that is fixed in the world, and one that falls, while a rover stands on the ground elsewhere."""
+    body = BODY
+    if is_welded:
+        joint = '<link name="world"/><joint name="w" type="fixed"><parent link="world"/><child link="box"/></joint>{}'
+        body = BODY.replace("{}", joint)
+    rays = on_box("gpu_lidar", f"<pose>0 0 0 0 1.2 0</pose>{RAYS}", "l")
+    topics = ("/box/i/imu", "/box/m/magnetometer", "/box/l/scan", "/box/ground_truth/odom")
+
+    def run(spawns):
+        twin = twin_with(tmp_path, *SENSORS[:2], rays, body=body, xyz=(0, 0, 3.0))
+        heard = listen(twin, topics)
+        for time, act in ((0.1, lambda: twin.spawn(Robot("other", ROVER, xyz=(-30, 0, 0.13)))), (0.2, lambda: None)):
+            twin.advance_to(time)
+            if spawns:
+                act()
+        if spawns:
+            twin.delete("other")
+        twin.advance_to(0.3)
+        return heard
+
+    heard = run(spawns=True)
+    assert len(heard) > 60
+    assert heard == run(spawns=False)
+
+
+@pytest.mark.parametrize(("height", "is_equal"), [(5.0, True), (0.1, False)])
+def test_drake_solves_all_contacts_as_one_problem(height, is_equal):
+    """Why a robot on the ground moves otherwise in the last bits beside another: a bare plant, without the twin.
+
+    Whether the solution has converged is judged by all contacts together. If this fails, a spawn in between may change
+    no byte of any robot, and the documentation of sensors is to say so.
+    """
+
+    def run(count):
+        builder = DiagramBuilder()
+        plant, _ = AddMultibodyPlant(MultibodyPlantConfig(time_step=0.001, contact_model="point"), builder)
+        rough = CoulombFriction(1.0, 1.0)
+        plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", rough)
+        bodies = []
+        for index in range(count):
+            inertia = SpatialInertia.SolidBoxWithMass(1.0 + index, 0.2, 0.2, 0.2)
+            bodies.append(plant.AddRigidBody(f"body_{index}", plant.AddModelInstance(f"model_{index}"), inertia))
+            plant.RegisterCollisionGeometry(bodies[-1], RigidTransform(), Box(0.2, 0.2, 0.2), f"box_{index}", rough)
+        plant.Finalize()
+        simulator = Simulator(builder.Build())
+        context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+        for index, body in enumerate(bodies):
+            plant.SetFreeBodyPose(context, body, RigidTransform([3.0 * index, 0.0, 0.11 if index else height + 0.01]))
+        simulator.AdvanceTo(0.2)
+        return plant.GetPositionsAndVelocities(context, bodies[0].model_instance())
+
+    alone, beside = run(1), run(2)
+    assert np.array_equal(alone, beside) == is_equal
+    assert beside == pytest.approx(alone, abs=1e-7)

@@ -94,6 +94,16 @@ def test_an_unknown_kind_is_not_started_and_says_where(tmp_path):
     assert finding.what == "sensor 'eye' of type thermal on 'box': the twin has no such sensor"
 
 
+def test_of_two_sensors_of_one_name_on_a_link_gazebo_makes_the_first(tmp_path):
+    """SensorManager::CreateSensor and sdf::Link::Load refuse the second; Talos describes its depth camera twice."""
+    twice = '<sensor name="eye" type="depth"><update_rate>{}</update_rate></sensor>'
+    twin = twin_with(tmp_path, f'<gazebo reference="box">\n{twice.format(6)}\n{twice.format(7)}</gazebo>')
+    (finding,) = [item for item in twin.findings if item.kind is Kind.NOT_STARTED]
+    assert finding.lines == (6,)
+    assert "a sensor before it has this name" in finding.what
+    assert [item.rate for item in twin.plans[0].sensors] == [6.0]
+
+
 def test_what_no_kind_reads_is_ignored_with_its_line(tmp_path):
     twin = twin_with(
         tmp_path, imu("<imu>\n<magic/><angular_velocity><x><noise type='none'/></x></angular_velocity></imu>")

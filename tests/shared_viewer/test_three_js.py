@@ -12,7 +12,7 @@ from pydrake.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpac
 from drake_twin.shared_viewer.frame_sender import Frame
 from drake_twin.shared_viewer.meshcat_client import MeshcatClient
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry
-from drake_twin.shared_viewer.three_js import three_js_object
+from drake_twin.shared_viewer.three_js import points_object, three_js_object
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -77,6 +77,15 @@ def test_a_geometry_stands_where_it_does_on_its_body():
 def test_a_color_and_its_opacity():
     (material,) = drawn(Box(1, 1, 1), (1.0, 0.5, 0.0, 0.25))["materials"]
     assert (material["color"], material["opacity"], material["transparent"]) == (0xFF8000, 0.25, True)
+
+
+def test_each_point_may_have_its_color():
+    colors = np.array([[1.0, 0.0, 0.0], [0.0, 0.5, 1.0]])
+    document = points_object("points", np.zeros((2, 3)), colors, 0.1)
+    packed = document["geometries"][0]["data"]["attributes"]["color"]["array"].data
+    assert np.frombuffer(packed, np.float32).reshape(2, 3).tolist() == colors.tolist()
+    assert document["materials"][0]["vertexColors"]
+    assert "vertexColors" not in points_object("points", np.zeros((2, 3)), (1.0, 0.0, 0.0), 0.1)["materials"][0]
 
 
 def test_the_same_geometry_has_the_same_bytes_so_that_the_server_knows_it_again():

@@ -1,11 +1,18 @@
 """What sensors measure does not depend on whether the plant is a new one, which has made no step yet."""
 
+import gc
+
 import pytest
 from conftest import ROVER
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from drake_twin import Twin, TwinBuilder
-from drake_twin.scenario import Robot
+from drake_twin.scenario import Robot, World
 from drake_twin.scenario.scenario_file import ScenarioFile
+from drake_twin.sensors.sensor_host import SensorHost
+from drake_twin.sensors.sensor_system import SensorSystem
 from drake_twin.twin.snapshot import Snapshot
 
 SWINGING = """
@@ -107,3 +114,33 @@ def test_a_place_that_is_set_turns_the_imu_at_once(twin):
     twin.set_joint_positions("r", {"j": 0.5})
     after = twin.latest("/r/imu_broadcaster/imu")
     assert abs(after.orientation.x - before.orientation.x) > 0.01
+
+
+SENSORS = """<gazebo reference="arm"><sensor name="i" type="imu"/><sensor name="l" type="gpu_lidar"/>
+  <sensor name="c" type="camera"/><sensor name="m" type="logical_camera"/></gazebo></robot>"""
+WORLD = """<sdf version="1.9"><world name="w"><model name="wall"><static>true</static><link name="l">
+  <sensor name="i" type="imu"/><collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link>
+  </model></world></sdf>"""
+
+
+def test_a_rebuild_leaves_nothing_of_the_diagram_before(tmp_path):
+    """Neither the sensors, which refer to their system, nor the plants in which static models are read."""
+    (tmp_path / "r.urdf").write_text(SWINGING.replace("</robot>", SENSORS))
+    (tmp_path / "w.sdf").write_text(WORLD)
+    twin = TwinBuilder(world=World(file=str(tmp_path / "w.sdf"), ground=True))
+    twin = twin.robot("r", tmp_path / "r.urdf", xyz=(3, 0, 0.1)).build()
+    twin.subscribe("/r/l/scan", lambda message: None)
+
+    def alive():
+        gc.collect()
+        kinds = (MultibodyPlant, SceneGraph, DiagramBuilder, Diagram, SensorHost, SensorSystem)
+        return [sum(isinstance(item, kind) for item in gc.get_objects()) for kind in kinds]
+
+    found = []
+    for _ in range(4):
+        twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
+        twin.step()
+        twin.delete("other")
+        twin.step()
+        found.append(alive())
+    assert found[-1] == found[0]

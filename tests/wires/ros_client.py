@@ -35,6 +35,11 @@ class RosClient:
         self._know(f"{kind}_Request", f"{kind}_Response")
         return self._add(ROS2ServiceClient(name, kind, type_hash=type_hash(kind), timeout=60.0, **self._where))
 
+    def message(self, kind: str, **fields: Any) -> Any:
+        from zenoh_ros2_sdk.session import ZenohSession
+
+        return ZenohSession._instance.store.types[kind](**fields)
+
     def topics(self) -> dict[str, list[str]]:
         from zenoh_ros2_sdk.discovery import get_topic_names_and_types
 
@@ -57,6 +62,8 @@ class RosClient:
         from zenoh_ros2_sdk.session import ZenohSession
 
         session = ZenohSession.get_instance("127.0.0.1", self._where["router_port"])
+        for kind in kinds:
+            type_hash(kind)  # some are read only when they are asked for
         known = interface_types._store().fielddefs
         session.store.register({name: fields for name, fields in known.items() if name not in session.store.fielddefs})
         session._registered_types |= {kind: kind for kind in kinds}

@@ -16,7 +16,8 @@ from mcap.stream_reader import StreamReader
 from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 
-from drake_twin import InputError, Robot
+from drake_twin import InputError, Robot, Twin
+from drake_twin.run import main
 from drake_twin.wires.bag_wire import BagWire
 from drake_twin.wires.seam import Seam
 
@@ -96,7 +97,7 @@ def test_a_twin_that_is_killed_leaves_a_whole_bag(tmp_path):
         wire = BagWire(Path({str(tmp_path / "bag")!r}))
         seam = Seam(twin, [wire])
         twin.advance_to(1.0)
-        seam._queue.join()
+        seam.flush()
         print(wire._process.pid, flush=True)
         sys.stdin.read()
         """
@@ -146,3 +147,12 @@ def test_the_program_writes_a_bag(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "it needs --bag FOLDER" in said
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(("options", "expected"), [([], True), (["--real-time-rate", "4"], False)])
+def test_a_run_that_only_writes_a_bag_is_as_fast_as_possible(tmp_path, monkeypatch, options, expected):
+    runs = []
+    monkeypatch.setattr(Twin, "run", lambda *_, as_fast_as_possible, **__: runs.append(as_fast_as_possible))
+    arguments = ["--robots", "1", "--headless", "--duration", "0.1", "--bag", str(tmp_path / "bag"), *options]
+    assert main(arguments) == 0
+    assert runs == [expected]

@@ -1,5 +1,7 @@
 """Golden vectors, without a network."""
 
+from dataclasses import replace
+
 import pytest
 
 from drake_twin.errors import InputError
@@ -8,19 +10,36 @@ from drake_twin.wires.rmw_zenoh_format import (
     PUBLISHER,
     SERVICE,
     SUBSCRIPTION,
+    GraphEntity,
     Node,
     Qos,
     any_type_key,
     attachment,
-    dds_type,
-    domain_of_environment,
     gid,
     read_attachment,
+    read_token,
     topic_key,
 )
+from drake_twin.wires.ros_names import dds_type, domain_of_environment
 
 STRING = "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"  # rmw_zenoh, docs/design.md
 ADD = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
+
+
+def test_tokens_are_read():
+    """rmw_zenoh, docs/design.md, "Graph Cache", and tokens of this format's own."""
+    text = (
+        "@ros2_lv/2/8b20917502ee955ac4476e0266340d5c/0/10/MP/%/%/talker/%chatter/std_msgs::msg::dds_::String_/"
+        "RIHS01_df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18/::,7:,:,:,,"
+    )
+    assert read_token(text) == GraphEntity(PUBLISHER, "/talker", "/chatter", "std_msgs/msg/String", STRING)
+    node = Node(domain=7, session="12", number=3, name="publisher", namespace="/hall/robot_1")
+    assert read_token(node.token()) == GraphEntity("NN", "/hall/robot_1/publisher")
+    latched = node.endpoint_token(4, PUBLISHER, "/hall/tf_static", "tf2_msgs/msg/TFMessage", "h", Qos(True, 1))
+    expected = GraphEntity(PUBLISHER, node="/hall/robot_1/publisher", name="/hall/tf_static", latched=True)
+    assert read_token(latched) == replace(expected, type="tf2_msgs/msg/TFMessage", hash="h")
+    for text in ("@ros2_lv/2/x/0/0/XX/%/%/listener", "@ros2_lv/2", "@ros2_lv/2/x/0/10/MP/%/%/talker/%chatter/T", ""):
+        assert read_token(text) is None
 
 
 def test_examples_of_the_design_document():

@@ -13,7 +13,10 @@ from local_wire import LocalWire
 from rosbags.typesys import Stores, get_typestore
 
 from drake_twin import InputError, Robot, messages
+from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
 from drake_twin.messages.interface_types import make, serialize
+from drake_twin.systems.draft import Drafter
+from drake_twin.systems.robot_state_publisher import RobotStatePublisher
 from drake_twin.twin.recording import replay
 from drake_twin.wires.seam import Seam
 
@@ -48,10 +51,29 @@ def test_nobody_listens_and_nothing_is_sent(wired):
     assert wire.is_closed
 
 
+def test_messages_are_made_in_the_senders_thread_only(wired, monkeypatch):
+    def make(self, *_):
+        raise AssertionError("a message was made")
+
+    monkeypatch.setattr(JointStateBroadcaster, "_calc_joint_states", make)
+    monkeypatch.setattr(RobotStatePublisher, "_calc_tf", make)
+    twin, wire, seam = wired
+    topics = [STATES, "/robot_2/joint_states", "/tf"]
+    sent = {topic: wire.hear(topic) for topic in topics}
+    twin.advance_to(0.1)
+    threads = set()
+    monkeypatch.setattr(Drafter, "serialized", lambda *_: threads.add(threading.current_thread().name) or b"")
+    twin.advance_to(0.5)
+    seam.close()
+    assert {topic: len(data) for topic, data in sent.items()} == {STATES: 50, "/robot_2/joint_states": 50, "/tf": 10}
+    assert threads == {"drake_twin sender"}
+
+
 def test_a_topic_is_sent_at_its_rate_while_somebody_listens(wired):
     twin, wire, seam = wired
     sent = wire.hear(STATES)
     twin.advance_to(0.5)
+    seam.flush()
     wire.hear(STATES, False)
     twin.advance_to(1.0)
     seam.close()

@@ -18,12 +18,14 @@ export class Connection {
     const address = new URL("socket", location.href);
     address.protocol = address.protocol.replace("http", "ws");
     const socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.heard = performance.now();
     socket.onmessage = ({ data }) => {
       if (this.socket !== socket) return;
       this.heard = performance.now();
       this.report("open");
+      if (data instanceof ArrayBuffer) return this.hearBytes(data);
       const message = JSON.parse(data);
       this.on[message.channel]?.(message.data);
     };
@@ -32,6 +34,12 @@ export class Connection {
       this.report("closed");
       setTimeout(() => this.socket === socket && this.open(), RETRY);
     };
+  }
+
+  // A line of JSON, then bytes.
+  hearBytes(data) {
+    const end = new Uint8Array(data).indexOf(10);
+    this.on.bytes?.(JSON.parse(new TextDecoder().decode(data.slice(0, end))), new Uint8Array(data, end + 1));
   }
 
   check() {

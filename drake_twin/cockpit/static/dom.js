@@ -1,5 +1,7 @@
 // Elements, icons and sliders.
 
+const PATIENCE = 2000; // ms
+
 export const $ = (id) => document.getElementById(id);
 
 export function element(tag, attributes = {}, ...children) {
@@ -140,9 +142,19 @@ export class Slider {
   }
 }
 
+// `show` shows what the twin says; for a while after the user has operated the switch only if it is what the user asked for,
+// as states that were sent before the twin heard of it are still under way.
 export function toggle(label, name, onchange) {
   const input = element("input", { type: "checkbox", role: "switch", "aria-label": name ?? label });
-  input.addEventListener("change", () => onchange(input.checked));
+  let asked = -Infinity;
+  input.addEventListener("change", () => {
+    asked = performance.now();
+    onchange(input.checked);
+  });
+  const show = (on) => {
+    if (on === input.checked) asked = -Infinity;
+    else if (performance.now() - asked > PATIENCE) input.checked = on;
+  };
   const node = element("label", { class: "toggle" }, input, element("span", { class: "track" }), element("span", { text: label }));
-  return { node, input };
+  return { node, input, show };
 }

@@ -1,12 +1,18 @@
 // Connects the parts of the page with the twin: shows what it publishes, sends what a person requests.
 
+import { Camera } from "./camera.js";
+import { Capture } from "./capture.js";
 import { Connection } from "./connection.js";
 import { $, setIcon, setText } from "./dom.js";
+import { Help } from "./help.js";
 import { Messages } from "./messages.js";
+import { MoreViews } from "./more_views.js";
 import { Panels } from "./panels.js";
 import { Robots } from "./robots.js";
+import { Sensors } from "./sensors.js";
 import { Stops } from "./stops.js";
 import { Teleop } from "./teleop.js";
+import { Timeline } from "./timeline.js";
 import { TimeControls } from "./time_controls.js";
 import { View } from "./view.js";
 
@@ -22,7 +28,13 @@ const view = new View(ask);
 const teleop = new Teleop(ask);
 const robots = new Robots(ask, teleop);
 const messages = new Messages();
+const camera = new Camera();
+new Capture();
+const moreViews = new MoreViews();
+const help = new Help();
 const panels = new Panels(ask);
+const sensors = new Sensors(ask);
+const timeline = new Timeline(ask);
 let names = [];
 let status = "closed";
 let lost = "";
@@ -32,13 +44,15 @@ connection = new Connection({
   on: {
     robots(structure) {
       names = structure.robots.map((robot) => robot.name);
-      for (const part of [time, view, robots, panels]) part.structure(structure);
+      for (const part of [time, timeline, view, robots, sensors, panels, camera, moreViews]) part.structure(structure);
     },
     state(state) {
-      for (const part of [time, view, robots, panels]) part.state(state);
+      for (const part of [time, timeline, view, robots, sensors, panels, camera]) part.state(state);
       stops.state(state.robots);
       document.body.classList.add("ready");
     },
+    bytes: (head, bytes) => sensors.picture(head, bytes),
+    timeline: (data) => timeline.show(data),
     messages: (lines) => messages.show(lines),
     alive(seconds) {
       pending = seconds > PATIENCE ? seconds : 0;
@@ -48,7 +62,7 @@ connection = new Connection({
   status(now) {
     status = now;
     lost = "";
-    for (const id of ["transport", "panel", "stop-all"]) $(id).inert = now !== "open";
+    for (const id of ["transport", "timeline", "panel", "stop-all"]) $(id).inert = now !== "open";
     document.body.classList.toggle("gone", now !== "open");
     showBanner();
   },
@@ -90,6 +104,7 @@ $("panel-toggle").addEventListener("click", togglePanel);
 $("stop-all").addEventListener("click", () => names.forEach((robot) => ask("EmergencyStop", { robot })));
 
 const SHORTCUTS = {
+  ...camera.keys,
   Space: () => time.playOrPause(),
   KeyN: () => time.step(),
   KeyR: () => ask("Reset"),
@@ -104,9 +119,15 @@ function onKey(event, down) {
     event.preventDefault();
     return;
   }
+  if (down && event.key === "?") help.open();
+  if (down && !event.repeat && event.code === "KeyZ" && (event.ctrlKey || event.metaKey) && !event.shiftKey) {
+    event.preventDefault();
+    panels.panels.get("world")?.undo();
+  }
   if (!down || event.repeat || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.code === "Space" && target.closest?.("button, summary, input, a")) return;
-  if (document.body.classList.contains("display-only") && event.code !== "KeyP") return;
+  const isOfView = event.code === "KeyP" || event.code in camera.keys;
+  if (document.body.classList.contains("display-only") && !isOfView) return;
   if (event.code in SHORTCUTS) {
     event.preventDefault();
     SHORTCUTS[event.code]();

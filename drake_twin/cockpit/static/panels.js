@@ -1,4 +1,4 @@
-// Panels of other packages: each is a script whose default export is a class, made with `ask(data)`.
+// Panels, the page's own and those of other packages: each is a script whose default export is a class, made with `ask(data)`.
 
 import { $, element } from "./dom.js";
 
@@ -18,13 +18,16 @@ export class Panels {
     this.panels.set(name, null); // while its script is loading
     const { default: Panel } = await import(`./files/panel_${name}.js`);
     const panel = new Panel((data) => this.ask("AskPanel", { panel: name, data: JSON.stringify(data) }));
-    $("panel").append(element("section", { class: "group", "data-panel": name }, panel.node));
     this.panels.set(name, panel);
+    if (!panel.node) return; // a dialog
+    let section = document.querySelector(`[data-panel="${name}"]`); // the page's own panels have a place
+    if (!section) $("panel").append((section = element("section", { class: "group", "data-panel": name })));
+    section.append(panel.node);
   }
 
-  state({ panels }) {
+  state({ panels, paused }) {
     for (const [name, panel] of this.panels) {
-      if (panel && name in panels) panel.state(panels[name]);
+      if (panel && name in panels) panel.state(panels[name], { paused });
     }
   }
 }

@@ -1,81 +1,214 @@
-// A small plot of the last seconds, one line for each value; drawn only while it is open.
+// A plot of numbers over simulation time by uPlot: axes, a legend that shows and hides curves, a cursor and zoom.
+// It is drawn at most once per animation frame, and only while it can be seen.
 
-import { element, formatted, setText } from "./dom.js";
+import uPlot from "./uplot.js";
+import { element, formatted, oncePerFrame, setText } from "./dom.js";
 
-const KEPT = 300; // some 20 s of watching
-const HEIGHT = 56;
-const MARGIN = 3;
+const KEPT = 3000; // samples of a curve
 const COLORS = 8; // --line-1 to --line-8; further lines are gray
+const CLOSER = 0.5;
 
-export const lineColor = (index) => (index < COLORS ? `var(--line-${index + 1})` : "var(--track)");
+const lineName = (index) => (index < COLORS ? `--line-${index + 1}` : "--muted");
+const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
 
-function bounds(samples) {
-  let [lower, upper] = [Infinity, -Infinity];
-  for (const { values } of samples) {
-    for (const value of values) {
-      if (value < lower) lower = value;
-      if (value > upper) upper = value;
-    }
-  }
-  const missing = Math.max(0, 1e-3 - (upper - lower)); // a constant value is a line in the middle
-  return [lower - missing / 2, upper + missing / 2];
+function axis(more) {
+  return {
+    stroke: () => color("--muted"),
+    grid: { stroke: () => color("--line"), width: 1 },
+    ticks: { stroke: () => color("--line"), width: 1, size: 4 },
+    font: "11px system-ui, sans-serif",
+    ...more,
+  };
+}
+
+// Numbers with some room around them; a constant value is a line in the middle.
+function around(lowest, highest) {
+  const [middle, half] = [(lowest + highest) / 2, 0.55 * Math.max(highest - lowest, 1e-3)];
+  return [middle - half, middle + half];
+}
+
+function shown(value) {
+  if (value == null) return "–";
+  return value !== 0 && (Math.abs(value) >= 1e6 || Math.abs(value) < 1e-4) ? value.toExponential(3) : formatted(value, 1e-4);
 }
 
 export class Plot {
-  constructor({ label, name, unit }) {
-    this.samples = [];
-    this.upper = element("output", { class: "plot-upper" });
-    this.lower = element("output", { class: "plot-lower" });
-    this.canvas = element("canvas", { role: "img", "aria-label": `${name ?? label} over time` });
+  // `onremove(name)`, if there is one, gives each curve of the legend a button that removes it.
+  constructor({ label, name, unit = "", height = 110, onremove }) {
+    this.label = name ?? label;
+    this.unit = unit;
+    this.height = height;
+    this.onremove = onremove;
+    this.curves = new Map();
+    this.zoom = null; // the times that are shown; null for all
+    this.uplot = null;
+    this.chart = element("div", { class: "chart", role: "img", "aria-label": `${this.label} over time` });
+    this.legend = element("ul", { class: "legend" });
     this.node = element(
       "figure",
       { class: "plot" },
       element("figcaption", {}, label, element("span", { class: "unit", text: unit ? `, ${unit}` : "" })),
-      this.canvas,
-      this.upper,
-      this.lower,
+      this.chart,
+      this.legend,
     );
+    this.draw = oncePerFrame(() => this.drawNow());
+    new ResizeObserver(() => this.draw()).observe(this.chart);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.uplot?.redraw());
   }
 
-  // Add values at a time (s); a time before the last one, as after a reset, clears the plot first.
-  add(time, values) {
-    const last = this.samples.at(-1);
-    if (last && time === last.time) return;
-    if (last && time < last.time) this.clear();
-    this.samples.push({ time, values });
-    if (this.samples.length > KEPT) this.samples.shift();
-    this.draw();
+  // Add values at a time (s), one for each curve; a curve is named by its place unless `names` says otherwise.
+  add(time, values, names = values.map((_, index) => String(index + 1))) {
+    names.forEach((name, index) => this.extend(name, [time], [values[index]]));
+  }
+
+  addCurve(name, label = name) {
+    if (this.curves.has(name)) return;
+    const place = [...Array(this.curves.size + 1).keys()].find((index) => ![...this.curves.values()].some((curve) => curve.place === index));
+    const curve = { times: [], values: [], place, hidden: false, value: element("output", { "aria-live": "off" }) };
+    const toggle = element(
+      "button",
+      { class: "small quiet", "aria-pressed": "true", title: `Show or hide ${label}` },
+      element("span", { class: "dash" }),
+      element("span", { class: "curve", text: label }),
+      curve.value,
+    );
+    toggle.style.setProperty("--color", `var(${lineName(place)})`);
+    toggle.addEventListener("click", () => {
+      curve.hidden = !curve.hidden;
+      toggle.setAttribute("aria-pressed", String(!curve.hidden));
+      this.rebuild();
+    });
+    curve.node = element("li", {}, toggle);
+    if (this.onremove) {
+      curve.node.append(
+        element("button", { class: "small quiet", text: "×", "aria-label": `Remove ${label}`, title: "Remove", onclick: () => this.onremove(name) }),
+      );
+    }
+    this.legend.append(curve.node);
+    this.curves.set(name, curve);
+    this.rebuild();
+  }
+
+  removeCurve(name) {
+    this.curves.get(name)?.node.remove();
+    this.curves.delete(name);
+    this.rebuild();
+  }
+
+  // Add samples to a curve; those after a time to which the twin has returned are taken away.
+  extend(name, times, values) {
+    if (!this.curves.has(name)) this.addCurve(name);
+    const curve = this.curves.get(name);
+    for (let index = 0; index < times.length; index += 1) {
+      for (; curve.times.at(-1) >= times[index]; curve.times.pop()) curve.values.pop();
+      curve.times.push(times[index]);
+      curve.values.push(values[index]);
+    }
+    const surplus = curve.times.length - KEPT;
+    if (surplus > KEPT / 10) {
+      curve.times.splice(0, surplus);
+      curve.values.splice(0, surplus);
+    }
+    if (times.length) this.draw();
   }
 
   clear() {
-    this.samples.length = 0;
+    for (const curve of this.curves.values()) curve.times.length = curve.values.length = 0;
+    this.zoom = null;
   }
 
-  draw() {
-    const width = this.canvas.clientWidth;
-    if (width === 0) return;
-    const density = devicePixelRatio;
-    this.canvas.width = width * density; // which also clears it
-    this.canvas.height = HEIGHT * density;
-    const [lower, upper] = bounds(this.samples);
-    const step = (upper - lower) / 100;
-    setText(this.upper, formatted(upper, step));
-    setText(this.lower, formatted(lower, step));
-    const first = this.samples[0].time;
-    const across = (width - 2 * MARGIN) / Math.max(this.samples.at(-1).time - first, 1e-9);
-    const down = (HEIGHT - 2 * MARGIN) / (upper - lower);
-    const context = this.canvas.getContext("2d");
-    const style = getComputedStyle(this.canvas);
-    context.scale(density, density);
-    context.lineWidth = 1.5;
-    context.lineJoin = "round";
-    for (let index = this.samples[0].values.length - 1; index >= 0; index -= 1) {
-      context.strokeStyle = style.getPropertyValue(index < COLORS ? `--line-${index + 1}` : "--track");
-      context.beginPath();
-      for (const { time, values } of this.samples) {
-        context.lineTo(MARGIN + (time - first) * across, MARGIN + (upper - values[index]) * down);
-      }
-      context.stroke();
+  // Show less time or more, around the middle, or move in time; factors of the width.
+  zoomBy(factor, shift = 0) {
+    const [first, last] = this.zoom ?? this.bounds();
+    const [middle, half] = [(first + last) / 2 + shift * (last - first), (factor * (last - first)) / 2];
+    if (half > 0) this.zoom = [middle - half, middle + half];
+    this.draw();
+  }
+
+  closer() {
+    this.zoomBy(CLOSER);
+  }
+
+  farther() {
+    this.zoomBy(1 / CLOSER);
+  }
+
+  fit() {
+    this.zoom = null;
+    this.draw();
+  }
+
+  bounds() {
+    const times = [...this.curves.values()].filter((curve) => curve.times.length).flatMap((curve) => [curve.times[0], curve.times.at(-1)]);
+    return times.length ? [Math.min(...times), Math.max(...times)] : [0, 1];
+  }
+
+  rebuild() {
+    this.uplot?.destroy();
+    this.uplot = null;
+    this.draw();
+  }
+
+  build(width) {
+    const visible = [...this.curves.values()].filter((curve) => !curve.hidden);
+    this.visible = visible;
+    this.uplot = new uPlot(
+      {
+        width,
+        height: this.height,
+        legend: { show: false },
+        padding: [8, 12, 0, 0],
+        cursor: {
+          sync: { key: "time" },
+          drag: { x: true, y: false, setScale: false },
+          points: { size: 6 },
+          bind: { dblclick: () => null },
+        },
+        scales: { x: { time: false, range: (_, first, last) => [first ?? 0, last > first ? last : (first ?? 0) + 1] }, y: { range: (_, lowest, highest) => around(lowest ?? 0, highest ?? 1) } },
+        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }), axis({ size: (_, ticks) => 18 + 7 * Math.max(3, ...(ticks ?? []).map((tick) => String(tick).length)) })],
+        series: [{}, ...visible.map(({ place }) => ({ stroke: () => color(lineName(place)), width: 1.5, points: { show: false } }))],
+        hooks: {
+          setCursor: [() => this.showValues()],
+          setSelect: [(plot) => this.select(plot)],
+        },
+      },
+      this.data(),
+      this.chart,
+    );
+    this.uplot.over.addEventListener("dblclick", () => this.fit());
+  }
+
+  data() {
+    if (this.visible.length === 0) return [[]];
+    return uPlot.join(this.visible.map(({ times, values }) => [times, values]), this.visible.map(() => [0, 1]));
+  }
+
+  select(plot) {
+    const { left, width } = plot.select;
+    if (width < 3) return;
+    this.zoom = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
+    plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+    this.draw();
+  }
+
+  // The values at the cursor, or else the last ones.
+  showValues() {
+    const at = this.uplot?.cursor.idx;
+    for (const curve of this.curves.values()) {
+      const time = at == null ? null : this.uplot.data[0][at];
+      let index = curve.times.length - 1;
+      while (time !== null && index > 0 && curve.times[index] > time) index -= 1;
+      setText(curve.value, shown(curve.values[index]));
     }
+  }
+
+  drawNow() {
+    const width = this.chart.clientWidth;
+    if (width === 0 || this.curves.size === 0) return;
+    if (this.uplot === null) this.build(width);
+    else if (this.uplot.width !== width) this.uplot.setSize({ width, height: this.height });
+    this.uplot.setData(this.data());
+    if (this.zoom) this.uplot.setScale("x", { min: this.zoom[0], max: this.zoom[1] });
+    this.showValues();
   }
 }

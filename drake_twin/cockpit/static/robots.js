@@ -1,7 +1,13 @@
 // A folder for each robot: sliders, drive, controllers, joints, plots.
 
 import { $, element, Slider, setText, toggle } from "./dom.js";
-import { lineColor, Plot } from "./plot.js";
+import { Plot } from "./plot.js";
+import { plots } from "./plots.js";
+import { Poses } from "./poses.js";
+
+const STATES = ["position", "velocity", "effort"]; // fields of a JointState
+
+const LOOK = 1000; // ms between two requests for efforts
 
 function shortName(joint, robot) {
   return joint.replace(new RegExp(`^${robot}[_/]`), "").replace(/_joint$/, "");
@@ -14,19 +20,16 @@ class RobotFolder {
     this.teleop = teleop;
     this.pill = element("span", { class: "pill", hidden: true, text: "stopped" });
     this.stop = element("button", { class: "danger small", text: "Stop", "data-stops": robot.name, "aria-label": `Emergency stop of ${robot.name}` });
-    this.stop.addEventListener("click", (event) => {
-      event.preventDefault();
+    this.stop.addEventListener("click", () => {
       ask(this.stopped ? "ClearEmergencyStop" : "EmergencyStop", { robot: robot.name });
     });
-    const summary = element("summary", {}, element("span", { class: "name", text: robot.name }), this.pill, element("span", { class: "spacer" }));
-    if (!displayOnly) summary.append(this.stop);
     const remove = element("button", { class: "small quiet", text: "Delete", "aria-label": `Delete ${robot.name}` });
-    remove.addEventListener("click", (event) => {
-      event.preventDefault();
-      ask("Delete", { robot: robot.name });
-    });
-    summary.append(remove);
-    this.node = element("details", { class: "robot", open: true, "data-robot": robot.name }, summary);
+    remove.addEventListener("click", () => ask("Delete", { robot: robot.name }));
+    const summary = element("summary", {}, element("span", { class: "name", text: robot.name }), this.pill);
+    this.details = element("details", { open: true }, summary);
+    // Beside the summary, not in it: a button in a button cannot be reached by all who need it.
+    const buttons = element("div", { class: "robot-buttons" }, ...(displayOnly ? [] : [this.stop]), remove);
+    this.node = element("div", { class: "robot", "data-robot": robot.name }, this.details, buttons);
     if (displayOnly) this.addPoses(robot);
     else {
       this.addCommands(robot);
@@ -46,7 +49,7 @@ class RobotFolder {
         name: `${robot.name} ${joint.joint} position`,
         onmove: (position) => this.ask("PoseJoint", { robot: robot.name, joint: joint.joint, position }),
       });
-      this.node.append(slider.node);
+      this.details.append(slider.node);
       return { slider, index };
     });
   }
@@ -77,8 +80,9 @@ class RobotFolder {
           }),
       );
       const button = this.switchTo(group.controller, "Move");
-      this.node.append(element("div", { class: "commands" }, heading, button, ...sliders.map((slider) => slider.node)));
-      return { ...group, sliders, button };
+      const poses = new Poses(robot, group, this.ask);
+      this.details.append(element("div", { class: "commands" }, heading, button, ...sliders.map((slider) => slider.node), poses.node));
+      return { ...group, sliders, button, poses };
     });
   }
 
@@ -87,7 +91,7 @@ class RobotFolder {
       const pad = this.teleop.pad(robot.name, drive.topic);
       const button = this.switchTo(drive.controller, "Drive");
       pad.node.firstChild.after(button);
-      this.node.append(pad.node);
+      this.details.append(pad.node);
       return { ...drive, pad, button };
     });
   }
@@ -97,15 +101,15 @@ class RobotFolder {
     if (robot.controllers.length === 0) return;
     const list = element("div", { class: "controllers" }, element("h3", { text: "Controllers" }));
     for (const { name, type, problem } of robot.controllers) {
-      const { node, input } = toggle(name, `${robot.name} ${name}`, (active) => {
+      const { node, input, show } = toggle(name, `${robot.name} ${name}`, (active) => {
         this.ask("Switch", { robot: robot.name, controller: name, active });
       });
       node.title = problem ? `${type}: ${problem}` : type;
       input.disabled = Boolean(problem);
-      this.switches[name] = { input, state: element("span", { class: "muted" }) };
+      this.switches[name] = { show, state: element("span", { class: "muted" }) };
       list.append(element("div", { class: "controller" }, node, this.switches[name].state));
     }
-    this.node.append(list);
+    this.details.append(list);
   }
 
   addJoints(robot) {
@@ -113,13 +117,19 @@ class RobotFolder {
     const body = element("tbody");
     this.cells = robot.joints.map((joint) => {
       const units = joint.slides ? ["m", "m/s", "N"] : ["rad", "rad/s", "N·m"];
-      const cells = units.map((unit) => element("td", { title: unit }));
-      body.append(element("tr", {}, element("th", { scope: "row", title: joint.joint, text: shortName(joint.joint, robot.name) }), ...cells));
+      const cells = units.map((unit, column) => this.plotButton(robot, joint, STATES[column], `Plot the ${STATES[column]} of ${joint.joint}, ${unit}`));
+      const name = this.plotButton(robot, joint, STATES[0], `Plot ${joint.joint}`, shortName(joint.joint, robot.name));
+      body.append(element("tr", {}, element("th", { scope: "row" }, name), ...cells.map((cell) => element("td", {}, cell))));
       return cells;
     });
     if (robot.joints.length === 0) return;
     this.joints = element("details", { class: "joints" }, element("summary", { text: "Joint states" }), element("table", {}, element("thead", {}, head), body));
-    this.node.append(this.joints);
+    this.details.append(this.joints);
+  }
+
+  // A button that plots a joint's position, velocity or effort below the scene.
+  plotButton(robot, { joint }, what, title, text) {
+    return element("button", { class: "plot-joint", title, text, onclick: () => plots.add(`${robot.joint_states}.${what}[${joint}]`) });
   }
 
   addPlots(robot) {
@@ -131,22 +141,23 @@ class RobotFolder {
       velocities: new Plot({ label: "Velocity", name: `${robot.name} velocity`, unit: units("rad/s", "m/s") }),
       efforts: new Plot({ label: "Effort", name: `${robot.name} effort`, unit: units("N·m", "N") }),
     };
-    const key = robot.joints.map((joint, index) => {
-      const item = element("li", { title: joint.joint, text: shortName(joint.joint, robot.name) });
-      item.style.setProperty("--color", lineColor(index));
-      return item;
-    });
+    this.jointNames = robot.joints.map((joint) => shortName(joint.joint, robot.name));
     const figures = Object.values(this.plots).map((plot) => plot.node);
-    this.plotted = element("details", { class: "plots" }, element("summary", { text: "Plots" }), ...figures, element("ul", {}, ...key));
-    this.node.append(this.plotted);
+    this.plotted = element("details", { class: "plots" }, element("summary", { text: "Plots" }), ...figures);
+    this.details.append(this.plotted);
   }
 
   plot(time, state) {
-    const open = this.node.open && this.plotted?.open;
+    const open = this.details.open && this.plotted?.open;
     for (const [what, plot] of Object.entries(this.plots ?? {})) {
-      if (open) plot.add(time, state[what]);
-      else plot.clear();
+      if (!open) plot.clear();
+      else if (state[what]) plot.add(time, state[what], this.jointNames);
     }
+  }
+
+  // Whether efforts are shown, which the twin tells only to those who look: the plant solves a step for them.
+  get showsEfforts() {
+    return this.details.open && Boolean(this.joints?.open || this.plotted?.open);
   }
 
   state(state, commands) {
@@ -155,10 +166,11 @@ class RobotFolder {
     setText(this.stop, state.stopped ? "Release" : "Stop");
     this.stop.setAttribute("aria-label", `${state.stopped ? "Clear emergency stop" : "Emergency stop"} of ${this.name}`);
     this.node.classList.toggle("stopped", state.stopped);
-    if (!this.node.open) return;
+    if (!this.details.open) return;
     for (const pose of this.poses ?? []) pose?.slider.show(state.positions[pose.index]);
-    for (const { topic, controller, sliders } of this.groups ?? []) {
+    for (const { topic, controller, sliders, poses } of this.groups ?? []) {
       const active = state.controllers[controller] === "active" && !state.stopped;
+      poses.state(state, active);
       sliders.forEach((slider, index) => {
         slider.disabled = !active;
         slider.show(commands[topic][index]);
@@ -168,15 +180,16 @@ class RobotFolder {
     for (const { controller, button } of [...(this.groups ?? []), ...(this.drives ?? [])]) {
       button.hidden = state.controllers[controller] !== "inactive";
     }
-    for (const [name, { input, state: shown }] of Object.entries(this.switches ?? {})) {
+    for (const [name, { show, state: shown }] of Object.entries(this.switches ?? {})) {
       const now = state.controllers[name] ?? "unloaded";
-      input.checked = now === "active";
+      show(now === "active");
       setText(shown, now === "active" ? "" : now);
     }
     if (!this.joints?.open) return;
     this.cells.forEach((cells, index) => {
       [state.positions, state.velocities, state.efforts].forEach((values, column) => {
-        setText(cells[column], (Math.abs(values[index]) < 5e-5 ? 0 : values[index]).toFixed(column === 2 ? 3 : 4));
+        const value = values && (Math.abs(values[index]) < 5e-5 ? 0 : values[index]);
+        setText(cells[column], value?.toFixed(column === 2 ? 3 : 4) ?? "–");
       });
     });
   }
@@ -186,29 +199,35 @@ export class Robots {
   constructor(ask, teleop) {
     this.ask = ask;
     this.teleop = teleop;
-    this.folders = new Map();
+    this.detailss = new Map();
+    this.asked = -Infinity; // when efforts were asked for
   }
 
   structure({ robots, display_only: displayOnly }) {
-    for (const [name, { folder, text }] of this.folders) {
+    for (const [name, { folder, text }] of this.detailss) {
       const robot = robots.find((each) => each.name === name);
       if (robot && JSON.stringify(robot) === text) continue;
       folder.node.remove();
       this.teleop.forget(name);
-      this.folders.delete(name);
+      this.detailss.delete(name);
     }
     for (const robot of robots) {
-      if (!this.folders.has(robot.name)) {
+      if (!this.detailss.has(robot.name)) {
         const folder = new RobotFolder(robot, { ask: this.ask, teleop: this.teleop, displayOnly });
-        if (robots.length > 3) folder.node.open = false;
-        this.folders.set(robot.name, { folder, text: JSON.stringify(robot) });
+        if (robots.length > 3) folder.details.open = false;
+        this.detailss.set(robot.name, { folder, text: JSON.stringify(robot) });
       }
-      $("robots").append(this.folders.get(robot.name).folder.node);
+      $("robots").append(this.detailss.get(robot.name).folder.node);
     }
   }
 
   state(state) {
-    for (const [name, { folder }] of this.folders) {
+    const folders = [...this.detailss.values()].map(({ folder }) => folder);
+    if (folders.some(({ showsEfforts }) => showsEfforts) && performance.now() - this.asked > LOOK) {
+      this.asked = performance.now();
+      this.ask("LookAtEfforts");
+    }
+    for (const [name, { folder }] of this.detailss) {
       if (!(name in state.robots)) continue;
       folder.state(state.robots[name], state.commands);
       folder.plot(state.time, state.robots[name]);

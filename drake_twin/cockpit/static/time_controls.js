@@ -56,6 +56,7 @@ export class TimeControls {
 
   structure(structure) {
     document.body.classList.toggle("display-only", structure.display_only);
+    document.body.classList.toggle("playback", structure.playback);
   }
 
   state(state) {
@@ -67,7 +68,7 @@ export class TimeControls {
     setText($("factor"), factor);
     setText($("factor-beside"), factor);
     if (!$("factor-plot").open) this.plot.clear();
-    else if (!state.paused && state.real_time_factor != null) this.plot.add(state.time, [state.real_time_factor]);
+    else if (!state.paused && state.real_time_factor != null) this.plot.add(state.time, [state.real_time_factor], ["factor"]);
     this.rate.show(state.rate);
     this.timeStep.show(1000 * state.time_step);
   }

@@ -1,4 +1,4 @@
-// The overlays, the camera, recording, spawning.
+// The overlays, the camera, recording.
 
 import { $, element, setText, toggle } from "./dom.js";
 
@@ -11,35 +11,12 @@ export class View {
       this.wanted = this.recording;
       ask("Record", { on: !this.recording });
     });
-    this.setUpSpawn();
-  }
-
-  setUpSpawn() {
-    const form = $("spawn-form");
-    $("spawn").addEventListener("click", () => {
-      form.elements.name.value = this.freeName();
-      $("spawn-dialog").showModal();
-    });
-    $("spawn-cancel").addEventListener("click", () => $("spawn-dialog").close());
-    form.addEventListener("submit", () => {
-      const number = (name) => form.elements[name].valueAsNumber || 0;
-      this.ask("Spawn", {
-        file: form.elements.file.value.trim(),
-        name: form.elements.name.value.trim(),
-        xyz: [number("x"), number("y"), number("z")],
-        rpy: [0, 0, number("yaw")],
-      });
-    });
-  }
-
-  freeName() {
-    for (let index = 1; ; index += 1) if (!this.names?.includes(`robot_${index}`)) return `robot_${index}`;
   }
 
   addOverlay({ name, label, hint }) {
-    const { node, input } = toggle(label, label, (on) => this.ask("Show", { what: name, on }));
+    const { node, show } = toggle(label, label, (on) => this.ask("Show", { what: name, on }));
     node.title = hint;
-    this.toggles[name] = input;
+    this.toggles[name] = show;
     $("overlays").append(node);
   }
 
@@ -57,7 +34,7 @@ export class View {
   }
 
   state(state) {
-    for (const [what, input] of Object.entries(this.toggles)) input.checked = state.shown.includes(what);
+    for (const [what, show] of Object.entries(this.toggles)) show(state.shown.includes(what));
     if (document.activeElement !== $("follow")) $("follow").value = state.followed;
     this.recording = state.recording;
     $("recording-badge").hidden = !state.recording;

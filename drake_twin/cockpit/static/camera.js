@@ -1,0 +1,58 @@
+// The camera: it fits what is selected, or all robots, also at the start; presets; names above robots.
+
+import { $, element, toggle } from "./dom.js";
+
+const VIEWS = {
+  Angle: [0.75, -0.65, 0.65],
+  Front: [1, 0, 0.15],
+  Left: [0, 1, 0.15],
+  Top: [0, 0, 1],
+};
+
+export class Camera {
+  constructor() {
+    this.names = [];
+    this.isSettled = false;
+    const button = (text, title, onclick) => element("button", { class: "small", text, title, "aria-label": title, onclick });
+    const views = Object.keys(VIEWS).map((name, index) => button(name, `${name} view (${index + 1})`, () => this.view(name)));
+    const names = toggle("Names", "Names above robots", (on) => this.tools?.showNames(on ? this.names : []));
+    this.shown = names.input;
+    $("camera").append(button("Fit", "Fit the selection, or all robots (F)", () => this.fit()), ...views, names.node);
+  }
+
+  // The scene's tools; null until its frame is loaded.
+  get tools() {
+    return $("scene").contentWindow?.sceneTools ?? null;
+  }
+
+  get keys() {
+    const views = Object.keys(VIEWS).map((name, index) => [`Digit${index + 1}`, () => this.view(name)]);
+    return { KeyF: () => this.fit(), ...Object.fromEntries(views) };
+  }
+
+  // Returns whether there is anything to fit.
+  fit(direction = null) {
+    const selected = this.tools?.selected ?? [];
+    return this.tools?.fit(selected.length ? selected : this.names, direction) ?? false;
+  }
+
+  view(name) {
+    this.isSettled = true;
+    this.fit(VIEWS[name]);
+  }
+
+  structure({ robots }) {
+    this.names = robots.map((robot) => robot.name);
+    if (this.shown.checked) this.tools?.showNames(this.names);
+  }
+
+  state({ followed }) {
+    if (this.isSettled) return;
+    // Meshes are loaded one by one, robots come, the pane changes its size: fit again, until somebody moves the camera.
+    const drawn = this.tools?.measure(this.names);
+    if (!drawn) return;
+    this.isSettled = Boolean(followed) || drawn.isTouched;
+    const key = `${drawn.meshes} ${drawn.aspect}`;
+    if (!this.isSettled && key !== this.fitted && this.fit()) this.fitted = key;
+  }
+}

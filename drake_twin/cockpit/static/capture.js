@@ -1,0 +1,91 @@
+// Pictures and videos of the scene, as the browser draws it, and distances between two points that are clicked in it.
+
+import { $, element, setText } from "./dom.js";
+
+const FRAMES = 30; // of a video, per second
+const KINDS = ["video/webm;codecs=vp9", "video/webm", "video/mp4"];
+
+function save(blob, name) {
+  const link = element("a", { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+export class Capture {
+  constructor() {
+    const button = (text, title, onclick) => element("button", { class: "small", text, title, onclick });
+    this.video = button("Video", "Record a video of the scene", () => this.toggleVideo());
+    this.measured = button("Measure", "Measure a distance: press two points in the scene", () => this.toggleMeasure());
+    this.measured.setAttribute("aria-pressed", "false");
+    this.distance = element("output", { class: "distance" });
+    const picture = button("Picture", "Save a picture of the scene", () => this.savePicture());
+    $("capture").append(picture, this.video, this.measured, this.distance);
+    this.points = [];
+    window.addEventListener("keydown", ({ code }) => code === "Escape" && this.endMeasure());
+  }
+
+  get tools() {
+    return $("scene").contentWindow?.sceneTools ?? null;
+  }
+
+  savePicture() {
+    this.tools?.picture().toBlob((blob) => save(blob, "drake_twin.png"));
+  }
+
+  toggleVideo() {
+    if (this.recorder) {
+      this.recorder.stop();
+      return;
+    }
+    const kind = KINDS.find((each) => window.MediaRecorder?.isTypeSupported(each));
+    if (!this.tools || !kind) {
+      setText(this.video, "No video here");
+      return;
+    }
+    const parts = [];
+    this.recorder = new MediaRecorder(this.tools.picture().captureStream(FRAMES), { mimeType: kind });
+    this.recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
+    this.recorder.addEventListener("stop", () => {
+      this.recorder = null;
+      setText(this.video, "Video");
+      save(new Blob(parts, { type: kind }), `drake_twin.${kind.includes("mp4") ? "mp4" : "webm"}`);
+    });
+    this.recorder.start();
+    setText(this.video, "End video");
+  }
+
+  toggleMeasure() {
+    if (this.measured.getAttribute("aria-pressed") === "true") {
+      this.endMeasure();
+      return;
+    }
+    if (!this.tools) return;
+    this.points = [];
+    this.measured.setAttribute("aria-pressed", "true");
+    setText(this.distance, "Press the first point");
+    this.tools.showLine([]);
+    this.tools.onplacechosen = (hit) => hit && this.pointChosen(hit.point);
+  }
+
+  pointChosen(point) {
+    this.points.push([point.x, point.y, point.z]);
+    if (this.points.length === 1) {
+      setText(this.distance, "Press the second point");
+      return;
+    }
+    const [from, to] = this.points;
+    const along = to.map((number, axis) => number - from[axis]);
+    setText(this.distance, `${Math.hypot(...along).toFixed(3)} m (${along.map((number) => (number + 0).toFixed(3)).join(", ")})`);
+    this.tools.showLine(this.points);
+    this.tools.onplacechosen = null;
+    this.points = [];
+  }
+
+  endMeasure() {
+    if (this.measured.getAttribute("aria-pressed") !== "true") return;
+    this.measured.setAttribute("aria-pressed", "false");
+    setText(this.distance, "");
+    this.tools.onplacechosen = null;
+    this.tools.showLine([]);
+  }
+}

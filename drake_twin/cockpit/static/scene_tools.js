@@ -1,0 +1,322 @@
+// What a person does in the scene: the page calls these through its iframe. Paths are below the twin's folder.
+
+import { Handles } from "./handles.js";
+
+const { THREE } = MeshCat;
+const CLICK = 4; // pixels that the pointer may move in a click
+const GLOW = new THREE.Color(0x2563a8);
+const PULL = 33; // ms between two requests while a link is dragged
+const SMALLEST = 0.05; // m: the camera comes no closer than to a ball of this radius
+const LINGER = 500; // ms that a preview stays until the twin has moved what it shows
+
+class SceneTools {
+  constructor() {
+    this.onclick = null; // is given { path, point } of what was clicked, or null
+    this.entityAt = null; // path → the name of the link there, if it can be dragged
+    this.onpull = null; // is given { entity, at, target }: a link, the point on it and where to draw it (m)
+    this.onrelease = null; // is given { entity }
+    this.pulls = false; // whether a press on a link drags it; with Ctrl it always does
+    this.onplace = null; // is given { xyz, rpy } of what the handles have moved
+    this.onplacechosen = null; // takes the next click in place of onclick
+    this.glowing = new Map(); // material → its own color
+    this.paths = [];
+    this.ray = new THREE.Raycaster();
+    this.handles = new Handles();
+    this.pane = viewer.dom_element; // which captures the pointer for the camera
+    this.pane.addEventListener("pointerdown", (event) => this.press(event), true);
+    this.isTouched = false;
+    for (const kind of ["pointerdown", "wheel"]) this.pane.addEventListener(kind, () => (this.isTouched = true), { capture: true, passive: true });
+    this.pane.addEventListener("pointermove", (event) => this.move(event), true);
+    this.pane.addEventListener("pointerup", (event) => this.release(event), true);
+    this.pane.addEventListener("pointercancel", () => this.cancel(), true);
+    this.selected = []; // the paths that glow
+    this.names = new Map(); // path of a robot → its label
+    viewer.render_callback = () => {
+      this.handles.fit();
+      this.placeNames();
+    };
+  }
+
+  press(event) {
+    this.pressed = event;
+    if (event.button !== 0) return;
+    this.aim(event);
+    if (this.handles.take(this.ray) || ((this.pulls || event.ctrlKey) && this.startPull(event))) this.grab(event);
+  }
+
+  // Keep the pointer from the camera until it is released.
+  grab(event) {
+    event.stopPropagation();
+    this.pane.setPointerCapture(event.pointerId);
+  }
+
+  cancel() {
+    this.pressed = null;
+    this.endPull();
+    this.handles.release();
+    this.endPreview();
+  }
+
+  // Start to drag the link under the pointer; true if there is one.
+  startPull(event) {
+    const hit = this.pick(event);
+    const entity = hit && this.entityAt?.(hit.path);
+    if (!entity) return false;
+    const body = this.object(hit.path.split("/").slice(0, 2).join("/"));
+    const point = this.twin.localToWorld(hit.point.clone());
+    const facing = viewer.camera.getWorldDirection(new THREE.Vector3());
+    const line = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1), new THREE.MeshBasicMaterial({ color: 0xd9690b, depthTest: false, transparent: true }));
+    line.renderOrder = 1000;
+    viewer.scene.add(line);
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(facing, point);
+    this.pulled = { entity, body, line, plane, at: body.worldToLocal(point.clone()), target: point, again: setInterval(() => this.pull(), PULL) };
+    this.pull();
+    return true;
+  }
+
+  pull() {
+    const { entity, at, target } = this.pulled;
+    this.onpull?.({ entity, at: at.toArray(), target: this.twin.worldToLocal(target.clone()).toArray() });
+    this.drawPull();
+  }
+
+  drawPull() {
+    if (!this.pulled) return;
+    const { body, line, at, target } = this.pulled;
+    const from = body.localToWorld(at.clone());
+    const along = target.clone().sub(from);
+    const length = Math.max(along.length(), 1e-6);
+    const thickness = 0.004 * viewer.camera.getWorldPosition(new THREE.Vector3()).distanceTo(target);
+    line.position.copy(from).addScaledVector(along, 0.5);
+    line.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length));
+    line.scale.set(thickness, length, thickness);
+    viewer.set_dirty();
+  }
+
+  endPull() {
+    if (!this.pulled) return;
+    clearInterval(this.pulled.again);
+    this.pulled.line.removeFromParent();
+    this.onrelease?.({ entity: this.pulled.entity });
+    this.pulled = null;
+    viewer.set_dirty();
+  }
+
+  move(event) {
+    if (this.pulled) {
+      event.stopPropagation();
+      this.aim(event);
+      this.ray.ray.intersectPlane(this.pulled.plane, this.pulled.target);
+      this.drawPull();
+      return;
+    }
+    if (!this.handles.taken) return;
+    event.stopPropagation();
+    this.aim(event);
+    this.moved = this.handles.drag(this.ray);
+    this.preview(this.moved.change);
+  }
+
+  release(event) {
+    const from = this.pressed;
+    this.pressed = null;
+    if (this.pulled) {
+      event.stopPropagation();
+      this.endPull();
+      return;
+    }
+    if (this.handles.taken) {
+      event.stopPropagation();
+      this.handles.release();
+      if (this.moved) this.onplace?.(this.moved);
+      this.moved = null;
+      setTimeout(() => this.endPreview(), LINGER);
+      return;
+    }
+    if (!from || event.button !== 0 || Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) > CLICK) return;
+    (this.onplacechosen ?? this.onclick)?.(this.pick(event));
+  }
+
+  // Show what is selected at another place, too.
+  preview(change) {
+    if (!this.ghost) {
+      this.ghost = new THREE.Group();
+      this.ghost.matrixAutoUpdate = false;
+      for (const path of this.paths) {
+        const object = this.object(path);
+        if (object) this.ghost.add(object.clone());
+      }
+      this.twin.add(this.ghost);
+    }
+    this.ghost.matrix.copy(change);
+    viewer.set_dirty();
+  }
+
+  endPreview() {
+    this.ghost?.removeFromParent();
+    this.ghost = null;
+    viewer.set_dirty();
+  }
+
+  // Show handles at a pose of xyz (m) and rpy (rad) that move what is drawn at these paths; without a pose, none.
+  showHandles(pose, paths) {
+    if (this.handles.taken || this.ghost) return;
+    this.paths = paths;
+    this.handles.show(this.twin, pose);
+    viewer.set_dirty();
+  }
+
+  // The object at a path below the twin's folder; null if nothing is drawn there.
+  object(path) {
+    let node = viewer.scene_tree.children.twin;
+    for (const part of path.split("/")) node = node?.children[part];
+    return node?.object ?? null;
+  }
+
+  // Where a point of the world (m) is in the picture (pixels).
+  onPicture([x, y, z]) {
+    const { width, height } = viewer.renderer.domElement.getBoundingClientRect();
+    viewer.camera.updateMatrixWorld();
+    const at = this.twin.localToWorld(new THREE.Vector3(x, y, z)).project(viewer.camera);
+    return { x: ((at.x + 1) / 2) * width, y: ((1 - at.y) / 2) * height, isAhead: at.z < 1 };
+  }
+
+  // Where the camera is, and its target, in the axes of three.js.
+  cameraPlace() {
+    return [...viewer.camera.getWorldPosition(new THREE.Vector3()).toArray(), ...viewer.controls.target.toArray()];
+  }
+
+  // The folder of all that is drawn of the twin; its axes are the world's.
+  get twin() {
+    return viewer.scene_tree.find(["twin"]).object;
+  }
+
+  aim({ clientX, clientY }) {
+    const { left, top, width, height } = viewer.renderer.domElement.getBoundingClientRect();
+    const at = new THREE.Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
+    viewer.camera.updateMatrixWorld();
+    this.ray.setFromCamera(at, viewer.camera);
+  }
+
+  // What is at a place of the picture: its path and the point in the world (m); null if nothing is.
+  pick(place) {
+    this.aim(place);
+    const drawn = this.twin.children.filter((child) => ![this.handles.group, this.ghost, this.line].includes(child));
+    const hit = this.ray.intersectObjects(drawn, true).find(({ object }) => isSeen(object));
+    if (!hit) return null;
+    const names = [];
+    for (let object = hit.object; object !== this.twin; object = object.parent) names.unshift(object.name);
+    return { path: names.join("/"), point: this.twin.worldToLocal(hit.point) };
+  }
+
+  // The box around what is drawn at these paths, in the axes of three.js; null if nothing is.
+  boxOf(paths) {
+    const box = new THREE.Box3();
+    for (const path of paths) {
+      const object = this.object(path);
+      if (object) box.expandByObject(object);
+    }
+    return box.isEmpty() ? null : box;
+  }
+
+  // What `fit` depends on: how many meshes are drawn at these paths, and the shape of the picture; whether somebody has
+  // moved the camera.
+  measure(paths) {
+    let meshes = 0;
+    for (const path of paths) this.object(path)?.traverse(({ isMesh }) => (meshes += isMesh ? 1 : 0));
+    return { meshes, aspect: viewer.camera.aspect.toFixed(3), isTouched: this.isTouched };
+  }
+
+  // Place the camera so that what is at these paths fills the picture, seen from its side or from a direction in the
+  // world; false if nothing is drawn there yet.
+  fit(paths, direction) {
+    viewer.scene.updateMatrixWorld(true); // nothing may have been rendered yet
+    const box = this.boxOf(paths);
+    if (!box || viewer.camera.aspect <= 0) return false;
+    const { center, radius } = box.getBoundingSphere(new THREE.Sphere());
+    const target = center;
+    const [x, y, z] = direction ?? [];
+    const from = direction ? new THREE.Vector3(x, z, -y) : viewer.camera.position.clone().sub(viewer.controls.target);
+    const height = (viewer.camera.fov * Math.PI) / 360;
+    const width = Math.atan(Math.tan(height) * viewer.camera.aspect);
+    const distance = Math.max(radius, SMALLEST) / Math.sin(Math.min(height, width));
+    viewer.controls.target.copy(target);
+    viewer.camera.position.copy(target).addScaledVector(from.normalize(), distance);
+    viewer.controls.update();
+    viewer.set_dirty();
+    return true;
+  }
+
+  // The canvas, with the present picture on it until the next frame.
+  picture() {
+    viewer.render();
+    return viewer.renderer.domElement;
+  }
+
+  // Draw a line through points of the world (m) over all else; without points, none.
+  showLine(points) {
+    this.line?.removeFromParent();
+    this.line = null;
+    if (points.length) {
+      const geometry = new THREE.BufferGeometry().setFromPoints(points.map((point) => new THREE.Vector3(...point)));
+      this.line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: 0xd9690b, depthTest: false, transparent: true }));
+      this.line.renderOrder = 1000;
+      this.twin.add(this.line);
+    }
+    viewer.set_dirty();
+  }
+
+  // Show the names of these robots above them, and no others.
+  showNames(names) {
+    for (const label of this.names.values()) label.remove();
+    this.names.clear();
+    for (const name of names) {
+      const label = document.createElement("div");
+      label.className = "name";
+      label.textContent = name;
+      document.body.append(label);
+      this.names.set(name, label);
+    }
+    viewer.set_dirty();
+  }
+
+  placeNames() {
+    for (const [path, label] of this.names) {
+      const box = this.boxOf([path]);
+      const top = box?.getCenter(new THREE.Vector3()).setY(box.max.y);
+      const at = top && this.onPicture(this.twin.worldToLocal(top).toArray());
+      label.hidden = !at?.isAhead;
+      if (at) label.style.transform = `translate(${at.x.toFixed(1)}px, ${at.y.toFixed(1)}px) translate(-50%, -130%)`;
+    }
+  }
+
+  // Tint what is at these paths, and nothing else.
+  highlight(paths) {
+    this.selected = paths;
+    const now = new Set();
+    for (const path of paths) {
+      this.object(path)?.traverse(({ material }) => {
+        for (const each of [material].flat()) if (each?.emissive) now.add(each);
+      });
+    }
+    for (const [material, own] of this.glowing) {
+      if (now.has(material)) continue;
+      material.emissive.copy(own);
+      this.glowing.delete(material);
+      viewer.set_dirty();
+    }
+    for (const material of now) {
+      if (this.glowing.has(material)) continue;
+      this.glowing.set(material, material.emissive.clone());
+      material.emissive.copy(GLOW);
+      viewer.set_dirty();
+    }
+  }
+}
+
+function isSeen(object) {
+  for (let each = object; each; each = each.parent) if (!each.visible) return false;
+  return true;
+}
+
+window.sceneTools = new SceneTools();

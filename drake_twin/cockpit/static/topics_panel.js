@@ -1,0 +1,132 @@
+// The panel of topics: their list, echo and publishing of one of them, plots of its numbers, frames, the diagram.
+
+import { element, setText } from "../dom.js";
+import { Drawing } from "../drawing.js";
+import { Frames } from "../frames.js";
+import { partsOf, plots } from "../plots.js";
+import { PublishForm } from "../publish_form.js";
+
+const LOOK = 1000; // ms between two requests for data
+const OUT = { published: "", commanded: "listened to", action: "action" };
+
+export default class TopicsPanel {
+  constructor(ask) {
+    this.ask = ask;
+    this.version = 0;
+    this.topics = [];
+    this.chosen = "";
+    this.frames = new Frames();
+    this.drawing = new Drawing(() => ask({ do: "Draw" }), (names) => this.find(names));
+    this.filter = element("input", { type: "search", placeholder: "Filter", "aria-label": "Filter topics", oninput: () => this.list() });
+    this.names = element("ul", { class: "topics", "aria-label": "Topics" });
+    this.head = element("h3", {});
+    this.values = element("tbody");
+    this.echo = element("div", { class: "echo", tabindex: 0, role: "region", "aria-label": "Last message" }, element("table", {}, this.values));
+    this.form = new PublishForm(ask);
+    this.details = element("details", {}, element("summary", { text: "Topics" }), this.filter, this.names, this.head, this.echo, this.form.node);
+    this.node = element("div", { class: "topics-panel" }, element("h2", { text: "ROS" }), this.details, this.frames.node, this.drawing.node);
+    for (const part of [this.details, this.frames.node]) part.addEventListener("toggle", () => this.look());
+    plots.onask = () => this.look();
+    this.show();
+    ask({ do: "Look", version: 0, echo: "", frames: false }); // for the plots that were kept
+    setInterval(() => this.look(), LOOK);
+    requestAnimationFrame(() => this.look());
+  }
+
+  // Ask for data, while somebody can see them.
+  look() {
+    if (document.visibilityState !== "visible" || document.body.matches(".gone, .display-only, .playback")) return;
+    const echo = this.details.open ? this.chosen : "";
+    const isSeen = this.details.open || this.frames.node.open || plots.paths.length || this.drawing.isOpen;
+    if (!isSeen) return;
+    this.ask({ do: "Look", version: this.version, echo, frames: this.frames.node.open });
+    for (const [topic, field = ""] of plots.paths.map(partsOf)) this.ask({ do: "Plot", topic, field });
+  }
+
+  list() {
+    const wanted = this.filter.value.trim().toLowerCase();
+    const item = ({ name, kind, type, rate, latched }) => {
+      const about = [OUT[kind], type, rate ? `${Number(rate.toFixed(1))} Hz` : latched ? "once" : ""].filter(Boolean).join(", ");
+      const press = () => this.choose(name);
+      const button = element("button", { "aria-pressed": String(name === this.chosen), onclick: press }, name, element("small", { text: about }));
+      return element("li", {}, button);
+    };
+    const shown = this.topics.filter(({ name, type }) => `${name} ${type}`.toLowerCase().includes(wanted));
+    this.names.replaceChildren(...shown.map(item));
+  }
+
+  choose(name) {
+    this.chosen = name === this.chosen ? "" : name;
+    this.list();
+    this.show();
+    this.look();
+  }
+
+  // Select what names of the diagram tell of, the most specific first: a topic, a controller's or a robot's first one.
+  find(names) {
+    const robot = names.find((name) => this.topics.some((topic) => topic.robot === name));
+    const near = this.topics.filter((topic) => !robot || topic.robot === robot);
+    let found = null;
+    for (const name of names) {
+      found ??= this.topics.find((topic) => [name, `/${name}`].includes(topic.name)) ?? near.find((topic) => topic.name.endsWith(`/${name}`) || topic.controller === name);
+    }
+    found ??= robot ? near[0] : null;
+    if (!found) return false;
+    const folder = document.querySelector(`.robot[data-robot="${CSS.escape(found.robot)}"] > details`);
+    if (folder) folder.open = true;
+    this.filter.value = "";
+    this.details.open = true;
+    this.list();
+    if (found.name !== this.chosen) this.choose(found.name);
+    this.names.querySelector("[aria-pressed=true]")?.scrollIntoView({ block: "nearest" });
+    this.node.scrollIntoView({ block: "nearest" });
+    return true;
+  }
+
+  show(echo) {
+    const topic = this.topics.find(({ name }) => name === this.chosen);
+    this.head.hidden = this.echo.hidden = !topic;
+    this.form.show(topic?.name ?? "", echo?.form ?? null);
+    if (!topic) return;
+    const rows = echo?.rows ?? [];
+    const time = echo?.time;
+    const about = [time == null ? "" : ` at ${time.toFixed(3)} s`, echo?.rate ? `, ${echo.rate.toFixed(1)} Hz` : ""].join("");
+    setText(this.head, rows.length ? topic.name + about : `${topic.name}: no message`);
+    const paths = JSON.stringify(rows.map(([path]) => path));
+    if (paths !== this.paths) {
+      this.paths = paths;
+      this.values.replaceChildren(...rows.map((row) => this.row(topic, row)));
+    }
+    rows.forEach(([, text], index) => setText(this.values.children[index].children[1], text));
+  }
+
+  row({ name, kind }, [path, text, isNumber]) {
+    const cells = [element("th", { scope: "row", text: path }), element("td", { text })];
+    const buttons = [];
+    if (isNumber && kind === "published") {
+      const button = (label, isNew, title) => element("button", { class: "small", text: label, title, "aria-label": `${title}: ${path}`, onclick: () => this.plot(name, path, isNew) });
+      buttons.push(button("Plot", false, "Plot"), button("+", true, "Plot in a plot of its own"));
+    }
+    return element("tr", {}, ...cells, element("td", { class: "act" }, ...buttons));
+  }
+
+  plot(topic, field, isNew = false) {
+    if (isNew) plots.open();
+    plots.add(`${topic}.${field}`);
+  }
+
+  state(data) {
+    if (!data) return;
+    plots.restore(data.layout);
+    if (data.topics) {
+      Object.assign(this, { topics: data.topics, version: data.version });
+      this.list();
+    }
+    if (data.version !== this.version) this.look();
+    if (this.details.open && this.chosen in data.echoes) this.show(data.echoes[this.chosen]);
+    plots.take(data.batches, data.problems);
+    this.form.heard(data.outcome);
+    if (data.frames && this.frames.node.open) this.frames.show(data.frames);
+    if (data.diagram) this.drawing.show(data.diagram);
+  }
+}

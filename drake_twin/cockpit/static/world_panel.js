@@ -1,0 +1,104 @@
+// The panel of the world: its tree, what is selected in it or in the scene, its details, and what is done to it.
+
+import { $, element } from "../dom.js";
+import { Edits } from "../edits.js";
+import { Inspector } from "../inspector.js";
+import { Tree } from "../tree.js";
+
+const LOOK = 1000; // ms between two requests for data
+
+export default class WorldPanel {
+  constructor(ask) {
+    this.ask = (request) => {
+      ask(request);
+      if (["Place", "Duplicate", "Remove", "Undo"].includes(request.do)) this.look();
+    };
+    this.version = 0;
+    this.tree = new Tree((id) => this.select(id));
+    this.inspector = new Inspector();
+    this.edits = new Edits(this.ask);
+    this.node = element("div", { class: "world" }, element("h2", { text: "World" }), this.tree.node, this.edits.node, this.inspector.node);
+    setInterval(() => this.look(), LOOK);
+    requestAnimationFrame(() => this.look());
+  }
+
+  // The scene's tools; null until its frame is loaded.
+  get tools() {
+    const tools = $("scene").contentWindow?.sceneTools ?? null;
+    if (tools && !tools.onclick) {
+      const ask = (what, fields) => this.ask({ do: what, ...fields });
+      tools.onclick = (hit) => this.clicked(hit);
+      tools.entityAt = (path) => this.draggable(path);
+      tools.onpull = (fields) => ask("Drag", fields);
+      tools.onrelease = (fields) => ask("Release", fields);
+      tools.onplace = ({ xyz, rpy }) => this.ask({ do: "Place", entity: this.edits.details.owner, xyz, rpy });
+    }
+    return tools;
+  }
+
+  undo() {
+    if (this.undone && !document.body.matches(".display-only, .playback")) this.ask({ do: "Undo" });
+  }
+
+  // Ask for data, while somebody can see them.
+  look() {
+    if (!this.tools || document.visibilityState !== "visible" || this.node.offsetParent === null) return;
+    this.ask({ do: "Look", version: this.version, node: this.tree.selected });
+  }
+
+  select(id) {
+    this.look();
+    if (!id) this.show(null);
+    this.mark();
+  }
+
+  // Tint what is selected, also where it has been drawn again.
+  mark() {
+    this.tools?.highlight(this.tree.nodes.get(this.tree.selected)?.paths ?? []);
+  }
+
+  // Select the link or model that was clicked in the scene; the ground and the sky select nothing.
+  clicked(hit) {
+    const found = hit ? this.at(hit.path) : "";
+    this.tree.select(found);
+    this.select(found);
+  }
+
+  // The link, or else the model, that is drawn at a path.
+  at(path) {
+    for (const kind of ["link", "model"]) {
+      for (const node of this.tree.nodes.values()) {
+        if (node.kind === kind && node.paths.some((own) => path === own || path.startsWith(`${own}/`))) return node.id;
+      }
+    }
+    return "";
+  }
+
+  // The link that can be dragged at a path; nothing of a static model, and nothing where nothing moves.
+  draggable(path) {
+    const node = this.tree.nodes.get(this.at(path));
+    const isStill = document.body.matches(".display-only, .playback");
+    return node?.kind === "link" && !isStill ? node.entity : null;
+  }
+
+  show(details, undone = this.undone) {
+    this.undone = undone;
+    this.inspector.show(details);
+    this.edits.show(details, undone);
+    const owner = [...this.tree.nodes.values()].find(({ kind, name }) => ["robot", "model"].includes(kind) && name === details?.owner);
+    this.tools?.showHandles(this.edits.pose, owner?.paths ?? []);
+  }
+
+  state(world) {
+    if (!world) return;
+    if (world.tree) {
+      this.tree.show(world.tree);
+      this.version = world.version;
+    }
+    if (world.version !== this.version) this.look();
+    const { selected } = this.tree;
+    if (!selected || selected in world.details) this.show(world.details[selected] ?? null, world.undo);
+    this.mark();
+    if (this.tools) this.tools.pulls = this.edits.isPulling;
+  }
+}

@@ -1,0 +1,164 @@
+"""The page's timeline: what was drawn in the last minute can be looked at again, and the twin can go on from there."""
+
+from bisect import bisect_left, bisect_right
+from collections import deque
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.errors import InputError
+from drake_twin.shared_viewer.frame_sender import Frame
+from drake_twin.shared_viewer.shared_scene import SharedScene
+from drake_twin.twin.rewind import Mark, Rewind
+from drake_twin.twin.twin import Twin
+
+_SECONDS = 60.0  # s of simulation time
+_LEAST_BETWEEN = 0.03  # s of simulation time between two pictures that are kept
+_MOST_BYTES = 25_000_000  # of the poses, and as much again of the moments
+_MOST_MARKS = 200  # that the page shows
+_EPSILON = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """What was drawn at a time (s): the bodies' poses in the world, shape (bodies, 3, 4), in half of the memory."""
+
+    time: float
+    scene: SharedScene
+    poses: np.ndarray
+
+    @property
+    def frame(self) -> Frame:
+        poses = np.tile(np.eye(4), (len(self.poses), 1, 1))
+        poses[:, :3] = self.poses
+        return Frame(self.scene, poses)
+
+
+class Timeline:
+    """Keeps the last minute of a twin while a browser is connected, and draws a moment of it again.
+
+    Time stands still while a moment is looked at; once it continues, the present is drawn again.
+
+    Args:
+        twin: The twin.
+        scene: The page's scene.
+    """
+
+    def __init__(self, twin: Twin, scene: Scene):
+        self._twin, self._scene = twin, scene
+        self._rewind: Rewind | None = None
+        self._pictures: deque[_Picture] = deque()
+        self._size = 0  # bytes of the poses
+        self._looked: _Picture | None = None
+        self._present = 0  # the step at which the looking began
+
+    def watch(self, is_watched: bool) -> None:
+        """Begin or end to keep moments; those that are there stay."""
+        if is_watched and self._rewind is None:
+            self._rewind = Rewind(self._twin, _SECONDS, most_bytes=_MOST_BYTES)
+        elif self._rewind is not None:
+            (self._rewind.open if is_watched else self._rewind.close)()
+        if not is_watched:
+            self.look_at_now()
+
+    def close(self) -> None:
+        """Keep and draw nothing more."""
+        self.watch(False)
+        self._rewind = None
+
+    def draw(self) -> bool:
+        """Draw the moment that is looked at; return False if that is the present, which is not drawn here."""
+        if self._looked is not None and (not self._twin.paused or self._twin.step_count != self._present):
+            self.look_at_now()
+        if self._looked is None:
+            return False
+        self._scene.show(self._looked.frame)
+        return True
+
+    def note(self, frame: Frame) -> None:
+        """Keep what is drawn of the present."""
+        if self._rewind is None:
+            return
+        now = self._twin.time
+        self._drop_future()
+        if self._pictures and now - self._pictures[-1].time < _LEAST_BETWEEN:
+            return
+        picture = _Picture(now, frame.scene, frame.poses[:, :3].astype(np.float32))
+        self._pictures.append(picture)
+        self._size += picture.poses.nbytes
+        while self._pictures[0].time < now - _SECONDS or self._size > _MOST_BYTES:
+            self._size -= self._pictures.popleft().poses.nbytes
+
+    def look(self, time: float) -> None:
+        """Pause, and draw the picture that is closest to a time (s) from now on.
+
+        Raises:
+            InputError: If nothing was drawn yet.
+        """
+        self._drop_future()
+        if not self._pictures:
+            raise InputError("nothing was drawn yet that could be looked at again")
+        times = [picture.time for picture in self._pictures]
+        index = bisect_left(times, time)
+        near = range(max(0, index - 1), min(len(times), index + 1))
+        self._twin.pause()
+        self._present = self._twin.step_count
+        self._looked = self._pictures[min(near, key=lambda item: abs(times[item] - time))]
+        self._scene.set_property(OVERLAYS, "visible", False)  # they show the present
+
+    def look_at_now(self) -> None:
+        """Draw the present again."""
+        if self._looked is not None:
+            self._looked = None
+            self._scene.set_property(OVERLAYS, "visible", True)
+
+    def go_on_from(self, time: float) -> float:
+        """Return the twin to the last moment that is kept before a time (s), and let time continue.
+
+        Returns:
+            The time of that moment (s).
+
+        Raises:
+            InputError: If no such moment is kept.
+        """
+        if self._rewind is None:
+            raise InputError("no moment is kept yet: the twin has not advanced")
+        reached = self._rewind.go_to(time)
+        self.look_at_now()
+        self._drop_future()
+        self._twin.play()
+        return reached
+
+    def as_plain(self) -> dict[str, Any] | None:
+        """Return what the page shows of it, without the present time; None if nothing is kept.
+
+        ``first`` and ``back_to`` are times (s): the oldest picture, and where the twin would go on from what is looked
+        at, None if that moment is not kept.
+        """
+        if self._rewind is None or not self._pictures:
+            return None
+        self._drop_future()
+        looked = self._looked
+        return {
+            "first": self._pictures[0].time,
+            "looked": None if looked is None else looked.time,
+            "back_to": None if looked is None else self._moment_before(looked.time),
+            "bytes": self._size + self._rewind.size,
+            "marks": [_plain(mark) for mark in self._rewind.marks[-_MOST_MARKS:]],
+        }
+
+    def _moment_before(self, time: float) -> float | None:
+        times = self._rewind.times if self._rewind is not None else ()
+        index = bisect_right(times, time + _EPSILON)
+        return times[index - 1] if index else None
+
+    def _drop_future(self) -> None:
+        """Drop what is after the present: the twin was returned to an earlier moment."""
+        while self._pictures and self._pictures[-1].time > self._twin.time + _EPSILON:
+            self._size -= self._pictures.pop().poses.nbytes
+
+
+def _plain(mark: Mark) -> dict[str, Any]:
+    return {"kind": mark.kind, "text": mark.text, "start": round(mark.start, 3), "end": round(mark.end, 3)}

@@ -1,0 +1,111 @@
+"""The Python programs of a package: what ``ros2 run PACKAGE EXECUTABLE`` would run, found in its sources.
+
+They are the console scripts of a setup.py or setup.cfg, the scripts that a CMakeLists.txt installs below ``lib``, and
+the scripts of an installed package.
+"""
+
+import ast
+from collections.abc import Iterator
+from configparser import Error as ConfigError
+from configparser import RawConfigParser
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from drake_twin.description.cmake_install import cmake_installs
+from drake_twin.description.setup_expressions import SetupReader
+from drake_twin.description.share_layout import package_name
+
+
+@dataclass(frozen=True)
+class PythonProgram:
+    """A program in Python.
+
+    Attributes:
+        file: The script; of a console script, the module's file.
+        module: The module of a console script; empty for a script.
+        function: The module's function that a console script calls.
+        folder: The folder on ``sys.path`` in which the module is found.
+    """
+
+    file: Path
+    module: str = ""
+    function: str = ""
+    folder: Path | None = None
+
+
+@lru_cache(maxsize=256)
+def python_programs(package: Path) -> dict[str, PythonProgram]:
+    """Return the programs of a package by their executables' names.
+
+    Args:
+        package: The folder with the package.xml, of a source or an installed package.
+    """
+    package = package.resolve() if not (package / "package.xml").is_symlink() else _source_of(package)
+    name = package_name(package)
+    found: dict[str, PythonProgram] = {}
+    for executable, entry in _console_scripts(package):
+        if (program := _of_entry(package, entry)) is not None:
+            found.setdefault(executable, program)
+    if (package / "CMakeLists.txt").is_file():
+        for place, source in cmake_installs(package, name, "lib"):
+            for file in sorted(source.iterdir()) if source.is_dir() else [source]:
+                executable = f"{place}/{file.name}" if source.is_dir() else place
+                if is_python(file):
+                    found.setdefault(executable.rpartition("/")[2], PythonProgram(file.resolve()))
+    if package.parent.name == "share":
+        for file in sorted((package.parents[1] / "lib" / name).glob("*")):
+            if is_python(file):
+                found.setdefault(file.name, PythonProgram(file))
+    return found
+
+
+def is_python(file: Path) -> bool:
+    """Return whether a file is a Python script: by its suffix, or by the first line."""
+    if not file.is_file():
+        return False
+    if file.suffix == ".py":
+        return True
+    try:
+        with file.open("rb") as stream:
+            first = stream.readline(200)
+    except OSError:
+        return False
+    return first.startswith(b"#!") and b"python" in first
+
+
+def _source_of(package: Path) -> Path:
+    return (package / "package.xml").resolve().parent
+
+
+def _console_scripts(package: Path) -> Iterator[tuple[str, str]]:
+    entries: list[object] = []
+    try:
+        tree = ast.parse((package / "setup.py").read_text(encoding="utf-8", errors="replace"))
+    except (OSError, SyntaxError, ValueError, RecursionError):
+        pass
+    else:
+        reader = SetupReader(package)
+        reader.run(tree.body)
+        given = reader.entry_points.get("console_scripts", ())
+        entries += given.splitlines() if isinstance(given, str) else given
+    parser = RawConfigParser()
+    try:
+        parser.read(package / "setup.cfg", encoding="utf-8")
+        entries += parser.get("options.entry_points", "console_scripts", fallback="").splitlines()
+    except (ConfigError, UnicodeDecodeError):
+        pass
+    for entry in entries:
+        executable, equals, target = str(entry).partition("=")
+        if equals:
+            yield executable.strip(), target.partition("[")[0].strip()
+
+
+def _of_entry(package: Path, entry: str) -> PythonProgram | None:
+    module, _, function = entry.partition(":")
+    for folder in (package, package / "src"):
+        path = folder.joinpath(*module.strip().split("."))
+        for file in (path.with_name(f"{path.name}.py"), path / "__init__.py"):
+            if file.is_file():
+                return PythonProgram(file, module.strip(), function.strip(), folder)
+    return None

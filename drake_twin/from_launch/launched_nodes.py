@@ -1,0 +1,69 @@
+"""The users' own Python nodes that a launch file starts."""
+
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from drake_twin.description.built_in_programs import built_in_programs
+from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.python_programs import is_python, python_programs
+from drake_twin.from_launch.launched_robots import LaunchedRobot, parameter_file
+from drake_twin.ros2.launched import NODE, PROCESS, LaunchedProcess, ParameterText, absolute_name
+from drake_twin.ros2.ros_arguments import ros_arguments
+from drake_twin.scenario import NodeProgram
+
+
+def launched_node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | None:
+    """Return the program of a process; None if it is not a Python program of a package that is there.
+
+    Args:
+        process: The process.
+        packages: Where packages are searched.
+    """
+    if process.kind == PROCESS:
+        return _script(process)
+    if process.kind != NODE or process.package is None:
+        return None
+    known = built_in_programs(process.package)
+    with suppress(MissingPackageError):
+        known |= python_programs(packages.find(process.package, process.place.file))
+    if process.executable not in known:
+        return None
+    namespace = "" if process.namespace == "/" else process.namespace
+    parameters = [
+        Path(parameter_file(item)) if isinstance(item, Path | ParameterText) else item for item in process.parameters
+    ]
+    return NodeProgram(
+        executable=process.executable,
+        package=process.package,
+        arguments=(*process.arguments, *ros_arguments(process.name or "", namespace, process.remappings, parameters)),
+        environment={name: value for name, value in process.environment.items() if value is not None},
+        time=process.start_time,
+    )
+
+
+def publishes_simulated_states(process: LaunchedProcess, robots: Iterable[LaunchedRobot]) -> bool:
+    """Return whether a ``joint_state_publisher`` has the topic on which a robot's joint states come from the twin."""
+    if process.package != process.executable or process.package != "joint_state_publisher":
+        return False
+    return process.resolve("joint_states") in {absolute_name("joint_states", robot.namespace) for robot in robots}
+
+
+def needs_terminal(process: LaunchedProcess) -> bool:
+    """Return whether a node reads keys from a terminal of its own, which a launch file's node does not have."""
+    return process.package == "teleop_twist_keyboard"
+
+
+def _script(process: LaunchedProcess) -> NodeProgram | None:
+    """Return the program of ``python3 SCRIPT …`` or of a script that is started itself, if it uses rclpy."""
+    words = [process.executable, *process.arguments]
+    if Path(words[0]).name.startswith("python"):
+        words = words[1:]
+    file = Path(words[0]) if words else Path()
+    if (
+        not file.is_absolute()
+        or not is_python(file)
+        or "rclpy" not in file.read_text(encoding="utf-8", errors="replace")
+    ):
+        return None
+    return NodeProgram(str(file), arguments=tuple(words[1:]), time=process.start_time)

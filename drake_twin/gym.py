@@ -1,0 +1,244 @@
+"""A twin as an environment of Gymnasium: ``import drake_twin.gym; gymnasium.make("drake_twin/Rover-v0")``.
+
+Needs the extra ``gym``.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import EzPickle
+
+from drake_twin.builder.demo import demo_scenario
+from drake_twin.errors import InputError, RunError
+from drake_twin.planning.controller_plan import ACTIVE
+from drake_twin.scenario import Scenario
+from drake_twin.scenario.scenario_file import ScenarioFile
+from drake_twin.sweeps.variation import with_value
+from drake_twin.twin.twin import Twin
+
+Array = np.ndarray[Any, Any]
+Bounds = tuple[float, float]
+Observe = Callable[[Twin], Sequence[float] | Array]
+Reward = Callable[[Twin], float]
+
+_ARRAY = "std_msgs/msg/Float64MultiArray"
+
+
+class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
+    """A scenario as an environment.
+
+    The action is what is published on the topics of `action`, scaled from -1…1 to the limits of the joints. By default
+    the observation is, for each robot, its joint positions and velocities, scaled to -1…1 where they have limits, and
+    the pose and twist of a base that moves (m, quaternion w x y z, m/s, rad/s). ``reset(seed=…)`` draws the seed of the
+    sensors' noise and the varied values. An episode is truncated after `duration`; it is terminated where the reward
+    says so, or where the simulation fails (``info["error"]``).
+
+    Args:
+        scenario: The scenario, or its YAML file.
+        action: Topic → bounds of each of its numbers; None for the joints' limits. By default the first active
+            controller that takes a list of numbers.
+        observation: Returns the observation.
+        reward: Returns the reward of the step that was made, or reward and whether the task has ended.
+        control_rate: Steps per simulated second (Hz).
+        duration: The simulated time of an episode (s).
+        values: Path → lower and upper end of the values that are drawn at each reset; its paths are
+            those of `drake_twin.sweeps.variation`.
+        camera: The robot and the sensor that `render` takes its picture from.
+        render_mode: ``rgb_array``, with a camera.
+
+    Raises:
+        InputError: If an argument cannot be used.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012  # Gymnasium's own form
+
+    def __init__(
+        self,
+        scenario: Scenario | str | Path,
+        action: Mapping[str, Bounds | None] | None = None,
+        observation: Observe | None = None,
+        reward: Callable[[Twin], float | tuple[float, bool]] | None = None,
+        *,
+        control_rate: float = 50.0,
+        duration: float = 10.0,
+        values: Mapping[str, Bounds] | None = None,
+        camera: tuple[str, str] | None = None,
+        render_mode: str | None = None,
+    ):
+        EzPickle.__init__(
+            self, scenario, action, observation, reward, control_rate=control_rate, duration=duration, values=values,
+            camera=camera, render_mode=render_mode,
+        )  # fmt: skip
+        if not (control_rate > 0 and duration > 0):
+            raise InputError(f"control_rate {control_rate:g} Hz and duration {duration:g} s must be above zero")
+        if render_mode is not None and (render_mode != "rgb_array" or camera is None):
+            raise InputError(f"render_mode {render_mode!r}: it must be 'rgb_array', with the camera (robot, sensor)")
+        self._base = scenario if isinstance(scenario, Scenario) else ScenarioFile.read(scenario).scenario
+        self._values = dict(values or {})
+        self._observe, self._reward = observation or _scaled_state, reward
+        self._rate, self._steps = control_rate, round(duration * control_rate)
+        self._camera, self.render_mode = camera, render_mode
+        self._step_number = 0
+        self.twin = Twin(self._scenario(np.array(list(self._values.values())).reshape(-1, 2).mean(axis=1), 0))
+        self._bounds = _bounds(self.twin, action)
+        count = sum(len(low) for low, _ in self._bounds.values())
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (count,), np.float32)
+        self.observation_space = gymnasium.spaces.Box(-np.inf, np.inf, self._observation().shape, np.float32)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: What values and noise are drawn from, from now on.
+            options: Path → value in place of a drawn one.
+
+        Returns:
+            The observation, and ``info`` with the drawn ``values``.
+        """
+        super().reset(seed=seed)
+        ends = np.array(list(self._values.values())).reshape(-1, 2)
+        drawn = self.np_random.uniform(ends[:, 0], ends[:, 1])
+        scenario = self._scenario(drawn, int(self.np_random.integers(2**31)), options or {})
+        self.twin.reset(scenario)
+        self._step_number = 0
+        self._begin()
+        return self._observation(), {"values": dict(zip(self._values, drawn.tolist(), strict=True)) | (options or {})}
+
+    def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Apply an action for one period of the control rate."""
+        scaled = np.clip(np.asarray(action, dtype=float), -1.0, 1.0)
+        begin, info, terminated = 0, {}, False
+        for topic, (low, high) in self._bounds.items():
+            share = (scaled[begin : begin + len(low)] + 1.0) / 2.0
+            self.twin.publish(topic, low + share * (high - low))
+            begin += len(low)
+        self._step_number += 1
+        try:
+            self.twin.advance_to(self._step_number / self._rate)
+        except RunError as error:
+            info, terminated = {"error": str(error)}, True
+        reward, ended = self._judged()
+        truncated = self._step_number >= self._steps
+        return self._observation(), reward, terminated or ended, truncated, info
+
+    def render(self) -> Array | None:
+        """Return the camera's picture, shape (height, width, 3); None without a render mode."""
+        if self.render_mode is None or self._camera is None:
+            return None
+        return np.asarray(self.twin.sensor(*self._camera).image)
+
+    def close(self) -> None:
+        """Free the twin."""
+        self.twin.close()
+
+    def _begin(self) -> None:
+        """Begin a task; for subclasses."""
+
+    def _judged(self) -> tuple[float, bool]:
+        found = 0.0 if self._reward is None else self._reward(self.twin)
+        reward, ended = found if isinstance(found, tuple) else (found, False)
+        return float(reward), bool(ended)
+
+    def _observation(self) -> Array:
+        return np.asarray(self._observe(self.twin), dtype=np.float32)
+
+    def _scenario(self, drawn: Array, seed: int, options: Mapping[str, Any] | None = None) -> Scenario:
+        scenario = replace(self._base, seed=seed)
+        for path, value in {**dict(zip(self._values, drawn.tolist(), strict=True)), **(options or {})}.items():
+            scenario = with_value(scenario, path, value)
+        return scenario
+
+
+class GoalEnv(TwinEnv):
+    """One of the twin's own robots with a goal, drawn at each reset: a place for a rover, joint positions for an arm.
+
+    The goal stands at the end of the observation. The reward is by how much the distance to it has fallen (m or rad).
+    """
+
+    def __init__(self, robot: str, reach: float, near: float, **more: Any):
+        scenario = demo_scenario(robot, 1, drive=False, time_step=0.01)
+        self._robot, self._reach, self._near = robot, reach, near
+        self._goal = np.zeros(0)
+        self._last = 0.0
+        super().__init__(scenario, **more)
+        EzPickle.__init__(self, robot, reach, near, **more)
+
+    def _here(self) -> Array:
+        state = self.twin.robot_state(self.twin.robots[0], with_efforts=False)
+        return np.array(state.base_pose[:2] if self._robot == "rover" else state.positions)
+
+    def _begin(self) -> None:
+        here = self._here()
+        self._goal = here + self.np_random.uniform(-self._reach, self._reach, here.shape)
+        self._last = self._distance()
+
+    def _distance(self) -> float:
+        return float(np.linalg.norm(self._goal - self._here()))
+
+    def _judged(self) -> tuple[float, bool]:
+        before, self._last = self._last, self._distance()
+        return before - self._last, self._last < self._near
+
+    def _observation(self) -> Array:
+        goal = self._goal if self._goal.size else self._here()
+        return np.concatenate([super()._observation(), goal]).astype(np.float32)
+
+
+def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str, tuple[Array, Array]]:
+    """Return topic → lower and upper bounds of its numbers."""
+    by_topic = {
+        f"{plan.robot.topic_namespace}/{controller.name}/commands": (plan, controller)
+        for plan in twin.plans
+        for controller in plan.controllers
+        if controller.state == ACTIVE and controller.claims
+    }
+    known = twin.topics()
+    by_topic = {topic: item for topic, item in by_topic.items() if known.get(topic) == _ARRAY}
+    if action is None and not by_topic:
+        raise InputError("the scenario has no active controller that takes a list of numbers: give topics by action=")
+    found = {}
+    for topic, given in (dict.fromkeys(list(by_topic)[:1]) if action is None else action).items():
+        if topic not in by_topic:
+            raise InputError(f"action: no active controller takes numbers on {topic}", value=topic, valid=by_topic)
+        plan, controller = by_topic[topic]
+        limits = [given or plan.description.limits_of_command(*claim) for claim in controller.claims]
+        low, high = np.array(limits, dtype=float).T
+        if not np.isfinite([low, high]).all() or not (low < high).all():
+            raise InputError(
+                f"action: the joints of {topic} have no limits: give bounds, action={{{topic!r}: (low, high)}}"
+            )
+        found[topic] = low, high
+    return found
+
+
+def _scaled_state(twin: Twin) -> Array:
+    parts: list[Array] = []
+    for plan in twin.plans:
+        state = twin.robot_state(plan.name, with_efforts=False)
+        limits = [joint.limits for joint in plan.description.movable_joints]
+        lower, upper = (np.array([getattr(item, end) for item in limits]) for end in ("lower", "upper"))
+        has_range = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
+        positions, fastest = np.array(state.positions), np.array([item.velocity for item in limits])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            scaled = np.where(has_range, 2 * (positions - lower) / (upper - lower) - 1, positions)
+        can_move = np.isfinite(fastest) & (fastest > 0)
+        parts += [scaled, np.array(state.velocities) / np.where(can_move, fastest, 1.0)]
+        if not plan.model.is_fixed:
+            base = twin.entity_state(plan.name)
+            parts += [np.array(state.base_pose), np.array(base.linear), np.array(base.angular)]
+    return np.concatenate(parts)
+
+
+_WHEELS = {"/robot_1/forward_velocity_controller/commands": (-10.0, 10.0)}  # rad/s
+_SPEEDS = {"/robot_1/forward_velocity_controller/commands": (-1.0, 1.0)}  # rad/s
+_ENTRY = f"{__name__}:GoalEnv"
+gymnasium.register(
+    "drake_twin/Rover-v0", _ENTRY, kwargs={"robot": "rover", "reach": 2.0, "near": 0.15, "action": _WHEELS}
+)
+gymnasium.register(
+    "drake_twin/Arm-v0", _ENTRY, kwargs={"robot": "arduinobot", "reach": 0.5, "near": 0.05, "action": _SPEEDS}
+)

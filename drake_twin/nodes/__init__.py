@@ -1,0 +1,1 @@
+"""Users' own rclpy nodes in the twin's process, in lock-step with simulated time."""

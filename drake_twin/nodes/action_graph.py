@@ -1,0 +1,155 @@
+"""The actions that node programs share with each other and with the twin."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+from drake_twin.errors import TwinError
+from drake_twin.nodes.graph import Graph
+from drake_twin.twin.action import ActionGoal
+
+# action_msgs/msg/GoalStatus
+UNKNOWN, ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = range(7)
+_STATUSES = {
+    "accepted": ACCEPTED,
+    "executing": EXECUTING,
+    "succeeded": SUCCEEDED,
+    "canceled": CANCELED,
+    "aborted": ABORTED,
+}
+NO_ERROR, REJECTED, UNKNOWN_GOAL, ENDED_GOAL = range(4)  # action_msgs/srv/CancelGoal
+_FEEDBACK_PERIOD = 50_000_000  # ns; action_monitor_rate is 20 Hz by default
+
+
+class GoalListener(Protocol):
+    """Who has sent a goal."""
+
+    def answered(self, is_accepted: bool) -> None:
+        """Take note of whether the goal has been accepted."""
+
+    def heard(self, feedback: Any) -> None:
+        """Take note of feedback."""
+
+    def ended(self, status: int, result: Any) -> None:
+        """Take note of the goal's end; without a result it is None."""
+
+
+class ActionOffer(Protocol):
+    """An action that a node offers.
+
+    Attributes:
+        name: Its full name.
+        type: Its ROS type.
+        node: The full name of the node.
+    """
+
+    name: str
+    type: str
+    node: str
+
+    def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
+        """Take a goal."""
+
+    def put_cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+        """Take the wish to cancel a goal."""
+
+    def status_of(self, key: bytes) -> int:
+        """Return the status of a goal; `UNKNOWN` if it is not kept."""
+
+
+@dataclass
+class _TwinGoal:
+    goal: ActionGoal
+    listener: GoalListener
+
+
+class ActionGraph:
+    """The actions.
+
+    Args:
+        graph: The topics and services beside them.
+    """
+
+    def __init__(self, graph: Graph):
+        self._graph = graph
+        self.offers: dict[str, ActionOffer] = {}
+        self._goals: dict[bytes, _TwinGoal] = {}
+
+    def post(self, act: Callable[[], None]) -> None:
+        """Let something happen in a later slot."""
+        self._graph.post(act)
+
+    def offer(self, offer: ActionOffer) -> None:
+        """Add an action that a node offers."""
+        self.offers[offer.name] = offer
+        self._graph.note_change()
+
+    def withdraw(self, offer: ActionOffer) -> None:
+        """Take back an action."""
+        if self.offers.get(offer.name) is offer:
+            del self.offers[offer.name]
+            self._graph.note_change()
+
+    def is_there(self, name: str, kind: str) -> bool:
+        """Return whether an action of a type is there."""
+        offer = self.offers.get(name)
+        return (offer is not None and offer.type == kind) or self._graph.twin.actions().get(name) == kind
+
+    def names(self) -> list[tuple[str, list[str]]]:
+        """Return each action with its types."""
+        found = {name: [kind] for name, kind in self._graph.twin.actions().items()}
+        for name, offer in self.offers.items():
+            found.setdefault(name, []).append(offer.type)
+        return sorted(found.items())
+
+    def send(self, name: str, kind: str, key: bytes, goal: Any, listener: GoalListener) -> None:
+        """Send a goal; an action that is not there does not answer."""
+        offer = self.offers.get(name)
+        if offer is not None and offer.type == kind:
+            self._graph.post(partial(offer.put_goal, key, goal, listener))
+        elif self._graph.twin.actions().get(name) == kind:
+            self._graph.post(partial(self._start, name, key, goal, listener))
+
+    def cancel(self, name: str, key: bytes, answered: Callable[[int], None]) -> None:
+        """Cancel a goal; the answer is a code of ``action_msgs/srv/CancelGoal``."""
+        offer = self.offers.get(name)
+        if offer is not None:
+            self._graph.post(partial(offer.put_cancel, key, answered))
+        else:
+            self._graph.post(partial(self._cancel, key, answered))
+
+    def _start(self, name: str, key: bytes, goal: Any, listener: GoalListener) -> None:
+        def ended(done: ActionGoal) -> None:
+            self._goals.pop(key, None)
+            self._graph.post(partial(listener.ended, _STATUSES[done.status], done.result))
+
+        try:
+            started = self._graph.twin.send_goal(name, goal, ended)
+        except TwinError as error:
+            self._graph.log(name, str(error))
+            self._graph.post(partial(listener.answered, False))
+            return
+        self._goals[key] = _TwinGoal(started, listener)
+        self._graph.post(partial(listener.answered, True))
+        self._graph.post(partial(self._feed_back, key), _FEEDBACK_PERIOD)
+
+    def _feed_back(self, key: bytes) -> None:
+        known = self._goals.get(key)
+        if known is None:
+            return
+        if known.goal.is_done:  # it was dropped by a reset, which calls nobody back
+            self._goals.pop(key, None)
+            known.listener.ended(_STATUSES[known.goal.status], known.goal.result)
+            return
+        if (feedback := known.goal.feedback) is not None:
+            known.listener.heard(feedback)
+        self._graph.post(partial(self._feed_back, key), _FEEDBACK_PERIOD)
+
+    def _cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+        known = self._goals.get(key)
+        if known is None:
+            self._graph.post(partial(answered, UNKNOWN_GOAL))
+            return
+        known.goal.cancel()
+        self._graph.post(partial(answered, NO_ERROR))

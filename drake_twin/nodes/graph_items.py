@@ -1,0 +1,87 @@
+"""What node programs have on the graph, and what they see of the twin's services."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+
+class TwinService(Protocol):
+    """A service of the twin, as `drake_twin.services.Service` has it."""
+
+    @property
+    def name(self) -> str:
+        """Its full name."""
+
+    @property
+    def type(self) -> str:
+        """Its ROS type."""
+
+    @property
+    def node(self) -> str:
+        """The full name of its node."""
+
+    @property
+    def between_advances(self) -> bool:
+        """Whether it does what a callback cannot do."""
+
+    @property
+    def answer(self) -> Callable[[Any], Any]:
+        """Takes the request; returns the response's fields, or a generator that returns them later."""
+
+
+@dataclass(eq=False)
+class Publication:
+    """A topic that a node publishes.
+
+    Attributes:
+        topic: Its full name.
+        type: Its ROS type.
+        node: The full name of the node.
+        depth: The number of messages that late subscribers get; zero for none.
+        latched: These messages.
+    """
+
+    topic: str
+    type: str
+    node: str
+    depth: int = 0
+    latched: deque[Any] = field(default_factory=deque)
+
+
+@dataclass(eq=False)
+class Reception:
+    """A topic that a node subscribes to.
+
+    Attributes:
+        topic: Its full name.
+        type: Its ROS type.
+        node: The full name of the node.
+        put: Takes a message.
+        wants_latched: Whether it gets what was published before.
+        end: Ends the subscription to the twin's topic; None without one.
+    """
+
+    topic: str
+    type: str
+    node: str
+    put: Callable[[Any], None]
+    wants_latched: bool = False
+    end: Callable[[], None] | None = None
+
+
+@dataclass(eq=False)
+class Offer:
+    """A service that a node offers.
+
+    Attributes:
+        name: Its full name.
+        type: Its ROS type.
+        node: The full name of the node.
+        put: Takes a request and the function that takes its response.
+    """
+
+    name: str
+    type: str
+    node: str
+    put: Callable[[Any, Callable[[Any], None]], None]

@@ -1,0 +1,106 @@
+"""The imports of node programs: ROS's Python packages are stand-ins, and each program has modules of its own.
+
+Other threads of the process see none of it, so that a ROS that is installed is not shadowed.
+"""
+
+import importlib
+import importlib.abc
+import importlib.machinery
+import importlib.util
+import sys
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib.machinery import ModuleSpec, PathFinder
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from drake_twin.nodes.task import here
+
+if TYPE_CHECKING:
+    from drake_twin.nodes.program import Program
+
+_FOLDER = Path(__file__).parent
+ROOTS = frozenset(file.parent.name for file in _FOLDER.glob("*/__init__.py"))
+
+Source = Callable[[str], ModuleType | None]  # a module's full name → the module
+
+
+class NodeFinder(importlib.abc.MetaPathFinder):
+    """Finds the modules of node programs, for their threads only.
+
+    Args:
+        sources: Return the modules that stand in for ROS's.
+        folder_of: Returns the folder of a ROS package; None without one.
+    """
+
+    def __init__(self, sources: Sequence[Source], folder_of: Callable[[str], Path | None]):
+        self._sources = sources
+        self._folder_of = folder_of
+        self._is_busy = False
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a module's spec; None outside of node programs, and for modules that all share."""
+        task = here()
+        root, dot, _ = fullname.partition(".")
+        if task is None or self._is_busy or root == "drake_twin" or root in sys.stdlib_module_names:
+            return None
+        self._is_busy = True  # what is imported to find a module is not the program's
+        try:
+            return self._find(task.program, fullname, root, dot, path)
+        finally:
+            self._is_busy = False
+
+    def _find(
+        self, program: "Program", fullname: str, root: str, dot: str, path: Sequence[str] | None
+    ) -> ModuleSpec | None:
+        spec = None
+        for source in self._sources:
+            if (module := source(fullname)) is not None:
+                program.lend(fullname)
+                return ModuleSpec(fullname, _Given(module), is_package=hasattr(module, "__path__"))
+        if not dot:
+            spec = PathFinder.find_spec(fullname, program.extra_folders()) or self._in_workspace(fullname)
+        elif root in program.own_names:
+            spec = PathFinder.find_spec(fullname, None if path is None else list(path))
+        if spec is not None:
+            program.own_module(fullname)
+        return spec
+
+    def _in_workspace(self, name: str) -> ModuleSpec | None:
+        """Return the Python package that a ROS package of this name installs."""
+        folder = self._folder_of(name)
+        if folder is None or not (folder / name).is_dir():
+            return None
+        return PathFinder.find_spec(name, [str(folder)])
+
+
+class _Given(importlib.abc.Loader):
+    """Loads a module that exists already."""
+
+    def __init__(self, module: ModuleType):
+        self._module = module
+        self._spec = module.__spec__
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType:
+        return self._module
+
+    def exec_module(self, module: ModuleType) -> None:
+        module.__spec__ = self._spec
+
+
+@cache
+def stand_in(name: str) -> ModuleType | None:
+    """Return the module of this package's tree that stands in for one of ROS's: ``rclpy.node`` is ``rclpy/node.py``.
+
+    Raises:
+        ModuleNotFoundError: If the tree lacks a module of a package that it has.
+    """
+    if name.partition(".")[0] not in ROOTS:
+        return None
+    path = _FOLDER.joinpath(*name.split("."))
+    if not path.with_suffix(".py").is_file() and not (path / "__init__.py").is_file():
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+    return importlib.import_module(f"{__package__}.{name}")

@@ -1,0 +1,250 @@
+"""The node programs of a twin, from their start to their end."""
+
+import logging
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from math import inf
+from pathlib import Path
+
+from drake_twin.description.built_in_programs import built_in_programs
+from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.python_programs import PythonProgram, python_programs
+from drake_twin.errors import InputError
+from drake_twin.findings import Finding, Kind
+from drake_twin.nodes import simulated_time
+from drake_twin.nodes.action_graph import ActionGraph
+from drake_twin.nodes.graph import Graph
+from drake_twin.nodes.graph_items import TwinService
+from drake_twin.nodes.imports import NodeFinder, stand_in
+from drake_twin.nodes.interfaces import Interfaces
+from drake_twin.nodes.package_folders import PackageFolders
+from drake_twin.nodes.program import Program
+from drake_twin.nodes.task import Task
+from drake_twin.nodes.turns import Turns
+from drake_twin.scenario import NodeProgram
+from drake_twin.twin.twin import Twin
+
+_log = logging.getLogger(__name__)
+
+
+class Nodes:
+    """Runs node programs in lock-step with a twin, until it is closed.
+
+    Args:
+        twin: The twin; the programs begin when it next advances.
+        programs: The programs, in the order of their turns; those of the twin's scenario by default.
+        services: Returns the services of a twin with its present robots.
+        is_stopped: Whether the run is to end, so that no program is waited for.
+        patience: The processor's time (s) that a program may use in one turn.
+
+    Attributes:
+        graph: What the programs share with the twin.
+        actions: Their actions.
+        programs: The programs.
+
+    Raises:
+        InputError: If a program does not exist.
+    """
+
+    def __init__(
+        self,
+        twin: Twin,
+        programs: Sequence[NodeProgram] | None = None,
+        services: Callable[[Twin], Iterable[TwinService]] = lambda twin: (),
+        is_stopped: Callable[[], bool] = lambda: False,
+        patience: float = 20.0,
+    ):
+        programs = twin.scenario.nodes if programs is None else programs
+        packages = PackageIndex(twin.scenario.package_paths)
+        found = [find_program(program, packages) for program in programs]
+        self._twin = twin
+        self._waiting = list(zip(programs, found, range(len(found)), strict=True))
+        self._turns = Turns(self, patience, is_stopped)
+        self._turns.outsider, self._turns.newcomer = self._use_inbox, self._look_soon
+        self._uses_inbox = False
+        self._turns.set_time(twin.time, twin.time_step)
+        self._folder_of = _FolderOf(packages, [each.file for each in found])
+        sources = (stand_in, Interfaces(self._folder_of).source, PackageFolders(self._folder_of).source)
+        self._finder = NodeFinder(sources, self._folder_of)
+        self._is_open = False
+        self.programs: list[Program] = []
+        self._blocked: set[tuple[Program, str]] = set()
+        self.graph = Graph(twin, self._turns, services)
+        self.actions = ActionGraph(self.graph)
+        self.graph.changed = self._look_again
+        sys.meta_path.insert(0, self._finder)
+        simulated_time.install()
+        alarm = twin.alarm
+        alarm.call, alarm.jumped = self._slot, self._jump
+        alarm.hasten(twin.time)
+        twin.frames.callbacks.append(self._while_paused)
+        self._is_open = True
+
+    def close(self) -> None:
+        """End the programs: each is interrupted as by Ctrl-C, and has less than a second to end."""
+        if not self._is_open:
+            return
+        self._is_open = False
+        twin = self._twin
+        self._turns.set_time(twin.time, twin.time_step)
+        self.graph.is_open = False  # what they publish now would be for a time that never comes
+        for task in self._turns.farewell(KeyboardInterrupt):
+            if not task.is_outside:
+                _log.warning("node %s: it did not end, and is abandoned", task.program.what)
+        for program in self.programs:
+            self._forget(program)
+        twin.alarm.call, twin.alarm.jumped = (lambda: None), (lambda before: None)
+        twin.alarm.set(inf)
+        twin.frames.callbacks.remove(self._while_paused)
+        if self._uses_inbox:
+            twin.inbox.close()
+        simulated_time.uninstall()
+        sys.meta_path.remove(self._finder)
+
+    # The slots -------------------------------------------------------------------------------------------------------
+
+    def _slot(self, *, is_paused: bool = False) -> None:
+        """Let the programs have their turns at the present time."""
+        twin, turns = self._twin, self._turns
+        turns.set_time(twin.time, twin.time_step)
+        self._start_due()
+        self.graph.follow()
+        self.graph.deliver(everything=is_paused)
+        due = turns.run()
+        if due < inf:
+            twin.alarm.hasten(due * 1e-9)
+
+    def _look_again(self) -> None:
+        """Let the programs look at what there is on the graph."""
+        self._twin.alarm.hasten(self._turns.after * 1e-9)
+
+    def _start_due(self) -> None:
+        while self._waiting and any(item.time * 1e9 <= self._turns.limit for item, _, _ in self._waiting):
+            index = next(i for i, (item, _, _) in enumerate(self._waiting) if item.time * 1e9 <= self._turns.limit)
+            item, found, place = self._waiting.pop(index)
+            program = Program(place, item.what, found, item.arguments, item.environment, self._turns, self)
+            program.rclpy |= {"graph": self.graph, "actions": self.actions}
+            for name, module in simulated_time.own_modules(self._twin.scenario.seed + place).items():
+                program.set_module(name, module)
+            self.programs.append(program)
+            program.start()
+        for item, _, _ in self._waiting:
+            self._twin.alarm.hasten(item.time)
+
+    def _while_paused(self) -> None:
+        """Let answers arrive while time stands still, such as that to who has paused it."""
+        if self._twin.paused and self._is_open:
+            comes = any(task.is_watching and task.can_run() for task in self._turns.tasks)
+            if comes or self.graph.has_mail or self._twin.alarm.due_step <= self._twin.step_count:
+                self._slot(is_paused=True)
+            self._twin.alarm.do_requests()
+
+    def _jump(self, before: float) -> None:
+        """Follow a reset or a restored state: waits go on for as long as they had to go on."""
+        self._turns.set_time(self._twin.time, self._twin.time_step)
+        by = self._turns.now - round(before * 1e9)
+        for task in self._turns.tasks:
+            task.shift(by)
+        self.graph.shift(by)
+        for program in self.programs:
+            for jumped in program.jumped:
+                jumped()
+        self._twin.alarm.set(self._twin.time)
+
+    def _look_soon(self) -> None:
+        """Look after a thread that comes back from outside, and calls this."""
+        self._twin.inbox.put(self._slot_of_newcomer)
+
+    def _use_inbox(self) -> None:
+        """Let the twin look for threads that come back."""
+        if not self._uses_inbox:
+            self._uses_inbox = True
+            self._twin.inbox.open()
+
+    def _slot_of_newcomer(self) -> None:
+        if self._is_open:
+            self._slot()
+
+    # What becomes of programs ----------------------------------------------------------------------------------------
+
+    def failed(self, program: Program, why: str) -> None:
+        """Take note of a program that has failed."""
+        self._find(Kind.FAILED, f"node {program.what}: {why}")
+
+    def ended(self, program: Program) -> None:
+        """Take note of a program that has ended."""
+        self._forget(program)
+
+    def _forget(self, program: Program) -> None:
+        for item in program.belongings:
+            if hasattr(item, "put_goal"):
+                self.actions.withdraw(item)
+        self.graph.forget(program)
+
+    def blocked(self, task: Task) -> None:
+        """Take note of a thread that waits for something outside, while the simulation continues."""
+        place = _where(task)
+        if (task.program, place) not in self._blocked:
+            self._blocked.add((task.program, place))
+            _log.warning(
+                "node %s waits for something outside of the simulation, which continues%s", task.program.what, place
+            )
+
+    def abandoned(self, task: Task, seconds: float) -> None:
+        """Take note of a thread that has not given the baton back for some wall time."""
+        what = f"it has computed for {seconds:.0f} s without a spin or a sleep, and is ended{_where(task)}"
+        self._find(Kind.FAILED, f"node {task.program.what}: {what}")
+
+    def _find(self, kind: Kind, what: str) -> None:
+        finding = Finding(kind, what)
+        self._twin.more_findings.append(finding)
+        _log.error("%s", finding)
+
+
+def find_program(node: NodeProgram, packages: PackageIndex) -> PythonProgram:
+    """Find the script of a node program.
+
+    Raises:
+        InputError: If it does not exist, or is not in Python.
+    """
+    if not node.package:
+        file = Path(node.executable)
+        if not file.is_file():
+            raise InputError("the node's script does not exist", file=file)
+        return PythonProgram(file)
+    own = built_in_programs(node.package)
+    try:
+        known = own | python_programs(packages.find(node.package))
+    except MissingPackageError:
+        if node.executable not in own:
+            raise
+        known = own
+    if node.executable not in known:
+        text = f"package {node.package!r} has no Python program {node.executable!r}"
+        raise InputError(text, value=node.executable, valid=known)
+    return known[node.executable]
+
+
+class _FolderOf:
+    """Finds the folders of ROS packages, near the programs, too."""
+
+    def __init__(self, packages: PackageIndex, files: Iterable[Path]):
+        self._packages, self._files = packages, tuple(files)
+        self._known: dict[str, Path | None] = {}
+
+    def __call__(self, name: str) -> Path | None:
+        if name not in self._known:
+            self._known[name] = None
+            for file in self._files:
+                try:
+                    self._known[name] = self._packages.find(name, file)
+                    break
+                except MissingPackageError:
+                    continue
+        return self._known[name]
+
+
+def _where(task: Task) -> str:
+    frame = None if task.thread is None else sys._current_frames().get(task.thread.ident or 0)
+    place = task.program.place(frame)
+    return f" ({place})" if place else ""

@@ -1,0 +1,113 @@
+"""Stand-in for ``rclpy``: the client library of ROS 2 over a twin.
+
+Names and behaviour are rclpy's of Jazzy; docstrings say what differs.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from drake_twin.nodes.rclpy.context import Context, default_context
+from drake_twin.nodes.rclpy.executors import Executor, SingleThreadedExecutors
+from drake_twin.nodes.rclpy.node import Node
+from drake_twin.nodes.rclpy.parameter import Parameter
+from drake_twin.nodes.rclpy.signals import SignalHandlerOptions
+from drake_twin.nodes.rclpy.task import Future
+from drake_twin.nodes.rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok, try_shutdown
+from drake_twin.nodes.task import present_task
+
+__all__ = [
+    "Context",
+    "Future",
+    "Node",
+    "Parameter",
+    "SignalHandlerOptions",
+    "create_node",
+    "get_default_context",
+    "get_global_executor",
+    "get_rmw_implementation_identifier",
+    "init",
+    "ok",
+    "shutdown",
+    "spin",
+    "spin_once",
+    "spin_until_future_complete",
+    "try_shutdown",
+]
+
+
+class _Initialized:
+    """What ``init`` returns in Jazzy: a context manager that shuts down at its end."""
+
+    def __init__(self, context: Context):
+        self.context = context
+
+    def __enter__(self) -> "_Initialized":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.context.try_shutdown()
+
+
+def init(
+    *,
+    args: Sequence[str] | None = None,
+    context: Context | None = None,
+    domain_id: int | None = None,
+    signal_handler_options: SignalHandlerOptions | None = None,
+) -> _Initialized:
+    """Begin to use ROS."""
+    context = context or default_context()
+    context.init(args, domain_id=domain_id)
+    return _Initialized(context)
+
+
+def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """End the use of ROS."""
+    context = context or default_context()
+    executor = present_task().program.rclpy.pop("executor", None)
+    if executor is not None:
+        executor.shutdown()
+    context.shutdown()
+
+
+def create_node(node_name: str, **options: Any) -> Node:
+    """Return a new node."""
+    return Node(node_name, **options)
+
+
+def get_global_executor() -> Executor:
+    """Return the executor of `spin`."""
+    return SingleThreadedExecutors.of_program()
+
+
+def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
+    """Call back once, after at most some simulation time (s)."""
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        executor.spin_once(timeout_sec=timeout_sec)
+    finally:
+        executor.remove_node(node)
+
+
+def spin(node: Node, executor: Executor | None = None) -> None:
+    """Call back until the context is shut down."""
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        while executor.context.ok() and not executor._is_shutdown:
+            executor.spin_once()
+    finally:
+        executor.remove_node(node)
+
+
+def spin_until_future_complete(
+    node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
+) -> None:
+    """Call back until a future is done, or for some simulation time (s)."""
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        executor.spin_until_future_complete(future, timeout_sec)
+    finally:
+        executor.remove_node(node)

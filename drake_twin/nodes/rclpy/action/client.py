@@ -1,0 +1,223 @@
+"""Stand-in for ``rclpy.action.client``."""
+
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from math import inf
+from typing import Any
+
+from drake_twin.nodes import interfaces
+from drake_twin.nodes.action_graph import ACCEPTED, CANCELING, NO_ERROR, UNKNOWN
+from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.rclpy.task import Future
+from drake_twin.nodes.simulated_time import wait_until
+from drake_twin.nodes.task import present_task
+
+
+def __getattr__(name: str) -> Any:
+    if name == "GoalStatus":  # nodes import it from here, too
+        return message_class("action_msgs/msg/GoalStatus")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+class GetResultResponse:
+    """What the future of a result holds.
+
+    Attributes:
+        status: A code of ``action_msgs/msg/GoalStatus``.
+        result: The action's result.
+    """
+
+    def __init__(self, status: int, result: Any):
+        self.status, self.result = status, result
+
+    def __repr__(self) -> str:
+        return f"GetResult_Response(status={self.status}, result={self.result!r})"
+
+
+class FeedbackMessage:
+    """What a feedback callback takes."""
+
+    def __init__(self, goal_id: Any, feedback: Any):
+        self.goal_id, self.feedback = goal_id, feedback
+
+
+class ClientGoalHandle:
+    """A goal that a server has answered."""
+
+    def __init__(self, action_client: "ActionClient", goal_id: Any, goal_response: Any, future: Future):
+        self._action_client, self._goal_id, self._goal_response = action_client, goal_id, goal_response
+        self._status = ACCEPTED if goal_response.accepted else UNKNOWN
+        self._future = future
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ClientGoalHandle) and self._goal_id == other._goal_id
+
+    def __hash__(self) -> int:
+        return id(self)
+
+    @property
+    def goal_id(self) -> Any:
+        return self._goal_id
+
+    @property
+    def stamp(self) -> Any:
+        return self._goal_response.stamp
+
+    @property
+    def accepted(self) -> bool:
+        return bool(self._goal_response.accepted)
+
+    @property
+    def status(self) -> int:
+        return self._status
+
+    def cancel_goal(self) -> Any:
+        return self._action_client.waited(self.cancel_goal_async())
+
+    def cancel_goal_async(self) -> Future:
+        return self._action_client.cancel(self)
+
+    def get_result(self) -> Any:
+        return self._action_client.waited(self.get_result_async())
+
+    def get_result_async(self) -> Future:
+        """Return a future of the result, which is done as soon as the server has sent it."""
+        future = Future()
+        self._future.add_done_callback(lambda done: future.set_result(done.result()))
+        return future
+
+
+class _GoalResponse:
+    def __init__(self, accepted: bool, stamp: Any):
+        self.accepted, self.stamp = accepted, stamp
+
+
+class _Goal:
+    """A goal on its way; the graph tells it what becomes of the goal."""
+
+    def __init__(self, client: "ActionClient", goal_id: Any, feedback: Callable[[Any], Any] | None):
+        self._client, self._goal_id, self._feedback = client, goal_id, feedback
+        self.accepted_future, self.result_future = Future(), Future()
+        self.handle: ClientGoalHandle | None = None
+
+    def answered(self, is_accepted: bool) -> None:
+        self._client.put(partial(self._answered, is_accepted))
+
+    def heard(self, feedback: Any) -> None:
+        if self._feedback is not None:
+            self._client.put(partial(self._heard, feedback))
+
+    def ended(self, status: int, result: Any) -> None:
+        self._client.put(partial(self._ended, status, result))
+
+    def _answered(self, is_accepted: bool) -> None:
+        stamp = self._client.node.get_clock().now().to_msg()
+        self.handle = ClientGoalHandle(
+            self._client, self._goal_id, _GoalResponse(is_accepted, stamp), self.result_future
+        )
+        self.accepted_future.set_result(self.handle)
+
+    def _heard(self, feedback: Any) -> Any:
+        assert self._feedback is not None
+        name = f"{self._client.type}_Feedback"
+        return self._feedback(FeedbackMessage(self._goal_id, interfaces.from_wire(name, feedback)))
+
+    def _ended(self, status: int, result: Any) -> None:
+        kind = self._client.action_type.Result
+        message = kind() if result is None else interfaces.from_wire(f"{self._client.type}_Result", result)
+        if self.handle is not None:
+            self.handle._status = status
+        self.result_future.set_result(GetResultResponse(status, message))
+
+
+class ActionClient:
+    """Sends goals to an action."""
+
+    def __init__(
+        self, node: Any, action_type: Any, action_name: str, *, callback_group: Any = None, **qos_profiles: Any
+    ):
+        self.node, self.action_type = node, action_type
+        self.callback_group = callback_group or node.default_callback_group
+        self.name = node.resolve_service_name(action_name)
+        self.type = interfaces.type_name(action_type)
+        self._events: deque[Callable[[], Any]] = deque()
+        self._actions = node.actions
+        self._count = 0
+        node.add_waitable(self)
+
+    def put(self, event: Callable[[], Any]) -> None:
+        """Let something happen at the next spin."""
+        self._events.append(event)
+
+    def is_ready(self) -> bool:
+        return bool(self._events)
+
+    def due(self) -> float:
+        return inf
+
+    def execute(self) -> Any:
+        return self._events.popleft()()
+
+    def send_goal(self, goal: Any, **options: Any) -> Any:
+        """Send a goal, and wait for its result while another thread spins."""
+        handle = self.waited(self.send_goal_async(goal, **options))
+        return self.waited(handle.get_result_async()) if handle.accepted else None
+
+    def send_goal_async(
+        self, goal: Any, feedback_callback: Callable[[Any], Any] | None = None, goal_uuid: Any = None
+    ) -> Future:
+        task = present_task()
+        if not isinstance(goal, self.action_type.Goal):
+            raise TypeError(f"Expected {self.action_type.Goal}, got {type(goal)}")
+        goal_id = goal_uuid or new_goal_id(task.program.rclpy, task.program.index)
+        sent = _Goal(self, goal_id, feedback_callback)
+        self._actions.send(self.name, self.type, bytes(goal_id.uuid), interfaces.to_wire(goal), sent)
+        return sent.accepted_future
+
+    def cancel(self, handle: ClientGoalHandle) -> Future:
+        """Cancel a goal; return the future of a ``CancelGoal`` response."""
+        future = Future()
+
+        def answered(code: int) -> None:
+            self.put(lambda: future.set_result(_cancel_response(code, handle)))
+
+        self._actions.cancel(self.name, bytes(handle.goal_id.uuid), answered)
+        return future
+
+    def waited(self, future: Future) -> Any:
+        """Wait for a future while another thread spins; return its result."""
+        wait_until(present_task(), lambda: future.has_ended, None)
+        return future.result()
+
+    def server_is_ready(self) -> bool:
+        present_task().count_idle_call()
+        return bool(self._actions.is_there(self.name, self.type))
+
+    def wait_for_server(self, timeout_sec: float | None = None) -> bool:
+        def ready() -> bool:
+            return bool(self._actions.is_there(self.name, self.type))
+
+        wait_until(present_task(), lambda: ready() or not self.node.context.is_valid, timeout_sec)
+        return ready()
+
+    def destroy(self) -> None:
+        self.node.remove_waitable(self)
+
+
+def new_goal_id(known: dict[str, Any], index: int) -> Any:
+    """Return an id that no other goal has; it is the same in every run."""
+    uuid = message_class("unique_identifier_msgs/msg/UUID")
+
+    count = known["goals"] = known.get("goals", 0) + 1
+    return uuid(uuid=list(index.to_bytes(8, "big") + count.to_bytes(8, "big")))
+
+
+def _cancel_response(code: int, handle: ClientGoalHandle) -> Any:
+    goal_info = message_class("action_msgs/msg/GoalInfo")
+    response = message_class("action_msgs/srv/CancelGoal_Response")
+
+    if code == NO_ERROR:
+        handle._status = CANCELING
+    goals = [goal_info(goal_id=handle.goal_id, stamp=handle.stamp)] if code == NO_ERROR else []
+    return response(return_code=code, goals_canceling=goals)

@@ -1,0 +1,248 @@
+"""Stand-in for ``rclpy.action.server``."""
+
+import inspect
+from collections import deque
+from collections.abc import Callable
+from enum import Enum
+from functools import partial
+from math import inf
+from typing import Any
+
+from drake_twin.nodes import interfaces
+from drake_twin.nodes.action_graph import (
+    ABORTED,
+    ACCEPTED,
+    CANCELED,
+    CANCELING,
+    ENDED_GOAL,
+    EXECUTING,
+    NO_ERROR,
+    REJECTED,
+    SUCCEEDED,
+    UNKNOWN,
+    UNKNOWN_GOAL,
+    GoalListener,
+)
+from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.task import present_task
+
+
+def __getattr__(name: str) -> Any:
+    if name == "GoalStatus":  # nodes import it from here, too
+        return message_class("action_msgs/msg/GoalStatus")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+class GoalResponse(Enum):
+    """Whether a goal is accepted."""
+
+    REJECT = 1
+    ACCEPT = 2
+
+
+class CancelResponse(Enum):
+    """Whether a goal is canceled."""
+
+    REJECT = 1
+    ACCEPT = 2
+
+
+class ServerGoalHandle:
+    """A goal that a server has accepted."""
+
+    def __init__(self, action_server: "ActionServer", key: bytes, request: Any, listener: GoalListener):
+        self._server, self._key, self._request, self._listener = action_server, key, request, listener
+        self._status = ACCEPTED
+
+    @property
+    def request(self) -> Any:
+        return self._request
+
+    @property
+    def goal_id(self) -> Any:
+        uuid = message_class("unique_identifier_msgs/msg/UUID")
+
+        return uuid(uuid=list(self._key))
+
+    @property
+    def is_active(self) -> bool:
+        return self._status in (ACCEPTED, EXECUTING, CANCELING)
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        present_task()
+        return self._status == CANCELING
+
+    @property
+    def status(self) -> int:
+        return self._status
+
+    def execute(self, execute_callback: Callable[[Any], Any] | None = None) -> None:
+        if not self.is_cancel_requested:
+            self._status = EXECUTING
+        self._server.notify_execute(self, execute_callback)
+
+    def publish_feedback(self, feedback: Any) -> None:
+        present_task()
+        kind = self._server.action_type.Feedback
+        if not isinstance(feedback, kind):
+            raise TypeError(f"Expected {kind}, got {type(feedback)}")
+        self._server.post(partial(self._listener.heard, interfaces.to_wire(feedback)))
+
+    def succeed(self, response: Any = None) -> None:
+        self._end(SUCCEEDED)
+
+    def abort(self, response: Any = None) -> None:
+        self._end(ABORTED)
+
+    def canceled(self, response: Any = None) -> None:
+        self._end(CANCELED)
+
+    def destroy(self) -> None:
+        self._server.forget(self._key)
+
+    def _end(self, status: int) -> None:
+        if not self.is_active or (status == CANCELED and self._status != CANCELING):
+            raise RuntimeError("Failed to update goal state: goal_handle attempted invalid transition")
+        self._status = status
+
+    def _request_cancel(self) -> None:
+        self._status = CANCELING
+
+    def _tell(self, result: Any) -> None:
+        self._server.post(partial(self._listener.ended, self._status, interfaces.to_wire(result)))
+
+
+def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
+    goal_handle.execute()
+
+
+def default_goal_callback(goal_request: Any) -> GoalResponse:
+    return GoalResponse.ACCEPT
+
+
+def default_cancel_callback(cancel_request: Any) -> CancelResponse:
+    return CancelResponse.REJECT
+
+
+class ActionServer:
+    """Executes goals."""
+
+    def __init__(
+        self,
+        node: Any,
+        action_type: Any,
+        action_name: str,
+        execute_callback: Callable[[Any], Any],
+        *,
+        callback_group: Any = None,
+        goal_callback: Callable[[Any], Any] = default_goal_callback,
+        handle_accepted_callback: Callable[[Any], Any] = default_handle_accepted_callback,
+        cancel_callback: Callable[[Any], Any] = default_cancel_callback,
+        result_timeout: int = 900,
+        **qos_profiles: Any,
+    ):
+        if not callable(execute_callback):
+            raise TypeError("Failed to register goal execution callback: not callable")
+        self.action_type, self.callback_group = action_type, callback_group or node.default_callback_group
+        self.name, self.node = node.resolve_service_name(action_name), node.get_fully_qualified_name()
+        self.type = interfaces.type_name(action_type)
+        self._ros_node = node
+        self._execute_callback, self._goal_callback = execute_callback, goal_callback
+        self._accepted_callback, self._cancel_callback = handle_accepted_callback, cancel_callback
+        self._events: deque[Callable[[], Any]] = deque()
+        self._handles: dict[bytes, ServerGoalHandle] = {}
+        self._actions = node.actions
+        self._actions.offer(self)
+        present_task().program.belongings.append(self)
+        node.add_waitable(self)
+
+    # What the graph asks ---------------------------------------------------------------------------------------------
+
+    def put_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
+        self._events.append(partial(self._take_goal, key, goal, listener))
+
+    def put_cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+        self._events.append(partial(self._take_cancel, key, answered))
+
+    def status_of(self, key: bytes) -> int:
+        handle = self._handles.get(key)
+        return UNKNOWN if handle is None else handle.status
+
+    # What the executor asks ------------------------------------------------------------------------------------------
+
+    def is_ready(self) -> bool:
+        return bool(self._events)
+
+    def due(self) -> float:
+        return inf
+
+    async def _awaited(self, found: Any) -> Any:
+        return await found if inspect.isawaitable(found) else found
+
+    def execute(self) -> Any:
+        return self._events.popleft()()
+
+    async def _take_goal(self, key: bytes, goal: Any, listener: GoalListener) -> None:
+        request = interfaces.from_wire(f"{self.type}_Goal", goal)
+        is_accepted = key not in self._handles and (
+            await self._awaited(self._goal_callback(request)) == GoalResponse.ACCEPT
+        )
+        self.post(partial(listener.answered, is_accepted))
+        if is_accepted:
+            handle = self._handles[key] = ServerGoalHandle(self, key, request, listener)
+            await self._awaited(self._accepted_callback(handle))
+
+    async def _take_cancel(self, key: bytes, answered: Callable[[int], None]) -> None:
+        handle, code = self._handles.get(key), UNKNOWN_GOAL
+        if handle is not None and not handle.is_active:
+            code = ENDED_GOAL
+        elif handle is not None:
+            code = REJECTED
+            if await self._awaited(self._cancel_callback(handle)) == CancelResponse.ACCEPT:
+                handle._request_cancel()
+                code = NO_ERROR
+        self.post(partial(answered, code))
+
+    # What a goal asks ------------------------------------------------------------------------------------------------
+
+    def post(self, act: Callable[[], None]) -> None:
+        """Let something happen in the next slot."""
+        self._actions.post(act)
+
+    def notify_execute(self, handle: ServerGoalHandle, execute_callback: Callable[[Any], Any] | None) -> None:
+        """Execute a goal at the next spin."""
+        callback = execute_callback or self._execute_callback
+        self._ros_node.executor.create_task(self._execute_goal, callback, handle)
+
+    def forget(self, key: bytes) -> None:
+        """Forget a goal."""
+        self._handles.pop(key, None)
+
+    async def _execute_goal(self, callback: Callable[[Any], Any], handle: ServerGoalHandle) -> None:
+        logger = self._ros_node.get_logger()
+        try:
+            result = await self._awaited(callback(handle))
+        except Exception as error:
+            logger.error(f"Error raised in execute callback: {error}")
+            result = self.action_type.Result()
+        if handle.is_active:
+            logger.warning(f"Goal state not set, assuming aborted. Goal ID: {list(handle._key)}")
+            handle.abort()
+        handle._tell(self.action_type.Result() if result is None else result)
+
+    def register_execute_callback(self, execute_callback: Callable[[Any], Any]) -> None:
+        self._execute_callback = execute_callback
+
+    def register_goal_callback(self, goal_callback: Callable[[Any], Any] | None) -> None:
+        self._goal_callback = goal_callback or default_goal_callback
+
+    def register_handle_accepted_callback(self, callback: Callable[[Any], Any] | None) -> None:
+        self._accepted_callback = callback or default_handle_accepted_callback
+
+    def register_cancel_callback(self, cancel_callback: Callable[[Any], Any] | None) -> None:
+        self._cancel_callback = cancel_callback or default_cancel_callback
+
+    def destroy(self) -> None:
+        self._actions.withdraw(self)
+        self._ros_node.remove_waitable(self)

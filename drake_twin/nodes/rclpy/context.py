@@ -1,0 +1,69 @@
+"""Stand-in for ``rclpy.context``."""
+
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from drake_twin.nodes.rclpy.logging import get_logging_severity_from_string, set_logger_level
+from drake_twin.nodes.task import here, present_task
+from drake_twin.ros2.ros_arguments import RosArguments, split_ros_arguments
+
+
+class Context:
+    """Between ``init`` and ``shutdown``."""
+
+    def __init__(self) -> None:
+        self.is_valid = False
+        self.arguments = RosArguments(())
+        self._callbacks: list[Callable[[], Any]] = []
+
+    def init(
+        self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: Any = None
+    ) -> None:
+        if self.is_valid:
+            raise RuntimeError("Context.init() must only be called once")
+        self.arguments = split_ros_arguments(list(sys.argv if args is None else args))
+        for name, level in self.arguments.log_levels:
+            set_logger_level(name, get_logging_severity_from_string(level))
+        self.is_valid = True
+
+    def ok(self) -> bool:
+        task = here()
+        if task is not None:
+            task.count_call()
+        return self.is_valid
+
+    def on_shutdown(self, callback: Callable[[], Any]) -> None:
+        self._callbacks.append(callback)
+
+    def try_shutdown(self) -> None:
+        if self.is_valid:
+            self.is_valid = False
+            callbacks, self._callbacks = self._callbacks, []
+            for callback in callbacks:
+                callback()
+
+    def shutdown(self) -> None:
+        if not self.is_valid:
+            raise RuntimeError("Context must be initialized before it can be shutdown")
+        self.try_shutdown()
+
+    def get_domain_id(self) -> int:
+        return 0
+
+    def __enter__(self) -> "Context":
+        if not self.is_valid:
+            self.init()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.try_shutdown()
+
+
+def default_context() -> Context:
+    """Return the context of the program."""
+    known = present_task().program.rclpy
+    if "context" not in known:
+        known["context"] = Context()
+    context: Context = known["context"]
+    return context

@@ -1,0 +1,5 @@
+"""Stand-in for ``rclpy.destroyable``."""
+
+
+class DestroyableType:
+    """Something that can be destroyed."""

@@ -1,0 +1,97 @@
+"""Stand-in for ``rclpy.exceptions``."""
+
+from typing import Any
+
+
+class NotInitializedException(Exception):
+    def __init__(self, *args: Any) -> None:
+        super().__init__("rclpy.init() has not been called", *args)
+
+
+class NoTypeSupportImportedException(Exception):
+    """Raised for a type without support; not raised here."""
+
+
+class NameValidationException(Exception):
+    def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int):
+        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
+        self.name_type, self.name, self.error_msg, self.invalid_index = name_type, name, error_msg, invalid_index
+
+
+class InvalidNamespaceException(NameValidationException):
+    def __init__(self, name: str, error_msg: str, invalid_index: int):
+        super().__init__("namespace", name, error_msg, invalid_index)
+
+
+class InvalidNodeNameException(NameValidationException):
+    def __init__(self, name: str, error_msg: str, invalid_index: int):
+        super().__init__("node name", name, error_msg, invalid_index)
+
+
+class InvalidTopicNameException(NameValidationException):
+    def __init__(self, name: str, error_msg: str, invalid_index: int):
+        super().__init__("topic name", name, error_msg, invalid_index)
+
+
+class InvalidServiceNameException(NameValidationException):
+    def __init__(self, name: str, error_msg: str, invalid_index: int):
+        super().__init__("service name", name, error_msg, invalid_index)
+
+
+class ParameterException(Exception):
+    def __init__(self, error_msg: str, parameters: Any, *args: Any):
+        super().__init__(error_msg, parameters, *args)
+
+
+class ParameterNotDeclaredException(ParameterException):
+    def __init__(self, parameters: Any, *args: Any):
+        super().__init__("Invalid access to undeclared parameter(s)", parameters, *args)
+
+
+class ParameterAlreadyDeclaredException(ParameterException):
+    def __init__(self, parameters: Any, *args: Any):
+        super().__init__("Parameter(s) already declared", parameters, *args)
+
+
+class InvalidParameterException(ParameterException):
+    def __init__(self, parameter: Any, *args: Any):
+        super().__init__("Invalid parameter name", parameter, *args)
+
+
+class InvalidParameterTypeException(ParameterException):
+    def __init__(self, desired_parameter: Any, expected_type: Any, *args: Any):
+        name = desired_parameter if isinstance(desired_parameter, str) else desired_parameter.name
+        got = getattr(desired_parameter, "type_", "")
+        text = f"Trying to set parameter '{name}' to '{getattr(desired_parameter, 'value', None)}' of type '{got}'"
+        super().__init__(f"{text}, expecting type '{expected_type}'", name, *args)
+
+
+class InvalidParameterValueException(ParameterException):
+    def __init__(self, parameter: Any, value: Any, reason: str = ""):
+        super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)
+
+
+class ParameterImmutableException(ParameterException):
+    def __init__(self, parameter: Any, *args: Any):
+        super().__init__("Attempted to modify read-only parameter", parameter, *args)
+
+
+class ParameterUninitializedException(ParameterException):
+    def __init__(self, parameter_name: str, *args: Any):
+        text = f"The parameter '{parameter_name}' is not initialized"
+        Exception.__init__(self, text, *args)
+
+
+class ROSInterruptException(Exception):
+    """Raised when an operation is canceled by rclpy shutting down."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__("rclpy.shutdown() has been called", *args)
+
+
+class InvalidHandle(Exception):
+    """Raised for a handle that has been destroyed."""
+
+
+class ROSDomainIDException(Exception):
+    """Raised for a wrong domain."""

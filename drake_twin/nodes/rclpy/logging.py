@@ -1,0 +1,151 @@
+"""Stand-in for ``rclpy.logging``: lines as ROS prints them, with simulation time."""
+
+import sys
+from enum import IntEnum
+from typing import Any
+
+from drake_twin.nodes.task import here
+from drake_twin.program import say
+
+
+class LoggingSeverity(IntEnum):
+    """How grave a line is."""
+
+    UNSET = 0
+    DEBUG = 10
+    INFO = 20
+    WARN = 30
+    ERROR = 40
+    FATAL = 50
+
+
+class RcutilsLogger:
+    """Prints the lines of a node."""
+
+    def __init__(self, name: str = ""):
+        self.name = name
+        self._said: dict[tuple[str, int], int] = {}
+
+    def get_child(self, name: str) -> "RcutilsLogger":
+        return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
+
+    def set_level(self, level: int) -> None:
+        set_logger_level(self.name, level)
+
+    def get_effective_level(self) -> LoggingSeverity:
+        return get_logger_effective_level(self.name)
+
+    def is_enabled_for(self, severity: int) -> bool:
+        return severity >= self.get_effective_level()
+
+    def log(
+        self,
+        message: Any,
+        severity: int,
+        *,
+        once: bool = False,
+        skip_first: bool = False,
+        throttle_duration_sec: float | None = None,
+        throttle_time_source_type: Any = None,
+        **_: Any,
+    ) -> bool:
+        """Print a line, unless its level is too low or it comes too often."""
+        if not self.is_enabled_for(severity):
+            return False
+        task = here()
+        now = 0 if task is None else task.now
+        if once or skip_first or throttle_duration_sec is not None:
+            frame = sys._getframe(1)
+            while frame.f_back is not None and frame.f_code.co_filename == __file__:
+                frame = frame.f_back
+            key = frame.f_code.co_filename, frame.f_lineno
+            before = self._said.get(key)
+            if before is not None and once:
+                return False
+            if before is None and skip_first:
+                self._said[key] = now
+                return False
+            if (
+                throttle_duration_sec is not None
+                and before is not None
+                and 0 <= now - before < throttle_duration_sec * 1e9
+            ):
+                return False
+            self._said[key] = now
+        name = f"{now // 1_000_000_000}.{now % 1_000_000_000:09d}] [{self.name}"
+        say(f"[{LoggingSeverity(severity).name}] [{name}]: {message}", sys.stderr)
+        return True
+
+    def debug(self, message: Any, **options: Any) -> bool:
+        return self.log(message, LoggingSeverity.DEBUG, **options)
+
+    def info(self, message: Any, **options: Any) -> bool:
+        return self.log(message, LoggingSeverity.INFO, **options)
+
+    def warning(self, message: Any, **options: Any) -> bool:
+        return self.log(message, LoggingSeverity.WARN, **options)
+
+    def warn(self, message: Any, **options: Any) -> bool:
+        return self.log(message, LoggingSeverity.WARN, **options)
+
+    def error(self, message: Any, **options: Any) -> bool:
+        return self.log(message, LoggingSeverity.ERROR, **options)
+
+    def fatal(self, message: Any, **options: Any) -> bool:
+        return self.log(message, LoggingSeverity.FATAL, **options)
+
+
+def get_logger(name: str) -> RcutilsLogger:
+    """Return a logger."""
+    if not name:
+        raise ValueError("Logger name must not be empty.")
+    return RcutilsLogger(name)
+
+
+def _levels() -> dict[str, LoggingSeverity]:
+    """Return the levels of the program's loggers, by their names; that of the root has none."""
+    task = here()
+    levels: dict[str, LoggingSeverity] = {} if task is None else task.program.rclpy.setdefault("log_levels", {})
+    return levels
+
+
+def set_logger_level(name: str, level: int, detailed_error: bool = False) -> None:
+    """Set the level of all loggers of a name, and of those below it that have none of their own."""
+    _levels()[name] = LoggingSeverity(level)
+
+
+def get_logger_effective_level(name: str) -> LoggingSeverity:
+    """Return the level of a logger, or of the first one above it that has one."""
+    if levels := _levels():
+        names = name.split(".") if name else []
+        for count in range(len(names), -1, -1):
+            if level := levels.get(".".join(names[:count])):
+                return level
+    return LoggingSeverity.INFO
+
+
+def get_logging_severity_from_string(name: str) -> LoggingSeverity:
+    """Return a level by its name.
+
+    Raises:
+        RuntimeError: If the name is unknown.
+    """
+    if name.upper() not in LoggingSeverity.__members__:
+        levels = ", ".join(LoggingSeverity.__members__).lower()
+        raise RuntimeError(f"unknown log level {name!r}. Valid: {levels}")
+    return LoggingSeverity[name.upper()]
+
+
+def initialize() -> None:
+    """Do nothing."""
+
+
+def shutdown() -> None:
+    """Do nothing."""
+
+
+def clear_config() -> None:
+    """Do nothing."""
+
+
+_root_logger = RcutilsLogger()

@@ -1,0 +1,119 @@
+"""Stand-in for ``rclpy.parameter_service``."""
+
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from math import inf
+from typing import Any
+
+from drake_twin.nodes import interfaces
+from drake_twin.nodes.graph import Graph
+from drake_twin.nodes.graph_items import Offer
+from drake_twin.nodes.interfaces import message_class
+from drake_twin.nodes.rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
+from drake_twin.nodes.rclpy.parameter import Parameter
+from drake_twin.nodes.task import present_task
+
+
+class ParameterService:
+    """The six services of a node's parameters; the node answers when it spins.
+
+    Source: ros2/rclpy (jazzy), rclpy/rclpy/parameter_service.py.
+    """
+
+    def __init__(self, node: Any, graph: Graph):
+        self._node, self._graph = node, graph
+        self.callback_group = node.default_callback_group
+        self._requests: deque[tuple[str, Any, Callable[[Any], None]]] = deque()
+        own = node.get_fully_qualified_name()
+        self._offers = []
+        for name, kind in _KINDS.items():
+            full, service = node.resolve_service_name(f"~/{name}"), f"rcl_interfaces/srv/{kind}"
+            self._offers.append(Offer(full, service, own, partial(self._put, name)))
+        for offer in self._offers:
+            self._graph.offer(offer)
+        present_task().program.belongings.extend(self._offers)
+        node.add_waitable(self)
+
+    def _put(self, name: str, request: Any, reply: Callable[[Any], None]) -> None:
+        self._requests.append((name, request, reply))
+
+    def is_ready(self) -> bool:
+        return bool(self._requests)
+
+    def due(self) -> float:
+        return inf
+
+    def execute(self) -> None:
+        name, request, reply = self._requests.popleft()
+        service = f"rcl_interfaces/srv/{_KINDS[name]}"
+        response = message_class(f"{service}_Response")()
+        _ANSWERS[name](self._node, interfaces.from_wire(f"{service}_Request", request), response)
+        reply(interfaces.to_wire(response))
+
+    def destroy(self) -> None:
+        for offer in self._offers:
+            self._graph.withdraw(offer)
+
+
+def _describe(node: Any, request: Any, response: Any) -> None:
+    for name in request.names:
+        try:
+            response.descriptors.append(node.describe_parameter(name))
+        except ParameterNotDeclaredException:
+            response.descriptors.append(message_class("rcl_interfaces/msg/ParameterDescriptor")())
+
+
+def _values(node: Any, names: list[str]) -> list[Any]:
+    found = []
+    for name in names:
+        try:
+            found.append(node.get_parameter(name).get_parameter_value())
+        except (ParameterNotDeclaredException, ParameterUninitializedException):
+            found.append(message_class("rcl_interfaces/msg/ParameterValue")())
+    return found
+
+
+def _get(node: Any, request: Any, response: Any) -> None:
+    response.values = _values(node, request.names)
+
+
+def _get_types(node: Any, request: Any, response: Any) -> None:
+    response.types = [value.type for value in _values(node, request.names)]
+
+
+def _list(node: Any, request: Any, response: Any) -> None:
+    response.result = node.list_parameters(request.prefixes, request.depth)
+
+
+def _set(node: Any, request: Any, response: Any) -> None:
+    response.results = [_set_together(node, [item]) for item in request.parameters]
+
+
+def _set_atomically(node: Any, request: Any, response: Any) -> None:
+    response.result = _set_together(node, request.parameters)
+
+
+def _set_together(node: Any, items: list[Any]) -> Any:
+    try:
+        return node.set_parameters_atomically([Parameter.from_parameter_msg(item) for item in items])
+    except (ParameterNotDeclaredException, ValueError) as error:  # a peer may send a type that does not exist
+        return message_class("rcl_interfaces/msg/SetParametersResult")(successful=False, reason=str(error))
+
+
+_KINDS = {
+    "describe_parameters": "DescribeParameters",
+    "get_parameter_types": "GetParameterTypes",
+    "get_parameters": "GetParameters",
+    "list_parameters": "ListParameters",
+    "set_parameters": "SetParameters",
+    "set_parameters_atomically": "SetParametersAtomically",
+}
+_ANSWERS: dict[str, Callable[[Any, Any, Any], None]] = {
+    "describe_parameters": _describe,
+    "get_parameter_types": _get_types,
+    "get_parameters": _get,
+    "list_parameters": _list,
+    "set_parameters": _set,
+    "set_parameters_atomically": _set_atomically,
+}

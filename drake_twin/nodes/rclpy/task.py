@@ -1,0 +1,133 @@
+"""Stand-in for ``rclpy.task``."""
+
+import inspect
+from collections.abc import Callable, Generator
+from typing import Any
+
+from drake_twin.nodes.task import present_task
+
+
+class Future:
+    """A result to come."""
+
+    def __init__(self, *, executor: Any = None):
+        self._done = self._cancelled = False
+        self._result: Any = None
+        self._exception: BaseException | None = None
+        self._callbacks: list[Callable[[Any], Any]] = []
+        self._executor = executor
+
+    def __await__(self) -> Generator[Any, None, Any]:
+        while not self._done and not self._cancelled:
+            yield self
+        return self.result()
+
+    def cancel(self) -> None:
+        if not self._done:
+            self._cancelled = True
+            self._call_back()
+
+    def cancelled(self) -> bool:
+        return self._cancelled
+
+    def done(self) -> bool:
+        present_task()
+        return self._done or self._cancelled
+
+    def result(self) -> Any:
+        if self._exception is not None:
+            raise self._exception
+        return self._result
+
+    def exception(self) -> BaseException | None:
+        return self._exception
+
+    def set_result(self, result: Any) -> None:
+        self._result = result
+        self._finish()
+
+    def set_exception(self, exception: BaseException) -> None:
+        self._exception = exception
+        self._finish()
+
+    def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
+        if self._done or self._cancelled:
+            self._schedule(callback)
+        else:
+            self._callbacks.append(callback)
+
+    def remove_done_callback(self, callback: Callable[[Any], Any]) -> bool:
+        count = len(self._callbacks)
+        self._callbacks = [item for item in self._callbacks if item != callback]
+        return len(self._callbacks) < count
+
+    def _set_executor(self, executor: Any) -> None:
+        self._executor = executor
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it is done, without counting the call."""
+        return self._done or self._cancelled
+
+    def _finish(self) -> None:
+        self._done, self._cancelled = True, False
+        self._call_back()
+
+    def _call_back(self) -> None:
+        callbacks, self._callbacks = self._callbacks, []
+        for callback in callbacks:
+            self._schedule(callback)
+
+    def _schedule(self, callback: Callable[[Any], Any]) -> None:
+        if self._executor is None:
+            callback(self)
+        else:
+            self._executor.create_task(callback, self)
+
+
+class Task(Future):
+    """A function or a coroutine that an executor runs."""
+
+    def __init__(self, handler: Any, args: Any = (), kwargs: Any = None, executor: Any = None):
+        super().__init__(executor=executor)
+        self._args, self._kwargs = tuple(args or ()), kwargs or {}
+        self._handler = handler
+        self._awaited: Future | None = None
+        if inspect.iscoroutinefunction(handler):
+            self._handler = handler(*self._args, **self._kwargs)
+        self._executing = False
+
+    def is_ready(self) -> bool:
+        """Return whether it can continue."""
+        return not self._executing and not self.has_ended and (self._awaited is None or self._awaited.has_ended)
+
+    def executing(self) -> bool:
+        return self._executing
+
+    def __call__(self) -> None:
+        if self.has_ended or self._executing:
+            return
+        self._executing = True
+        try:
+            if inspect.iscoroutine(self._handler):
+                self._continue()
+                return
+            found = self._handler(*self._args, **self._kwargs)
+            if inspect.iscoroutine(found):
+                self._handler = found
+                self._continue()
+            else:
+                self.set_result(found)
+        except Exception as error:
+            self.set_exception(error)
+            raise
+        finally:
+            self._executing = False
+
+    def _continue(self) -> None:
+        try:
+            awaited = self._handler.send(None)
+        except StopIteration as end:
+            self.set_result(end.value)
+        else:
+            self._awaited = awaited if isinstance(awaited, Future) else None

@@ -1,0 +1,105 @@
+"""Stand-in for ``rclpy.topic_endpoint_info``, and what nodes ask of the graph about each other."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from enum import IntEnum
+from itertools import chain
+
+from drake_twin.nodes.graph import Graph
+from drake_twin.nodes.rclpy.qos import DurabilityPolicy, QoSProfile
+from drake_twin.nodes.task import present_task
+
+
+class TopicEndpointTypeEnum(IntEnum):
+    """What an endpoint does."""
+
+    INVALID = 0
+    PUBLISHER = 1
+    SUBSCRIPTION = 2
+
+
+@dataclass
+class TopicEndpointInfo:
+    """A publisher or a subscription of a topic; its profile tells the durability only."""
+
+    node_name: str
+    node_namespace: str
+    topic_type: str
+    endpoint_type: TopicEndpointTypeEnum
+    qos_profile: QoSProfile = field(default_factory=lambda: QoSProfile(depth=10))
+    endpoint_gid: list[int] = field(default_factory=lambda: [0] * 16)
+
+
+class GraphQueries:
+    """The part of a node that asks what the nodes of the graph publish, subscribe to and offer."""
+
+    _graph: Graph
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """Return a topic's full name."""
+        raise NotImplementedError
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """Return a service's full name."""
+        raise NotImplementedError
+
+    def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
+        topic = self.resolve_topic_name(topic_name)
+        return self._infos(self._graph.publishers_of(topic), TopicEndpointTypeEnum.PUBLISHER, topic)
+
+    def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
+        topic = self.resolve_topic_name(topic_name)
+        return self._infos(self._graph.subscribers_of(topic), TopicEndpointTypeEnum.SUBSCRIPTION, topic)
+
+    def get_publisher_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> list[tuple[str, list[str]]]:
+        node = f"{node_namespace.rstrip('/')}/{node_name}"
+        return self._topics_of(self._graph.publishers_of, node)
+
+    def get_subscriber_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> list[tuple[str, list[str]]]:
+        node = f"{node_namespace.rstrip('/')}/{node_name}"
+        return self._topics_of(self._graph.subscribers_of, node)
+
+    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> list[tuple[str, list[str]]]:
+        present_task().count_idle_call()
+        node = f"{node_namespace.rstrip('/')}/{node_name}"
+        return [(name, [kind]) for name, of, kind in self._offers() if of == node]
+
+    def count_services(self, service_name: str) -> int:
+        present_task().count_idle_call()
+        name = self.resolve_service_name(service_name)
+        return sum(name == each for each, _, _ in self._offers())
+
+    def _infos(self, found: list[tuple[str, str]], kind: TopicEndpointTypeEnum, topic: str) -> list[TopicEndpointInfo]:
+        present_task().count_idle_call()
+        infos = []
+        for node, message in found:
+            namespace, _, name = node.rpartition("/")
+            info = TopicEndpointInfo(name, namespace or "/", message, kind)
+            if kind is TopicEndpointTypeEnum.PUBLISHER and self._is_latched(topic, node):
+                info.qos_profile.durability = DurabilityPolicy.TRANSIENT_LOCAL
+            infos.append(info)
+        return infos
+
+    def _is_latched(self, topic: str, node: str) -> bool:
+        """Return whether late subscribers of a topic get a node's last messages."""
+        graph = self._graph
+        twins = any(item.latched for item in graph.twin.endpoints if item.name == topic and item.node == node)
+        return twins or any(item.depth for item in graph.publications.get(topic, ()) if item.node == node)
+
+    def _offers(self) -> list[tuple[str, str, str]]:
+        """Return name, node and type of each service that is offered."""
+        twins = [(item.name, item.node, item.type) for item in self._graph.services().values()]
+        return sorted(twins + [(item.name, item.node, item.type) for item in chain(*self._graph.offers.values())])
+
+    def _topics_of(self, of: Callable[[str], list[tuple[str, str]]], node: str) -> list[tuple[str, list[str]]]:
+        present_task().count_idle_call()
+        found = []
+        for topic in self._graph.topics():
+            kinds = sorted({kind for each, kind in of(topic) if each == node})
+            if kinds:
+                found.append((topic, kinds))
+        return found

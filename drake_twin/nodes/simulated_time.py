@@ -1,0 +1,369 @@
+"""Python's own clocks, sleeps, locks and threads as node programs see them: with simulated time and the baton.
+
+They are replaced for the whole process while nodes run, and behave as before for all other threads.
+"""
+
+import _thread
+import builtins
+import datetime as real_datetime
+import queue
+import random as real_random
+import select
+import selectors
+import sys
+import threading
+import time
+from collections.abc import Callable
+from importlib.util import module_from_spec
+from math import inf
+from types import ModuleType
+from typing import Any
+
+from drake_twin.nodes.process_calls import REPLACEMENTS, follow_forks
+from drake_twin.nodes.standard_input import POLL, StandardInput, ask
+from drake_twin.nodes.task import Task, here
+
+_SECOND = 1_000_000_000  # ns
+
+_SELECTORS = tuple(
+    getattr(selectors, name)
+    for name in ("SelectSelector", "PollSelector", "EpollSelector", "KqueueSelector")
+    if hasattr(selectors, name)
+)
+
+_users = 0
+_replaced: list[tuple[Any, str, Any]] = []
+
+
+def install() -> None:
+    """Let node programs see simulated time, until `uninstall`."""
+    global _users
+    _users += 1
+    if _users > 1:
+        return
+    for name, factor in (("time", 1e-9), ("monotonic", 1e-9), ("perf_counter", 1e-9)):
+        _replace(time, name, _clock(getattr(time, name), factor))
+        _replace(time, f"{name}_ns", _clock(getattr(time, f"{name}_ns"), 1))
+    _replace(time, "sleep", _sleep(time.sleep))
+    for name in ("localtime", "gmtime"):
+        _replace(time, name, _of_now(getattr(time, name)))
+    _replace(threading.Thread, "start", _start)
+    _replace(threading.Thread, "join", _join(threading.Thread.join))
+    _replace(threading.Condition, "wait", _condition_wait(threading.Condition.wait))
+    _replace(threading, "Lock", _maker(threading.Lock, NodeLock))
+    _replace(threading, "RLock", _maker(threading.RLock, NodeRLock))
+    _replace(queue, "SimpleQueue", _maker(queue.SimpleQueue, queue._PySimpleQueue))  # type: ignore[attr-defined]
+    _replace(select, "select", _select(select.select))
+    for selector in _SELECTORS:
+        _replace(selector, "select", _selector_select(selector.select))
+    for place, name, make in REPLACEMENTS:
+        _replace(place, name, make(getattr(place, name)))
+    if sys.stdin is not None:
+        _replace(sys, "stdin", StandardInput(sys.stdin))
+    _replace(builtins, "input", ask(builtins.input))
+
+
+def uninstall() -> None:
+    """Let node programs see the real time again, after the last `install`."""
+    global _users
+    _users -= 1
+    if not _users:
+        _restore()
+
+
+def _restore() -> None:
+    while _replaced:
+        place, name, value = _replaced.pop()
+        setattr(place, name, value)
+
+
+follow_forks(_restore)
+
+
+def own_modules(seed: int) -> dict[str, ModuleType]:
+    """Return the modules of Python that each program has for itself: ``datetime``, and ``random`` with a seed."""
+    spec = real_random.__spec__
+    assert spec is not None
+    assert spec.loader is not None
+    own_random = module_from_spec(spec)
+    spec.loader.exec_module(own_random)
+    own_random.seed(seed)
+    return {"datetime": _datetime_module(), "random": own_random}
+
+
+def _replace(place: Any, name: str, value: Any) -> None:
+    _replaced.append((place, name, getattr(place, name)))
+    setattr(place, name, value)
+
+
+def _clock(real: Callable[[], Any], factor: float) -> Callable[[], Any]:
+    def now() -> Any:
+        task = here()
+        if task is None:
+            return real()
+        task.count_call()
+        return task.now * factor
+
+    return now
+
+
+def _of_now(real: Callable[..., Any]) -> Callable[..., Any]:
+    def convert(seconds: float | None = None) -> Any:
+        task = here()
+        return real(seconds) if task is None or seconds is not None else real(task.now / _SECOND)
+
+    return convert
+
+
+def _sleep(real: Callable[[float], None]) -> Callable[[float], None]:
+    def sleep(seconds: float) -> None:
+        task = here()
+        if task is None:
+            real(seconds)
+            return
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
+        sleep_for(task, round(seconds * _SECOND))
+
+    return sleep
+
+
+def sleep_for(task: Task, nanoseconds: int) -> None:
+    """Let a thread wait for a span of simulation time, one step at least."""
+    if task.is_outside:
+        task.enter()
+    task.sleep(max(task.after, task.now + nanoseconds))
+
+
+def wait_until(task: Task, is_ready: Callable[[], bool], timeout: float | None) -> bool:
+    """Let a thread wait for a condition, at most for some simulation time (s); return whether it holds."""
+    if task.is_outside:
+        task.enter()
+    if is_ready():
+        return True
+    task.wait(is_ready, inf if timeout is None or timeout < 0 else task.now + round(min(timeout, 1e9) * _SECOND))
+    return is_ready()
+
+
+# Threads and locks ---------------------------------------------------------------------------------------------------
+
+
+def _start(thread: threading.Thread) -> None:
+    task = here()
+    if task is None:
+        _replaced_value(threading.Thread, "start")(thread)
+        return
+    run = thread.run
+    task.new_thread(lambda: task.program.guard(run), thread)
+
+
+def _replaced_value(place: Any, name: str) -> Any:
+    return next(value for known, each, value in _replaced if known is place and each == name)
+
+
+def _join(real: Callable[..., None]) -> Callable[..., None]:
+    def join(thread: threading.Thread, timeout: float | None = None) -> None:
+        task = here()
+        if task is None:
+            real(thread, timeout)
+            return
+        other = next((item for item in task.program.threads if item.thread is thread), None)
+        if other is None or other is task:
+            real(thread, timeout)
+        else:
+            wait_until(task, lambda: other.has_ended, timeout)
+
+    return join
+
+
+def _condition_wait(real: Callable[..., bool]) -> Callable[..., bool]:
+    def wait(condition: Any, timeout: float | None = None) -> bool:
+        task = here()
+        if task is None:
+            return real(condition, timeout)
+        if not condition._is_owned():
+            raise RuntimeError("cannot wait on un-acquired lock")
+        waiter = _thread.allocate_lock()
+        waiter.acquire()
+        condition._waiters.append(waiter)
+        saved = condition._release_save()
+        notified = False
+        try:
+            notified = wait_until(task, lambda: not waiter.locked(), timeout)
+        finally:
+            condition._acquire_restore(saved)
+            if not notified and waiter in condition._waiters:
+                condition._waiters.remove(waiter)
+        return notified
+
+    return wait
+
+
+class NodeLock:
+    """A lock for which a node's thread waits without the baton."""
+
+    def __init__(self) -> None:
+        self._lock = _thread.allocate_lock()
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        task = here()
+        if task is None:
+            return self._lock.acquire(blocking, timeout)
+        if self._lock.acquire(False):
+            return True
+        if not blocking:
+            return False
+        wait = None if timeout < 0 else timeout
+        return wait_until(task, lambda: not self._lock.locked(), wait) and self.acquire(blocking=False)
+
+    def release(self) -> None:
+        self._lock.release()
+
+    def locked(self) -> bool:
+        return self._lock.locked()
+
+    def _at_fork_reinit(self) -> None:
+        self._lock = _thread.allocate_lock()
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(self, *error: object) -> None:
+        self.release()
+
+
+class NodeRLock:
+    """A lock that its owner can acquire again, for which a node's thread waits without the baton."""
+
+    def __init__(self) -> None:
+        self._lock = NodeLock()
+        self._owner: int | None = None
+        self._count = 0
+
+    def acquire(self, blocking: bool = True, timeout: float = -1) -> bool:
+        own = threading.get_ident()
+        if self._owner != own:
+            if not self._lock.acquire(blocking, timeout):
+                return False
+            self._owner = own
+        self._count += 1
+        return True
+
+    def release(self) -> None:
+        if self._owner != threading.get_ident():
+            raise RuntimeError("cannot release un-acquired lock")
+        self._count -= 1
+        if not self._count:
+            self._owner = None
+            self._lock.release()
+
+    def __enter__(self) -> bool:
+        return self.acquire()
+
+    def __exit__(self, *error: object) -> None:
+        self.release()
+
+    def _at_fork_reinit(self) -> None:
+        self._lock, self._owner, self._count = NodeLock(), None, 0
+
+    # What `threading.Condition` asks of its lock.
+
+    def _is_owned(self) -> bool:
+        return self._owner == threading.get_ident()
+
+    def _release_save(self) -> tuple[int, int | None]:
+        state = self._count, self._owner
+        self._count, self._owner = 0, None
+        self._lock.release()
+        return state
+
+    def _acquire_restore(self, state: tuple[int, int | None]) -> None:
+        self._lock.acquire()
+        self._count, self._owner = state
+
+
+def _maker(real: Callable[..., Any], own: Callable[..., Any]) -> Callable[..., Any]:
+    def make(*arguments: Any) -> Any:
+        return real(*arguments) if here() is None else own(*arguments)
+
+    return make
+
+
+# Files ---------------------------------------------------------------------------------------------------
+
+
+def _select(real: Callable[..., Any]) -> Callable[..., Any]:
+    def wait(reading: Any, writing: Any, failing: Any, timeout: float | None = None) -> Any:
+        task = here()
+        if task is None:
+            return real(reading, writing, failing, timeout)
+        if timeout is None:
+            with task.outside():
+                return real(reading, writing, failing)
+        end = task.now + round(timeout * _SECOND)
+        while True:
+            found = real(reading, writing, failing, 0)
+            if any(found) or (timeout > 0 and task.now >= end):
+                return found
+            sleep_for(task, min(POLL, end - task.now))
+            if timeout == 0:
+                return real(reading, writing, failing, 0)
+
+    return wait
+
+
+def _selector_select(real: Callable[..., Any]) -> Callable[..., Any]:
+    """Let ``asyncio`` and others that wait for files or a time wait in simulated time."""
+
+    def wait(selector: Any, timeout: float | None = None) -> Any:
+        task = here()
+        if task is None or timeout is None or timeout <= 0:
+            if task is not None:
+                task.count_call()
+            return real(selector, timeout)
+        found: list[Any] = []
+
+        def is_ready() -> bool:
+            found[:] = found or real(selector, 0)
+            return bool(found)
+
+        end = task.now + round(timeout * _SECOND)
+        while not is_ready() and task.now < end:
+            task.watch(is_ready, min(POLL, end - task.now))
+        return found
+
+    return wait
+
+
+# Dates ---------------------------------------------------------------------------------------------------------------
+
+
+class _OfReal(type):
+    def __instancecheck__(cls, value: object) -> bool:
+        return isinstance(value, real_datetime.datetime)
+
+    def __subclasscheck__(cls, other: type) -> bool:
+        return issubclass(other, real_datetime.datetime)
+
+
+class _DateTime(real_datetime.datetime, metaclass=_OfReal):
+    """A date and time whose present is the simulation's."""
+
+    @classmethod
+    def now(cls, tz: Any = None) -> Any:
+        return real_datetime.datetime.fromtimestamp(time.time(), tz)
+
+    @classmethod
+    def utcnow(cls) -> Any:
+        return real_datetime.datetime.fromtimestamp(time.time(), real_datetime.UTC).replace(tzinfo=None)
+
+    @classmethod
+    def today(cls) -> Any:
+        return cls.now()
+
+
+def _datetime_module() -> ModuleType:
+    module = ModuleType("datetime", real_datetime.__doc__)
+    module.__dict__.update(vars(real_datetime))
+    module.__dict__["datetime"] = _DateTime
+    return module

@@ -1,0 +1,190 @@
+"""Threads of node programs run one at a time, each only while it has the baton.
+
+The simulation's thread hands the baton to a thread whose time has come and waits until it comes back: in a sleep, a
+spin or any other wait of the node. So nodes see and change the twin at one step boundary, in a fixed order.
+"""
+
+import threading
+import time as wall_clock
+from collections.abc import Callable
+from math import inf
+from typing import Protocol
+
+from drake_twin.nodes.task import Abandoned, Task
+
+_MOST_ROUNDS = 1000  # rounds of turns at one simulation time, after which the threads wait for the next step
+_LOOK = 0.05  # s of wall time between two looks at a thread that has the baton
+_BLOCKED = 20  # such looks at which it sleeps and has not worked, until it is taken to wait for something outside
+_BLOCKED_AGAIN = 2  # such looks at a thread that has waited for something outside before
+_WORK = 1e-3  # s of the processor's time between two looks, below which a thread does not work
+_PATIENCE = 20.0  # s of the processor's time that a thread may work in one turn
+_FAREWELL = 0.7  # s of wall time that all threads have to end in
+
+_new_lock = threading.Lock  # node programs have another one
+
+
+class Watcher(Protocol):
+    """Is told what becomes of threads."""
+
+    def blocked(self, task: Task) -> None:
+        """Take note of a thread that waits for something outside, while the simulation continues."""
+
+    def abandoned(self, task: Task, seconds: float) -> None:
+        """Take note of a thread that has not given the baton back for some wall time, and has to end."""
+
+
+class Turns:
+    """Hands the baton to one thread after the other.
+
+    Args:
+        watcher: Is told what becomes of threads.
+        patience: The processor's time that a thread may use in one turn (s).
+        is_stopped: Whether the run is to end, so that no thread is waited for.
+
+    Attributes:
+        now: The simulation time (ns).
+        limit: The last time (ns) that counts as now: a step may be a rounding before the time that it meets.
+        after: A time (ns) between the present step and the next one.
+        tasks: The threads, by the order of their programs, then of their start.
+        outsider: Called before a thread goes outside, while it or the simulation's thread has the baton.
+        newcomer: Called from a thread that comes back.
+    """
+
+    def __init__(self, watcher: Watcher, patience: float = _PATIENCE, is_stopped: Callable[[], bool] = lambda: False):
+        self.now = self.limit = self.after = 0
+        self.tasks: list[Task] = []
+        self.outsider: Callable[[], None] = lambda: None
+        self.newcomer: Callable[[], None] = lambda: None
+        self._watcher, self._patience, self._is_stopped = watcher, patience, is_stopped
+        self._lock = _new_lock()
+        self._back = _new_lock()
+        self._back.acquire()
+        self._running: Task | None = None
+
+    def add(self, task: Task) -> None:
+        """Add a thread, behind the others of its program."""
+        place = [index for index, other in enumerate(self.tasks) if other.program.index <= task.program.index]
+        self.tasks.insert(place[-1] + 1 if place else 0, task)
+
+    def set_time(self, time: float, time_step: float) -> None:
+        """Set the simulation time and the physics step (s)."""
+        self.now = round(time * 1e9)
+        self.limit = self.now + 1 + round(time_step * 1e3)
+        self.after = self.now + max(2, round(time_step * 5e8))
+
+    def run(self) -> float:
+        """Give each thread that can continue its turns at the present time.
+
+        Returns:
+            The time (ns) at which the next thread can continue; infinite without one.
+        """
+        tasks = self.tasks
+        for _ in range(_MOST_ROUNDS):
+            have_run = set()
+            for task in tuple(tasks):
+                if task.can_run():
+                    self.give(task)
+                    have_run.add(task.program)
+            # What programs send to each other arrives in a later slot: only their own threads can wake each other now.
+            again = {program for program in have_run if len(program.threads) > 1}
+            if not again:
+                break
+            tasks = [task for task in self.tasks if task.program in again]
+        else:
+            return self.after
+        due, has_ended = inf, False
+        for task in self.tasks:
+            due = min(due, task.due())
+            has_ended = has_ended or task.has_ended
+        if has_ended:
+            self.tasks = [task for task in self.tasks if not task.has_ended]
+            for program in {task.program for task in self.tasks}:
+                program.threads = [task for task in program.threads if not task.has_ended]
+        return due
+
+    def give(self, task: Task) -> None:
+        """Hand the baton to a thread, and wait until it comes back."""
+        self._running = task
+        task.program.enter()
+        try:
+            task.resume()
+            if not self._back.acquire(timeout=_LOOK):
+                self._watch(task)
+        finally:
+            self._running = None
+            task.program.leave()
+
+    def take_back(self, task: Task) -> None:
+        """Take the baton back, in the thread that had it."""
+        with self._lock:
+            was_outside, task.is_outside = task.is_outside, False
+            if not was_outside and self._running is task:
+                self._back.release()
+
+    def let_out(self, task: Task) -> None:
+        """Take the baton back, and let the thread run on."""
+        self.outsider()
+        with self._lock:
+            task.is_outside = True
+            if self._running is task:
+                self._back.release()
+
+    def let_in(self, task: Task) -> None:
+        """Let a thread that is outside wait for its turn."""
+        task.ready_at_once()
+        with self._lock:
+            task.is_outside = False
+        self.newcomer()
+
+    def farewell(self, error: type[BaseException]) -> list[Task]:
+        """Raise an error in all threads, and give them a little wall time to end; return those that do not."""
+        end = wall_clock.perf_counter() + _FAREWELL
+        for task in self.tasks:
+            task.end(error)
+        while wall_clock.perf_counter() < end:
+            present = [task for task in self.tasks if not task.has_ended and not task.is_outside]
+            if not present:
+                break
+            for task in present:
+                task.ready_at_once()  # its cleanup waits for nothing, as time stands still
+                self._running = task
+                task.program.enter()
+                task.resume()
+                came_back = self._back.acquire(timeout=max(0.0, end - wall_clock.perf_counter()))
+                if not came_back:
+                    with self._lock:
+                        if not self._back.acquire(blocking=False):
+                            task.is_outside = True
+                self._running = None
+                task.program.leave()
+        left = [task for task in self.tasks if not task.has_ended]
+        for task in left:
+            task.end(Abandoned, at_once=True)
+        return left
+
+    def _watch(self, task: Task) -> None:
+        """Wait for a thread that works for long, or let it out if it waits for something outside, or end it."""
+        start = wall_clock.perf_counter() - _LOOK
+        first = used = task.cpu_time()
+        asleep = 0
+        while not self._back.acquire(timeout=_LOOK):
+            now = wall_clock.perf_counter()
+            before, used = used, task.cpu_time()
+            asleep = asleep + 1 if used - before < _WORK and task.is_asleep() else 0
+            blocked = asleep >= (_BLOCKED_AGAIN if task.has_blocked else _BLOCKED)
+            worked = min(now - start, used - first)  # on a busy machine it takes longer
+            abandoned = worked > self._patience or (self._is_stopped() and now - start > _FAREWELL / 2)
+            if not blocked and not abandoned:
+                continue
+            with self._lock:
+                if self._back.acquire(blocking=False):
+                    return
+                task.is_outside = True
+            if abandoned:
+                task.end(Abandoned, at_once=True)
+                self._watcher.abandoned(task, now - start)
+            else:
+                task.has_blocked = True
+                self.outsider()
+                self._watcher.blocked(task)
+            return

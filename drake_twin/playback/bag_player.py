@@ -1,0 +1,188 @@
+"""Poses the robots of a bag at each moment; the page steers its time."""
+
+import logging
+from collections.abc import Iterator, Sequence
+from math import isfinite
+from typing import Any
+
+from drake_twin.cockpit import protocol
+from drake_twin.errors import InputError
+from drake_twin.messages.transform_tree import Transform
+from drake_twin.playback.bag import JOINT_STATES, Bag, BagMessage
+from drake_twin.playback.recorded_frames import RecordedFrames, RecordedRobot, is_frames
+from drake_twin.twin.twin import Twin
+
+_log = logging.getLogger(__name__)
+_STEP = 1 / 30  # s of a step on the page
+_OF_PHYSICS = ("massless_link", "inertia", "effort_limit", "joint_friction")  # repairs
+_LONGEST_FRAME = 0.2  # s of wall time that one frame makes up for: a slow page plays slower
+
+
+def is_shown(topic: str, kind: str) -> bool:
+    """Tell whether a topic moves the robots."""
+    return kind == JOINT_STATES or is_frames(topic, kind)
+
+
+class BagPlayer:
+    """Plays a bag on a twin that has its robots and does not advance.
+
+    Args:
+        bag: The bag.
+        twin: The twin.
+        robots: Its robots, as they are in the bag.
+
+    Attributes:
+        time: The present moment (s since the bag's start).
+        paused: Whether time stands still.
+        rate: Seconds of the bag per second of wall time.
+        findings: What became of the robots' shapes and joints; their masses and contacts do not matter here.
+        unplaced: The robots that no transform has placed, each with the link that it would place.
+    """
+
+    def __init__(self, bag: Bag, twin: Twin, robots: Sequence[RecordedRobot]):
+        self._bag, self._twin, self._robots = bag, twin, tuple(robots)
+        self._plans = {plan.name: plan for plan in twin.plans}
+        self._said: set[str] = set()
+        self.findings = tuple(item for item in twin.findings if item.rule and item.rule not in _OF_PHYSICS)
+        self._stop_at: float | None = None
+        self.paused, self.rate = True, 1.0
+        self.unplaced: list[tuple[str, str]] = []
+        self.restart()
+
+    def restart(self) -> None:
+        """Go back to the bag's start."""
+        self.time = 0.0
+        self._messages: Iterator[BagMessage] = self._bag.messages(is_shown)
+        self._next: BagMessage | None = next(self._messages, None)
+        self._frames = RecordedFrames()
+        self._joints: dict[str, dict[str, dict[str, float]]] = {robot.name: {} for robot in self._robots}
+
+    def proceed(self, wall_time: float) -> None:
+        """Play what a frame of wall time (s) shows."""
+        if self.paused:
+            return
+        target = self.time + self.rate * min(wall_time, _LONGEST_FRAME)
+        if self._stop_at is not None and target >= self._stop_at:
+            target, self._stop_at, self.paused = self._stop_at, None, True
+        self.advance_to(target)
+
+    def advance_to(self, time: float) -> None:
+        """Pose the robots as at a time (s) that is not before the present one; pause at the bag's end."""
+        try:
+            while self._next is not None and self._next.time <= time:
+                message, self._next = self._next, next(self._messages, None)
+                if message.type == JOINT_STATES:
+                    self._take(message.topic, message.read())
+                else:
+                    self._frames.add(message)
+        except InputError as error:
+            self._say(f"{error} The bag ends here, at {self.time:.3f} s")
+            self._next, time = None, self.time
+            self.paused = True
+        self._pose()
+        self.time = min(time, self._bag.duration)
+        if time >= self._bag.duration and not self.paused:
+            self.paused = True
+            self._say(f"the bag ends at {self._bag.duration:.3f} s")
+
+    def do(self, request: protocol.Request) -> None:
+        """Process a request of the page about time.
+
+        Raises:
+            InputError: If a bag cannot do what is asked for.
+        """
+        match request:
+            case protocol.Play():
+                if self.time >= self._bag.duration or self._next is None:
+                    self.restart()
+                self.paused = False
+            case protocol.Pause():
+                self.paused = True
+            case protocol.Step(count):
+                self.paused = True
+                self.advance_to(self.time + count * _STEP)
+            case protocol.RunTo(time):
+                if time <= self.time:
+                    raise InputError(
+                        f"{time:g} s lies in the past: the bag is at {self.time:g} s. Reset it to start again"
+                    )
+                self._stop_at, self.paused = time, False
+            case protocol.Reset():
+                self.restart()
+                self.advance_to(0.0)
+            case protocol.Look(time):
+                self.paused = True
+                if time < self.time:
+                    self.restart()
+                self.advance_to(min(max(time, 0.0), self._bag.duration))
+            case protocol.SetRate(rate):
+                if rate <= 0:
+                    raise InputError(f"{rate:g} is not a speed: it is positive")
+                self.rate = rate
+            case _:
+                raise InputError(f"{type(request).__name__}: a bag is only shown, nothing in it can be changed")
+
+    def amend(self, state: dict[str, Any]) -> None:
+        """Put what the bag says into a state of the page: time, and the joints' velocities and efforts."""
+        state.update(time=round(self.time, 9), paused=self.paused, rate=self.rate, steps=0)
+        state["duration"] = self._bag.duration
+        for name, joints in self._joints.items():
+            order = self._twin.robot_state(name).joints
+            for field in ("velocities", "efforts"):
+                known = joints.get(field, {})
+                state["robots"][name][field] = [round(known.get(joint, 0.0), 6) for joint in order]
+
+    def _take(self, topic: str, message: Any) -> None:
+        """Take the joint states that concern a robot: those in its namespace, or of the only robot."""
+        namespace = topic.rpartition("/")[0]
+        robots = [robot for robot in self._robots if len(self._robots) == 1 or robot.namespace == namespace]
+        if not robots:  # such as one topic for all robots
+            robots = list(self._robots)
+        names, used = list(message.name), set()
+        for robot in robots:
+            joints = {joint.name for joint in self._plans[robot.name].description.movable_joints}
+            used |= joints
+            for field, values in (
+                ("positions", message.position),
+                ("velocities", message.velocity),
+                ("efforts", message.effort),
+            ):
+                own = {name: float(value) for name, value in zip(names, values, strict=False) if name in joints}
+                finite = {name: value for name, value in own.items() if isfinite(value)}
+                self._joints[robot.name].setdefault(field, {}).update(finite)
+        if others := [name for name in names if name not in used]:
+            self._say(f"{topic}: no robot of the bag has the joints {', '.join(sorted(others))}")
+
+    def _pose(self) -> None:
+        roots, self.unplaced = set(), []
+        for robot in self._robots:
+            plan = self._plans[robot.name]
+            if positions := self._joints[robot.name].get("positions"):
+                self._twin.set_joint_positions(robot.name, plan.description.with_followers(positions))
+            if plan.model.is_fixed:
+                continue
+            found = self._in_root(robot)
+            if found is None:
+                self.unplaced.append((robot.name, robot.root_link))
+            else:
+                root, pose = found
+                roots.add(root)
+                x, y, z, w = pose.rotation.as_quat()
+                self._twin.set_entity_state(robot.name, position=pose.translation, orientation=(w, x, y, z))
+        if len(roots) > 1:
+            self._say(
+                f"no transforms connect the frames {', '.join(sorted(roots))}: they are drawn as if they were one"
+            )
+
+    def _in_root(self, robot: RecordedRobot) -> tuple[str, Transform] | None:
+        try:
+            return self._frames.in_root(robot)
+        except InputError as error:
+            self._say(str(error))
+            return None
+
+    def _say(self, text: str) -> None:
+        """Log a text once."""
+        if text not in self._said:
+            self._said.add(text)
+            _log.warning("%s", text)

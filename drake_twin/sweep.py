@@ -1,0 +1,209 @@
+"""``python -m drake_twin.sweep``: a scenario over values and seeds, on all cores, as a table."""
+
+import signal
+
+if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends it without a message
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+import argparse
+import os
+import shlex
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import InputError, RunError
+from drake_twin.program import ArgumentParser, add_version, leave, run_program, say, stop_signals
+
+if TYPE_CHECKING:
+    from drake_twin.sweeps.episode import Sweep
+    from drake_twin.sweeps.results import Results
+
+_DESCRIPTION = """\
+Runs a scenario many times, with varied values and seeds, in a process for each core, and writes a table with one row
+for each run. A sweep that was stopped or killed continues with the same command. TARGET is what drake_twin.run runs."""
+
+_EXAMPLES = """\
+examples:
+  python -m drake_twin.sweep two_rovers.yaml --vary friction=0.3:1.0:8 --vary robot_1.payload=0,1,2 --seeds 20 \\
+      --duration 5 --metric distance --out results.parquet
+  python -m drake_twin.sweep two_rovers.yaml --vary "friction=uniform(0.2,1)" --samples 64 --out results.csv
+  python -m drake_twin.sweep --show results.parquet --plot sweep.png
+  python -m drake_twin.run --episode results.parquet:17"""
+
+_MANY = 100_000  # episodes that need --yes
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the program; see `drake_twin.program.run_program`."""
+    return run_program(_program, arguments)
+
+
+def _parser() -> ArgumentParser:
+    parser = ArgumentParser(
+        prog="python -m drake_twin.sweep",
+        description=_DESCRIPTION,
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, as for drake_twin.run"
+    )
+    add_version(parser)
+    what = parser.add_argument_group("what is run")
+    what.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="PATH=VALUES",
+        help="a value and what it takes: a,b,c or FIRST:LAST:COUNT, or uniform(a,b), normal(m,s), loguniform(a,b)"
+        " (may be repeated: all combinations)",
+    )
+    what.add_argument("--samples", type=int, default=16, metavar="N", help="samples of the distributions (default: 16)")
+    what.add_argument("--seeds", type=int, default=1, metavar="N", help="run each with the seeds 0 to N-1 (default: 1)")
+    what.add_argument("--duration", type=float, default=5.0, metavar="S", help="simulated seconds (default: 5)")
+    what.add_argument(
+        "--metric",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="distance, tracking_error, energy, max_effort, slip, settled, or NAME=FILE.py:FUNCTION (may be repeated)",
+    )
+    what.add_argument("--until", metavar="CONDITION", help="end early: fell, settled, or FILE.py:FUNCTION")
+    how = parser.add_argument_group("how it is run")
+    how.add_argument("--out", type=Path, metavar="FILE", help="the table: .parquet, .csv or .jsonl")
+    how.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each core)")
+    how.add_argument("--timeout", type=float, default=600.0, metavar="S", help="longest wall time (default: 600)")
+    how.add_argument("--force", action="store_true", help="run all again, also where the file is of another sweep")
+    how.add_argument("--yes", action="store_true", help=f"run more than {_MANY:,} episodes")
+    shown = parser.add_argument_group("what is shown")
+    shown.add_argument("--show", type=Path, metavar="FILE", help="print what a table says, and end")
+    shown.add_argument("--plot", type=Path, metavar="FILE", help="draw the metrics over the values (.png, .svg, .pdf)")
+    shown.add_argument(
+        "--pairs", type=Path, metavar="FILE", help="draw each two values against each other, colored by the metrics"
+    )
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return parser
+
+
+def _program(arguments: Sequence[str]) -> int:
+    options = _parser().parse_args(arguments)
+    if options.show is not None:
+        _show(options.show, options)
+        return 0
+    _check(options)
+    for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):  # a process for each core is enough
+        os.environ.setdefault(name, "1")
+    with stop_signals() as stopped:
+        return _sweep(options, arguments, stopped)
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Check the options before anything is imported.
+
+    Raises:
+        InputError: If one is missing, or its value is out of bounds.
+    """
+    if options.out is None:
+        raise InputError("--out FILE is missing: the table that the sweep writes (.parquet, .csv or .jsonl)")
+    for name, least in (("samples", 1), ("seeds", 1), ("workers", 1)):
+        value = getattr(options, name)
+        if value is not None and value < least:
+            raise InputError(f"--{name} {value}: it must be {least} or more")
+    for name in ("duration", "timeout"):
+        value = getattr(options, name)
+        if not 0 < value <= 1e9:
+            raise InputError(f"--{name} {value:g}: it must be above zero, and 1e9 at most")
+
+
+def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int]) -> int:
+    from drake_twin.sweeps.engine import Engine, workers_of_machine
+    from drake_twin.sweeps.episode import ERROR, trial
+    from drake_twin.sweeps.progress_line import ProgressLine
+    from drake_twin.sweeps.results import Results, check_format
+
+    check_format(options.out)
+    sweep = _described(options)
+    if len(sweep) > _MANY and not options.yes:
+        raise InputError(f"these are {len(sweep):,} episodes: --yes runs them")
+    results = Results(options.out, sweep, force=options.force)
+    left = len(sweep) - len(results.rows)
+    workers = min(options.workers or workers_of_machine(), max(left, 1))
+    if not left:
+        say(f"{options.out}: all {len(sweep)} episodes are there already (--force runs them again)")
+        return _finish(results, options, Counter())
+    outcomes: Counter[str] = Counter()
+    try:
+        with Engine(sweep, workers, options.timeout) as engine:
+            trial(sweep)
+            episodes = (item for item in sweep.design.episodes() if sweep.id_of(item) not in results.rows)
+            with ProgressLine(len(sweep), len(results.rows)) as progress:
+                for row in engine.rows(episodes, stopped):
+                    results.add(row)
+                    progress.show(row)
+                    outcomes[row["outcome"]] += 1
+    except InputError:
+        results.discard_empty()
+        raise
+    except RunError as error:
+        raise RunError(f"{error}. To continue: {_command(arguments)}") from None
+    if stopped:
+        results.close()
+        say(f"{len(results.rows)} of {len(sweep)} episodes are in {options.out}. To continue: {_command(arguments)}")
+        return 130
+    code = _finish(results, options, outcomes)
+    return 1 if code == 0 and outcomes[ERROR] == len(sweep) else code
+
+
+def _described(options: argparse.Namespace) -> "Sweep":
+    """Return the sweep that the options describe.
+
+    Raises:
+        InputError: If the target, a value, a metric or a condition cannot be used.
+    """
+    from drake_twin.cli.options import parser as run_parser
+    from drake_twin.cli.target import find_target
+    from drake_twin.sweeps.episode import Sweep
+    from drake_twin.sweeps.metrics import Condition, Metric
+    from drake_twin.sweeps.variation import Design, Variation
+
+    design = Design(tuple(map(Variation.parse, options.vary)), options.samples, tuple(range(options.seeds)))
+    metrics = tuple(map(Metric.parse, options.metric))
+    until = None if options.until is None else Condition(options.until)
+    if until is not None:
+        until.call  # noqa: B018  # raises what is wrong with it
+    scenario = find_target(run_parser().parse_args(options.target)).scenario
+    if scenario.nodes:
+        raise InputError("the scenario has node programs, which sweeps do not run: leave them out of it")
+    return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until)
+
+
+def _finish(results: "Results", options: argparse.Namespace, outcomes: Counter[str]) -> int:
+    results.close()
+    if outcomes:
+        said = ", ".join(f"{count} {what}" for what, count in outcomes.most_common())
+        say(f"{options.out}: {len(results.rows)} rows ({said})")
+    _show(options.out, options)
+    return 0
+
+
+def _show(file: Path, options: argparse.Namespace) -> None:
+    from drake_twin.sweeps.report import draw, draw_pairs, report
+    from drake_twin.sweeps.results import read_table
+
+    definition, rows = read_table(file)
+    say(report(definition, rows))
+    for figure, function in ((options.plot, draw), (options.pairs, draw_pairs)):
+        if figure is not None:
+            function(figure, definition, rows)
+            say(f"wrote {figure}", sys.stderr)
+
+
+def _command(arguments: Sequence[str]) -> str:
+    return "python -m drake_twin.sweep " + shlex.join(item for item in arguments if item != "--force")
+
+
+if __name__ == "__main__":
+    leave(main())

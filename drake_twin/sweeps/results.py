@@ -1,0 +1,241 @@
+"""The table of a sweep: a journal while it runs, then Parquet, CSV or JSON lines.
+
+The journal is a file beside the table with one line of JSON for each finished episode. A line that was cut off by a
+kill or a full disk is dropped when the sweep continues, so that each episode stands there once. The table is written
+whole at the end, in the order of the episodes, and the journal is removed then.
+"""
+
+import csv
+import fcntl
+import io
+import json
+import os
+import time
+from collections.abc import Iterable, Mapping
+from errno import ENOSPC
+from pathlib import Path
+from typing import Any
+
+from drake_twin.errors import InputError, RunError
+from drake_twin.sweeps.episode import Row, Sweep
+from drake_twin.whole_file import write_whole
+
+_KEY = "drake_twin_sweep"
+_SYNC = 0.5  # s between two calls of fsync
+_FORMATS = (".parquet", ".csv", ".jsonl")
+_LAST = ("outcome", "reason", "simulated", "wall_time", "state_sha256", "version")
+_TEXTS = ("id", "outcome", "reason", "state_sha256", "version")
+_WHOLE = ("episode", "seed")
+
+
+def check_format(file: Path) -> None:
+    """Check that a table can be written to a file of this name.
+
+    Raises:
+        InputError: If its suffix is unknown, its folder does not exist, or pyarrow is missing.
+    """
+    if file.suffix not in _FORMATS:
+        raise InputError(f"--out {file}: unknown format", value=file.suffix, valid=_FORMATS)
+    if not file.absolute().parent.is_dir() or file.is_dir():
+        raise InputError(f"--out {file}: no file can be written there")
+    if file.suffix == ".parquet":
+        _pyarrow()
+
+
+class Results:
+    """The rows of a sweep, in its journal and its table.
+
+    Args:
+        file: The table.
+        sweep: The sweep.
+        force: Whether to drop the rows that are there.
+
+    Attributes:
+        rows: Episode's id → its row.
+
+    Raises:
+        InputError: If the file holds another sweep or is damaged, or another process writes it.
+    """
+
+    def __init__(self, file: Path, sweep: Sweep, *, force: bool = False):
+        self._file, self._sweep = file, sweep
+        self._journal_file = file.with_name(f"{file.name}.journal")
+        self.rows: dict[str, Row] = {}
+        if not force and file.exists() and file.stat().st_size:
+            definition, rows = read_table(file)
+            self._check(definition, file)
+            self.rows = {row["id"]: row for row in rows}
+        try:
+            self._journal = os.open(self._journal_file, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+            fcntl.flock(self._journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError("another sweep writes this file", file=file) from None
+        except OSError as error:
+            raise InputError(f"the journal cannot be written ({error.strerror})", file=self._journal_file) from None
+        if force:
+            os.truncate(self._journal, 0)
+        self._continue()
+        self._synced = time.monotonic()
+
+    def add(self, row: Row) -> None:
+        """Add the row of an episode; a row that is there already stays.
+
+        Raises:
+            RunError: If it cannot be written, for example on a full disk; the rows before it are safe.
+        """
+        if row["id"] in self.rows:
+            return
+        self._write(row)
+        self.rows[row["id"]] = row
+        if time.monotonic() - self._synced > _SYNC:
+            self._sync()
+
+    def close(self) -> None:
+        """Write the table and remove the journal.
+
+        Raises:
+            RunError: If the table cannot be written; the journal stays then.
+        """
+        self._sync()
+        try:
+            write_table(self._file, self._sweep.definition, self.rows.values())
+        except OSError as error:
+            raise RunError(f"{self._file} cannot be written ({error.strerror}): the rows are in its journal") from None
+        self._journal_file.unlink()
+        os.close(self._journal)
+
+    def discard_empty(self) -> None:
+        """Remove the journal if no episode is in it."""
+        if not self.rows:
+            self._journal_file.unlink()
+
+    def _continue(self) -> None:
+        """Read the journal, and cut off a line that was not finished."""
+        good = 0
+        for number, line in enumerate(self._journal_file.read_bytes().splitlines(keepends=True)):
+            if not line.endswith(b"\n"):
+                break
+            try:
+                entry = json.loads(line)
+                definition, name = (entry[_KEY], "") if number == 0 else ({}, entry["id"])
+            except (ValueError, LookupError, TypeError):
+                raise InputError("the journal is damaged: --force begins again", file=self._journal_file) from None
+            if number == 0:
+                self._check(definition, self._journal_file)
+            else:
+                self.rows[name] = entry
+            good += len(line)
+        os.truncate(self._journal, good)
+        if not good:
+            self._write({_KEY: self._sweep.definition})
+
+    def _check(self, definition: Mapping[str, Any], file: Path) -> None:
+        own = json.loads(json.dumps(self._sweep.definition))
+        if definition == own:
+            return
+        other = [key for key in own if definition.get(key) != own[key]]
+        what = f"the file is of another sweep ({', '.join(other)} differ): name another file, or use --force"
+        raise InputError(what, file=file)
+
+    def _write(self, entry: Mapping[str, Any]) -> None:
+        line = json.dumps(entry).encode() + b"\n"
+        end = os.fstat(self._journal).st_size
+        try:
+            if os.write(self._journal, line) < len(line):
+                raise OSError(ENOSPC, os.strerror(ENOSPC))
+        except OSError as error:
+            os.truncate(self._journal, end)
+            what = f"{self._journal_file} cannot be written ({error.strerror}): its {len(self.rows)} rows are safe"
+            raise RunError(what) from None
+
+    def _sync(self) -> None:
+        os.fsync(self._journal)
+        self._synced = time.monotonic()
+
+
+def write_table(file: Path, definition: Mapping[str, Any], rows: Iterable[Row]) -> None:
+    """Write a table whole, its rows in the order of the episodes.
+
+    Raises:
+        OSError: If it cannot be written.
+    """
+    ordered = sorted(rows, key=lambda row: int(row["episode"]))
+    names = _columns(ordered)
+    said = json.dumps({_KEY: definition})
+    if file.suffix == ".jsonl":
+        lines = [said, *(json.dumps({name: row.get(name) for name in names}) for row in ordered)]
+        write_whole(file, "".join(f"{line}\n" for line in lines))
+    elif file.suffix == ".csv":
+        text = io.StringIO()
+        text.write(f"# {said}\n")
+        writer = csv.DictWriter(text, names, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(ordered)
+        write_whole(file, text.getvalue())
+    else:
+        pa = _pyarrow()
+        arrays = [pa.array(*_column(pa, name, [row.get(name) for row in ordered])) for name in names]
+        table = pa.table(arrays, names=names).replace_schema_metadata({_KEY: json.dumps(definition)})
+        buffer = pa.BufferOutputStream()
+        pa.parquet.write_table(table, buffer, row_group_size=10_000)
+        write_whole(file, buffer.getvalue().to_pybytes())
+
+
+def read_table(file: Path) -> tuple[dict[str, Any], list[Row]]:
+    """Read a table: the sweep's definition and its rows.
+
+    Raises:
+        InputError: If the file cannot be read, or is not a sweep's.
+    """
+    try:
+        if file.suffix == ".parquet":
+            pa = _pyarrow()
+            table = pa.parquet.read_table(file)
+            return json.loads(table.schema.metadata[_KEY.encode()]), table.to_pylist()
+        first, _, rest = file.read_bytes().decode().partition("\n")
+        definition = json.loads(first.removeprefix("# "))[_KEY]
+        if file.suffix == ".csv":
+            return definition, [_of_text(row, definition) for row in csv.DictReader(io.StringIO(rest, newline=""))]
+        return definition, [json.loads(line) for line in rest.splitlines()]
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError("the file does not exist", file=file) from None
+    except Exception as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"this is not the table of a sweep, or it is damaged ({reason[:200]})", file=file) from None
+
+
+def _columns(rows: Iterable[Row]) -> list[str]:
+    """Return the names of the columns: what varies, then what was measured, then what became of it."""
+    found = dict.fromkeys(name for row in rows for name in row)
+    return [*(name for name in found if name not in _LAST), *_LAST]
+
+
+def _column(pa: Any, name: str, values: list[Any]) -> tuple[list[Any], Any]:
+    if name in _WHOLE:
+        return values, pa.int64()
+    if name in _TEXTS or any(isinstance(value, str) for value in values):
+        return [value if value is None else str(value) for value in values], pa.string()
+    return values, pa.float64()
+
+
+def _of_text(row: Mapping[str, str], definition: Mapping[str, Any]) -> Row:
+    texts = {path for path, values in definition["vary"] if any(isinstance(item, str) for item in values)}
+    found: Row = {}
+    for name, text in row.items():
+        if name in _TEXTS or name in texts:
+            found[name] = text
+        elif text != "":
+            found[name] = int(text) if name in _WHOLE else float(text)
+    return found
+
+
+def _pyarrow() -> Any:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        what = "Parquet needs pyarrow (pip install 'drake-twin[sweep]'): or name a file .csv or .jsonl"
+        raise InputError(what) from None
+    return pyarrow

@@ -1,0 +1,72 @@
+"""``drake-twin service list|call``: the services of a running twin, as ``ros2 service`` has them."""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from drake_twin.program import ArgumentParser
+from drake_twin.tools.verb import Verb, positive, run_verbs, yaml_values
+
+if TYPE_CHECKING:
+    from drake_twin.client import Client
+
+
+def _add_list(parser: ArgumentParser) -> None:
+    parser.add_argument("-t", "--show-types", action="store_true", help="show the types, too")
+    parser.add_argument("-c", "--count-services", action="store_true", help="print only how many there are")
+    parser.add_argument("--include-hidden-services", action="store_true", help="list those of actions, too")
+
+
+def _list(client: "Client", options: argparse.Namespace) -> int:
+    services = {
+        name: kind for name, kind in client.services().items() if options.include_hidden_services or "/_" not in name
+    }
+    if options.count_services:
+        print(len(services))
+        return 0
+    for name, kind in services.items():
+        print(f"{name} [{kind}]" if options.show_types else name)
+    return 0
+
+
+def _add_call(parser: ArgumentParser) -> None:
+    parser.add_argument("service_name", metavar="SERVICE", help="the service")
+    parser.add_argument("service_type", metavar="TYPE", help="its type, for example std_srvs/srv/Empty")
+    parser.add_argument("values", metavar="VALUES", nargs="?", default="{}", help="the request as YAML, '{steps: 10}'")
+    parser.add_argument("-r", "--rate", metavar="N", type=positive, help="repeat the call N times a second")
+
+
+def _call(client: "Client", options: argparse.Namespace) -> int:
+    from drake_twin.client import full_name, made
+    from drake_twin.messages.text import call_text
+
+    values, name = yaml_values(options.values), full_name(options.service_name)
+    kind = client.service_type(name, options.service_type)
+    request = made(name, f"{kind}_Request", values or {})
+    while True:
+        begin = time.monotonic()
+        print(f"requester: making request: {call_text(request)}\n", flush=True)
+        print(f"response:\n{call_text(client.call(name, request, kind))}\n", flush=True)
+        if options.rate is None:
+            return 0
+        try:
+            time.sleep(max(0.0, begin + 1 / options.rate - time.monotonic()))
+        except KeyboardInterrupt:
+            return 0
+
+
+VERBS = {
+    "list": Verb("list the services", _add_list, _list),
+    "call": Verb("call a service and print its response", _add_call, _call),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the program."""
+    return run_verbs("service", VERBS, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

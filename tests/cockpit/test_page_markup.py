@@ -1,0 +1,49 @@
+"""Names and messages with markup are texts on the page, in a real browser."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import logging
+from html import escape
+
+from browser import BROWSER_TESTS, browser, folder, show
+
+from drake_twin import TwinBuilder
+
+pytestmark = BROWSER_TESTS
+
+EVIL = "<img src=x onerror=document.body.dataset.evil=1>"
+FILE = f"""<robot name="made">
+  <link name="world"/>
+  <link name="base {escape(EVIL)}"><inertial><mass value="5"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="arm {escape(EVIL)}"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><box size="0.6 0.05 0.05"/></geometry></visual></link>
+  <joint name="fixed" type="fixed"><parent link="world"/><child link="base {escape(EVIL)}"/></joint>
+  <joint name="hinge {escape(EVIL)}" type="continuous"><parent link="base {escape(EVIL)}"/>
+    <child link="arm {escape(EVIL)}"/><axis xyz="0 0 1"/></joint>
+</robot>"""
+
+
+def test_markup_in_names_is_not_interpreted(show, tmp_path):
+    file = tmp_path / "made.urdf"
+    file.write_text(FILE)
+    it, tab = show(TwinBuilder().robot("made", file).scenario())
+    logging.getLogger("drake_twin.test").warning("a message %s", EVIL)
+    tab.locator("#messages-toggle").click()
+    for summary in tab.locator("#panel summary").all():
+        summary.evaluate("element => { element.parentElement.open = true; }")
+    it.frames(lambda: tab.locator("#messages li", has_text=EVIL).count() >= 1)
+    it.frames(lambda: tab.locator(".topics button").count() > 2)
+    rows = tab.locator("[role=treeitem]")
+    it.frames(lambda: rows.count() >= 1)
+    for key in ("ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown", "ArrowRight", "ArrowDown"):
+        rows.first.press(key) if key == "ArrowRight" else tab.keyboard.press(key)
+        it.for_frames(3)
+    tab.get_by_label("Names above robots").click(force=True)
+    folder(tab, "made").get_by_title(f"Plot {'hinge ' + EVIL}").first.click()
+    it.for_frames(20)
+    assert EVIL in tab.locator("#panel").inner_text()
+    assert tab.locator("img").count() == 0
+    assert tab.locator("body").get_attribute("data-evil") is None
+    assert tab.frame_locator("#scene").locator("body").get_attribute("data-evil") is None

@@ -1,0 +1,59 @@
+"""The page's messages and numbers, in a real browser."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import pytest
+from browser import BROWSER_TESTS, browser, folder, show
+from conftest import rovers
+
+from drake_twin.builder.demo import demo_scenario
+
+pytestmark = BROWSER_TESTS
+
+CLIPPED = """element => [...element.querySelectorAll("output, td, input[type=number]")]
+  .filter((item) => item.checkVisibility() && (item.scrollWidth > item.clientWidth + 1) && item.clientWidth)
+  .map((item) => item.outerHTML.slice(0, 120))"""
+
+
+def test_a_stopped_robots_schedule_is_one_message(show):
+    it, tab = show(demo_scenario("rover", 2))
+    tab.locator("#stop-all").click()
+    it.frames(lambda: it.twin.is_stopped("robot_1") and it.twin.is_stopped("robot_2"))
+    it.twin.real_time_rate = 20.0
+    it.frames(lambda: it.twin.time > 16.0, most=3000)  # the schedule commands every three to six seconds
+    tab.locator("#messages-toggle").click()
+    it.for_frames(5)
+    lines = [line for line in tab.locator("#messages li").all_inner_texts() if "emergency stop" in line]
+    assert len(lines) == 2
+
+
+def test_messages_are_searched_filtered_and_copied(show):
+    it, tab = show(rovers(2).scenario())
+    for robot, text in (("robot_1", "is late"), ("robot_2", "is late"), ("robot_1", "has no wheel")):
+        it.cockpit._log.add("warning" if "late" in text else "error", f"{robot} {text}")
+    tab.locator("#messages-toggle").click()
+    lines = tab.locator("#messages li")
+    it.frames(lambda: lines.count() == 3)
+    tab.get_by_label("Search messages").fill("robot_1")
+    it.frames(lambda: lines.count() == 2)
+    tab.get_by_label("Kind of message").select_option("error")
+    it.frames(lambda: lines.count() == 1)
+    assert "robot_1 has no wheel" in lines.inner_text()
+    tab.evaluate("navigator.clipboard.writeText = async (text) => { window.copied = text; }")
+    tab.get_by_role("button", name="Copy").click()
+    it.frames(lambda: tab.evaluate("window.copied ?? ''") != "")
+    time = it.cockpit._log.as_plain()[-1]["time"]
+    assert tab.evaluate("window.copied") == f"error\t{time:.2f} s\trobot_1 has no wheel"
+
+
+@pytest.mark.parametrize("size", [(1280, 800), (390, 844)], ids=["wide", "phone"])
+def test_no_number_is_cut_off(show, size):
+    it, tab = show(demo_scenario("rover", 1))
+    tab.set_viewport_size({"width": size[0], "height": size[1]})
+    for summary in tab.locator("#panel summary").all():
+        summary.evaluate("element => { element.parentElement.open = true; }")
+    it.twin.real_time_rate = 20.0
+    it.frames(lambda: it.twin.time > 11.0, most=1500)
+    it.twin.pause()
+    it.for_frames(5)
+    assert tab.locator("body").evaluate(CLIPPED) == []

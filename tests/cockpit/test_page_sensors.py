@@ -1,0 +1,62 @@
+"""The panel of sensors in a real browser."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import numpy as np
+from browser import BROWSER_TESTS, browser, changed, picture, show
+from seeing_robot import seeing
+
+from drake_twin import messages
+from drake_twin.cockpit.scene import OVERLAYS
+
+pytestmark = BROWSER_TESTS
+
+PIXELS = """canvas => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return [0, 1, 2].map((channel) => data.filter((_, index) => index % 4 === channel).reduce((a, b) => a + b, 0));
+}"""
+
+
+def test_a_scan_is_drawn_and_taken_away(show, tmp_path):
+    it, tab = show(seeing(tmp_path).scenario())
+    switch = tab.get_by_label("Show box_0's lidar")
+    switch.click(force=True)
+    it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/measured"))
+    switch.click(force=True)
+    it.frames(lambda: not it.scene.has_path(f"{OVERLAYS}/measured"))
+
+
+def test_numbers_are_plotted_while_they_are_shown(show, tmp_path):
+    it, tab = show(seeing(tmp_path).scenario())
+    switch, plots = tab.get_by_label("Show box_0's imu"), tab.locator("#sensors .plot")
+    switch.click(force=True)
+    it.frames(lambda: plots.count() == 3)
+    switch.click(force=True)
+    it.frames(lambda: plots.count() == 0)
+
+
+def test_a_picture_is_a_tile(show, tmp_path):
+    it, tab = show(seeing(tmp_path).scenario())
+    it.twin.pause()  # the camera takes no picture of its own
+    it.for_frames(3)
+    key, topic = "box_0/box/camera", "/box_0/camera"
+    tab.get_by_label("Show box_0's camera").click(force=True)
+    it.frames(lambda: key in it.cockpit.sensors.state())
+    it.for_frames(5)
+    red = np.zeros((480, 640, 3), dtype=np.uint8)
+    red[..., 0] = 200
+    message = messages.Image(messages.header(0.0, "f"), 480, 640, "rgb8", 0, 1920, red.ravel())
+    it.cockpit.sensors._shown[key]._picture(topic, message)
+    tile = tab.locator("#sensors .picture canvas")
+    it.frames(lambda: tile.count() == 1)
+    assert tile.evaluate("canvas => [canvas.width, canvas.height]") == [320, 240]
+    assert tile.evaluate(PIXELS) == [200 * 320 * 240, 0, 0]
+
+
+def test_the_views_of_sensors_are_lines(show, tmp_path):
+    it, tab = show(seeing(tmp_path).scenario())
+    it.twin.pause()
+    before = picture(tab)
+    tab.get_by_label("Sensors' views").click(force=True)
+    it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/sensors"))
+    it.frames(lambda: changed(before, picture(tab)) > 100, most=200)

@@ -1,0 +1,60 @@
+"""The spawn dialog in a real Chromium: it finds robots, shows a file's arguments, and stays open when it is refused."""
+
+# ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
+
+import pytest
+from browser import BROWSER_TESTS, browser, page, show
+from conftest import ARM, ROVER, rovers
+from in_scene import place_of, tools
+
+pytestmark = BROWSER_TESTS
+
+
+def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then(page, tmp_path):
+    it, tab = page
+    tab.get_by_role("button", name="Spawn…").click()
+    found = tab.get_by_label("Found robots")
+    it.frames(lambda: found.locator(f'option[value="{ARM}"]').count() > 0)
+    found.select_option(ARM)
+    assert tab.get_by_label("Robot file").input_value() == ARM
+    tab.screenshot(path=tmp_path / "dialog.png")
+    tab.get_by_role("button", name="Click in the scene…").click()
+    assert not tab.locator("#spawn-dialog").is_visible()
+    tab.mouse.click(*place_of(tab, (0.6, 1.0, 0.0)))
+    it.frames(lambda: tab.locator("#spawn-dialog").is_visible())
+    assert float(tab.get_by_label("x m", exact=True).input_value()) == pytest.approx(0.6, abs=0.02)
+    tab.get_by_role("button", name="Spawn", exact=True).click()
+    it.frames(lambda: "robot_3" in it.twin.robots)
+    it.frames(lambda: not tab.locator("#spawn-dialog").is_visible())
+    assert it.twin.entity_state("robot_3").position == pytest.approx((0.6, 1.0, 0.0), abs=0.02)
+    tab.get_by_role("button", name="Spawn…").click()
+    assert tab.get_by_label("Name", exact=True).input_value() == "robot_4"
+    it.frames(lambda: found.locator('optgroup[label="Recent"] option').count() == 1)
+
+
+def test_a_bad_file_keeps_the_dialog_with_the_reason_and_arguments_are_given(page, tmp_path):
+    it, tab = page
+    file = tmp_path / "made.xacro"
+    file.write_text(
+        '<robot name="made" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="mass" default="0"/>'
+        '<link name="a"><inertial><mass value="${1/float(\'$(arg mass)\')}"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+    )
+    tab.get_by_role("button", name="Spawn…").click()
+    tab.get_by_label("Robot file").fill(str(file))
+    it.frames(lambda: tab.locator("#spawn-arguments").is_visible())
+    tab.get_by_role("button", name="Spawn", exact=True).click()
+    message = tab.locator("#spawn-message")
+    it.frames(lambda: message.is_visible())
+    assert "made.xacro" in message.inner_text()
+    assert "division by zero" in message.inner_text()
+    assert it.twin.robots == ("robot_1", "robot_2")
+    tab.screenshot(path=tmp_path / "refused.png")
+    tab.locator("#spawn-arguments summary").click()
+    mass = tab.get_by_label("Argument mass")
+    assert mass.get_attribute("placeholder") == "0"
+    mass.fill("4")
+    tab.get_by_role("button", name="Spawn", exact=True).click()
+    it.frames(lambda: "robot_3" in it.twin.robots)
+    it.frames(lambda: not tab.locator("#spawn-dialog").is_visible())
+    assert it.twin.scenario.robots[2].xacro_args == {"mass": "4"}

@@ -1,0 +1,147 @@
+"""What the spawn dialog finds and reads, and how a spawn from it is refused or done."""
+
+import json
+import time
+
+import pytest
+from conftest import ARM, ROVER, rovers
+from fake_page import FakePage
+
+from drake_twin.cockpit import protocol, spawn_panel
+from drake_twin.cockpit.robot_files import robot_files
+from drake_twin.cockpit.xacro_trial import XacroTrial
+from drake_twin.description.package_index import PackageIndex
+
+BODY = (
+    '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    '<collision><geometry><box size="0.4 0.4 0.6"/></geometry></collision>'
+)
+
+
+def xacro(file, body, name='name="made"'):
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(f'<robot {name} xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>')
+    return file
+
+
+class Dialog:
+    """The dialog of a page without a browser."""
+
+    def __init__(self, twin):
+        self.page = FakePage(twin)
+
+    def ask(self, **fields):
+        self.page.ask(protocol.AskPanel("spawn", json.dumps(fields)))
+
+    def look(self, file=""):
+        self.ask(do="Look", file=file)
+        return self.page.state["panels"]["spawn"]
+
+    def spawn(self, file, name="new", **fields):
+        given = {"xyz": [0, 3, 0], "rpy": [0, 0, 0], "stands": True, "arguments": "{}", "controllers": ""}
+        self.ask(do="Spawn", key=name, file=str(file), name=name, **{**given, **fields})
+
+    def outcome(self):
+        """The last spawn's, once it has one."""
+        while (state := self.look())["status"] == "reading":
+            time.sleep(0.01)
+        return state
+
+
+@pytest.fixture
+def dialog(tmp_path):
+    it = Dialog(rovers(1).build())
+    yield it
+    it.page.cockpit.close()
+
+
+def test_robot_files_are_those_that_name_a_robot_in_every_package_once(tmp_path):
+    package = tmp_path / "src" / "my_robot"
+    package.mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>my_robot</name></package>")
+    xacro(package / "urdf" / "arm.urdf.xacro", '<link name="a"/>')
+    xacro(package / "urdf" / "macros.xacro", '<xacro:macro name="m"/>', name="")
+    (package / "urdf" / "plain.urdf").write_text('<?xml version="1.0"?>\n<robot\n  name="plain"/>')
+    (package / "model.sdf").write_text('<sdf version="1.9"><model name="m"/></sdf>')
+    (package / "hall.sdf").write_text('<sdf version="1.9"><world name="w"><model name="m"/></world></sdf>')
+    (package / "meshes").mkdir()
+    (package / "meshes" / "odd.urdf").write_text('<robot name="odd"/>')
+    found = list(robot_files(PackageIndex([tmp_path], {})))
+    own = [address for address in found if address.startswith("package://my_robot/")]
+    assert own == [f"package://my_robot/{name}" for name in ("model.sdf", "urdf/arm.urdf.xacro", "urdf/plain.urdf")]
+    assert {ROVER, ARM} <= set(found)
+    assert len(set(found)) == len(found)
+    for address in found:
+        assert PackageIndex([tmp_path], {}).resolve(address).is_file()
+
+
+def test_the_dialog_lists_robots_and_a_files_arguments_while_it_is_open(dialog, tmp_path):
+    assert dialog.page.state["panels"]["spawn"] is None
+    file = xacro(tmp_path / "r.xacro", '<xacro:arg name="wheels" default="4"/><xacro:arg name="prefix"/>')
+    while (state := dialog.look(str(file)))["files"] is None:
+        time.sleep(0.01)
+    assert ROVER in state["files"]
+    assert state["here"] == [ROVER]
+    assert state["arguments"] == {"wheels": "4", "prefix": ""}
+    assert dialog.look("nowhere.xacro")["arguments"] == {}
+    seen = [dialog.page.state["panels"]["spawn"] for _ in range(70)]
+    assert seen[0] is not None
+    assert seen[-1] is None
+
+
+def test_a_robot_is_spawned_with_its_arguments_standing_on_the_ground(dialog, tmp_path):
+    file = xacro(tmp_path / "r.xacro", f'<xacro:arg name="link" default="a"/><link name="$(arg link)">{BODY}</link>')
+    dialog.spawn(file, arguments='{"link": "other"}', xyz=[1, 3, 0.5], rpy=[0, 0, 0.3])
+    assert dialog.outcome()["status"] == "done"
+    plan = dialog.page.twin.plans[1]
+    assert plan.description.root_link == "other"
+    assert plan.robot.xyz == (1, 3, pytest.approx(0.5 + 0.3, abs=0.002))  # its box is 0.6 m high
+    assert plan.robot.rpy == (0, 0, 0.3)
+    dialog.spawn(file, name="low", stands=False, xyz=[1, 6, 0.5])
+    assert dialog.outcome()["status"] == "done"
+    assert dialog.page.twin.plans[2].robot.xyz == (1, 6, 0.5)
+
+
+def test_what_is_refused_is_said_in_the_dialog_and_changes_nothing(dialog, tmp_path):
+    broken = xacro(tmp_path / "broken.xacro", '<link name="${1/0}"/>')
+    huge = xacro(tmp_path / "huge.xacro", '<link name="${9**9**9}"/>')
+    odd = tmp_path / "odd.yaml"
+    odd.write_text("{")
+    sha256 = dialog.page.twin.state_sha256()
+    for file, fields, what in (
+        ("/nowhere.urdf", {}, "the file does not exist"),
+        (ROVER, {"name": "robot_1"}, "already exists"),
+        (ROVER, {"name": "a b"}, "a b"),
+        (ROVER, {"arguments": "[1]"}, "is not a JSON object of texts"),
+        (ROVER, {"controllers": str(odd)}, "odd.yaml"),
+        (broken, {}, "division by zero"),
+        (huge, {}, "too many digits"),
+        (odd, {}, "odd.yaml"),
+    ):
+        dialog.spawn(file, **fields)
+        state = dialog.outcome()
+        assert (state["status"], what in state["message"]) == ("refused", True), state["message"]
+    assert dialog.page.twin.state_sha256() == sha256
+    dialog.ask(do="Spawn", file=ROVER)
+    assert dialog.page.state
+    assert "unknown request" in dialog.page.messages[-1][1]
+
+
+def test_a_file_that_takes_too_long_is_ended_and_the_twin_goes_on_meanwhile(dialog, tmp_path, monkeypatch):
+    loops = '<xacro:macro name="m" params="n"><xacro:if value="${n > 0}">' + 2 * '<xacro:m n="${n - 1}"/>'
+    slow = xacro(tmp_path / "slow.xacro", loops + '</xacro:if></xacro:macro><xacro:m n="60"/><link name="a"/>')
+    monkeypatch.setattr(spawn_panel, "XacroTrial", lambda *given: XacroTrial(*given, longest=1.0))
+    dialog.spawn(slow)
+    dialog.look()
+    steps = dialog.page.twin.step_count
+    dialog.page.twin.advance_to(0.1)
+    assert dialog.page.twin.step_count > steps
+    assert dialog.page.state["panels"]["spawn"]["status"] == "reading"
+    dialog.spawn(ROVER, name="impatient")
+    assert "another robot is being spawned" in dialog.page.state["panels"]["spawn"]["message"]
+    while dialog.look()["status"] != "refused" or "xacro" not in dialog.look()["message"]:
+        time.sleep(0.02)
+    assert "xacro takes longer than 1 s to expand the file" in dialog.look()["message"]
+    monkeypatch.undo()
+    dialog.spawn(ROVER, name="after")
+    assert dialog.outcome()["status"] == "done"

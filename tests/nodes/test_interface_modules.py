@@ -1,0 +1,205 @@
+"""Message packages as modules: drake_twin's own and a workspace's."""
+
+import importlib.util
+import sys
+from importlib.abc import Loader, MetaPathFinder
+
+import pytest
+from interface_packages import folder_of, write_package
+
+from drake_twin import InputError
+from drake_twin.nodes.interfaces import Interfaces, from_wire, message_class, to_wire, type_name
+
+
+class Finder(MetaPathFinder, Loader):
+    """Puts the modules of a source under their own names."""
+
+    def __init__(self, source):
+        self.source = source
+
+    def find_spec(self, fullname, path=None, target=None):
+        module = self.source(fullname)
+        if module is None:
+            return None
+        spec = importlib.util.spec_from_loader(fullname, self, is_package=hasattr(module, "__path__"))
+        spec.loader_state = module
+        return spec
+
+    def create_module(self, spec):
+        return spec.loader_state
+
+    def exec_module(self, module):
+        pass
+
+
+@pytest.fixture
+def importable(monkeypatch):
+    """Returns a function that lets a source's modules be imported, until the test ends."""
+    before = set(sys.modules)
+    finders = []
+
+    def put(source):
+        finders.append(Finder(source))
+        sys.meta_path.insert(0, finders[-1])
+
+    yield put
+    for finder in finders:
+        sys.meta_path.remove(finder)
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def test_twins_own_types(importable):
+    importable(Interfaces().source)
+    from builtin_interfaces.msg import Duration, Time
+    from control_msgs.action import FollowJointTrajectory
+    from geometry_msgs.msg import Twist
+    from geometry_msgs.msg._twist import Twist as FromItsFile
+    from rcl_interfaces.msg import ParameterType
+    from std_srvs.srv import Trigger
+    from std_srvs.srv._trigger import Trigger_Response
+
+    assert Twist is FromItsFile is message_class("geometry_msgs/msg/Twist")
+    assert (Time(sec=3).nanosec, Duration(nanosec=5).sec) == (0, 0)
+    assert ParameterType.PARAMETER_DOUBLE == 3  # rcl_interfaces/msg/ParameterType.msg
+    assert Trigger.Response(success=True, message="x").message == "x"
+    assert Trigger.Response is Trigger_Response
+    assert (
+        FollowJointTrajectory.Result.PATH_TOLERANCE_VIOLATED == -4
+    )  # control_msgs/action/FollowJointTrajectory.action
+    assert FollowJointTrajectory.Goal().trajectory.points == []
+    assert type(FollowJointTrajectory.Impl.FeedbackMessage().feedback) is FollowJointTrajectory.Feedback
+    assert FollowJointTrajectory.Impl.SendGoalService.Request().goal == FollowJointTrajectory.Goal()
+    types = [type_name(each) for each in (Twist, Trigger, Trigger.Request, FollowJointTrajectory)]
+    assert types == [
+        "geometry_msgs/msg/Twist",
+        "std_srvs/srv/Trigger",
+        "std_srvs/srv/Trigger_Request",
+        "control_msgs/action/FollowJointTrajectory",
+    ]
+    for each in (Trigger, FollowJointTrajectory):  # rosidl_generator_py/resource/_srv.py.em, _action.py.em: __init__
+        with pytest.raises(NotImplementedError, match="can not be instantiated"):
+            each()
+    with pytest.raises(TypeError):
+        type_name(int)
+    with pytest.raises(ImportError):
+        from std_srvs.srv import Trigger_Request  # noqa: F401
+    with pytest.raises(ImportError):
+        from geometry_msgs.msg import Twits  # noqa: F401
+    with pytest.raises(ModuleNotFoundError):
+        import geometry_msgs.msg._twits  # noqa: F401
+
+
+def test_star_imports_give_all_names(importable):
+    importable(Interfaces().source)
+    names = {}
+    exec("from std_srvs.srv import *", names)
+    assert {"Empty", "SetBool", "Trigger"} <= names.keys()
+    assert not [name for name in names if name.endswith("_Request")]
+
+
+@pytest.fixture
+def workspace(tmp_path):
+    """A package with Python modules and interfaces, which needs types of another one, and of drake_twin."""
+    robot = write_package(
+        tmp_path,
+        "some_robot",
+        msg={"Wheel": "other_msgs/Speed speed\nstd_msgs/Header header\nSide side", "Side": "bool left true"},
+        srv={"Turn": "Wheel[] wheels\n---\nbool success\n"},
+        action={"Drive": "float64 distance\n---\nuint8 OK=1\nuint8 code\n---\nWheel[2] wheels\n"},
+    )
+    inner = robot / "some_robot"
+    inner.mkdir()
+    (inner / "__init__.py").write_text("origin = 'user'\n")
+    (inner / "module.py").write_text("from some_robot.msg import Wheel\ny = Wheel()\n")
+    other = write_package(tmp_path, "other_msgs", msg={"Speed": "float64 value 1.5 # m/s\n"})
+    return robot, other
+
+
+def test_a_package_with_python_modules_and_messages(workspace, importable, monkeypatch):
+    robot, other = workspace
+    importable(Interfaces(folder_of(robot, other)).source)
+    monkeypatch.syspath_prepend(str(robot))
+    from other_msgs.msg import Speed
+    from some_robot import origin
+    from some_robot.action import Drive
+    from some_robot.module import y
+    from some_robot.msg import Wheel
+    from some_robot.srv import Turn
+
+    assert origin == "user"
+    assert type(y) is Wheel
+    assert y.speed == Speed(value=1.5)
+    assert y.side.left is True
+    assert Drive.Result.OK == 1
+    sent = Turn.Request(wheels=[Wheel(), Wheel()])
+    assert from_wire("some_robot/srv/Turn_Request", to_wire(sent)) == sent
+    assert len(Drive.Feedback().wheels) == 2
+
+
+def test_nothing_is_left_behind(workspace):
+    before = dict(sys.modules)
+    source = Interfaces(folder_of(*workspace)).source
+    assert source("other_msgs.msg").Speed().value == 1.5
+    assert source("geometry_msgs").__path__ == []
+    assert {
+        name for name in sys.modules if name not in before and not name.startswith(("drake_twin", "rosbags"))
+    } == set()
+
+
+def test_other_modules_are_left_alone(workspace):
+    robot, other = workspace
+    source = Interfaces(folder_of(robot, other)).source
+    for name in ("numpy", "some_robot", "some_robot.module", "geometry_msgs.other", "other_msgs.srv", "nowhere.msg"):
+        assert source(name) is None, name
+    assert source("other_msgs").__path__ == []
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({"msg": {"A": "int32 a\n\nfloat 3 x\n"}}, "msg/A.msg:3: 'float 3 x' is neither a field (TYPE NAME) nor a"),
+        ({"msg": {"A": "int32 a\nNope b # c\n"}}, "msg/A.msg:2: type bad_{}/msg/Nope does not exist."),
+        ({"msg": {"A": "wstring b\n"}}, "msg/A.msg:1: wstring is not supported."),
+        ({"msg": {"A": "B b\n", "B": "int32 x y z\n"}}, "msg/B.msg:1: wrong default value: x: 'y z' is not a int32."),
+        ({"msg": {"A": "int32 a\n---\n"}}, "msg/A.msg: a msg file needs 0 lines of ---, but it has 1."),
+        ({"srv": {"A": "int32 a\n"}}, "srv/A.srv: a srv file needs 1 lines of ---, but it has 0."),
+        ({"action": {"A": "int32 a\n---\nint32 b\n"}}, "action/A.action: a action file needs 2 lines of ---"),
+        ({"msg": {"A": "\nint32[3] a [1, 2]\n"}}, "msg/A.msg:2: wrong default value: a: 2 elements, but 3 are needed."),
+    ],
+)
+def test_errors_name_file_and_line(tmp_path, files, message):
+    name = f"bad_{tmp_path.name}"
+    package = write_package(tmp_path, name, **files)
+    (kind,) = files
+    module = Interfaces(folder_of(package)).source(f"{name}.{kind}")
+    with pytest.raises(InputError) as refusal:
+        _ = module.A
+    expected = message.replace("bad_{}", name)
+    assert expected in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+    assert str(refusal.value).startswith(str(package))
+
+
+def test_a_file_that_cannot_be_read(tmp_path):
+    package = write_package(tmp_path, "bad_bytes_msgs", msg={"A": ""})
+    (package / "msg" / "A.msg").write_bytes(b"int32 a # \xff\n")
+    with pytest.raises(InputError, match=r"A.msg: the file cannot be read"):
+        _ = Interfaces(folder_of(package)).source("bad_bytes_msgs.msg").A
+
+
+def test_another_workspaces_definition_is_refused(tmp_path):
+    first = write_package(tmp_path / "first", "twice_msgs", msg={"A": "int32 a\n"})
+    second = write_package(tmp_path / "second", "twice_msgs", msg={"A": "int64 a\n"})
+    made = Interfaces(folder_of(first)).source("twice_msgs.msg").A
+    assert Interfaces(folder_of(first)).source("twice_msgs.msg").A is made
+    with pytest.raises(InputError, match=r"second.*A.msg: twice_msgs/msg/A is defined differently in .*first.*A.msg"):
+        _ = Interfaces(folder_of(second)).source("twice_msgs.msg").A
+
+
+def test_drake_twins_own_definition_counts(tmp_path, caplog):
+    package = write_package(tmp_path, "geometry_msgs", msg={"Point": "float32 x\n", "Own": "Point point\n"})
+    module = Interfaces(folder_of(package)).source("geometry_msgs.msg")
+    assert module.Own().point == message_class("geometry_msgs/msg/Point")()
+    assert module.Point is message_class("geometry_msgs/msg/Point")
+    assert caplog.text.count("drake_twin has geometry_msgs/msg/Point with other fields, which count") == 1

@@ -1,0 +1,62 @@
+"""Node programs find the packages of their workspace, with their messages and their files."""
+
+from interface_packages import write_package
+from node_scripts import run_script
+
+from drake_twin.nodes.package_folders import PackageFolders
+from drake_twin.ros2.ament_index_python.packages import PackageNotFoundError
+
+
+def test_a_workspace(tmp_path, capsys):
+    package = write_package(tmp_path / "src", "some_rover", msg={"Mode": "uint8 FAST=2\nuint8 mode 1\n"})
+    (package / "some_rover").mkdir()
+    (package / "some_rover" / "__init__.py").write_text("")
+    (package / "some_rover" / "modes.py").write_text("from some_rover.msg import Mode\nfast = Mode(mode=Mode.FAST)\n")
+    (package / "config").mkdir()
+    (package / "config" / "speeds.yaml").write_text("fast: 2\n")
+    scripts = package / "scripts"
+    scripts.mkdir()
+    text = """
+import os
+import rclpy
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix, get_package_share_directory
+from rclpy.node import Node
+from some_rover.modes import fast
+from some_rover.msg import Mode
+
+share = get_package_share_directory("some_rover")
+print(open(os.path.join(share, "config", "speeds.yaml")).read().strip())
+assert os.path.samefile(os.path.join(get_package_prefix("some_rover"), "share", "some_rover"), share)
+try:
+    get_package_share_directory("nowhere_to_be_found")
+except PackageNotFoundError as error:
+    print("absent", isinstance(error, KeyError))
+rclpy.init()
+node = Node("modes")
+heard = []
+node.create_subscription(Mode, "mode", heard.append, 3)
+publisher = node.create_publisher(Mode, "mode", 3)
+publisher.publish(fast)
+while not heard:
+    rclpy.spin_once(node)
+print("heard", heard[0])
+"""
+    assert run_script(scripts, text) == ""
+    lines = capsys.readouterr().out.splitlines()
+    assert "fast: 2" in lines
+    assert "absent True" in lines
+    assert "heard some_rover.msg.Mode(mode=2)" in lines
+
+
+def test_a_wrong_file_is_told_with_its_line(tmp_path):
+    package = write_package(tmp_path / "src", "wrong_rover_msgs", msg={"Mode": "uint8 fine\nuint9 wrong\n"})
+    found = run_script(package, "from wrong_rover_msgs.msg import Mode\n", 0.1)
+    assert f"{package}/msg/Mode.msg:2: " in found
+    assert "uint9" in found
+    assert f"{package}/script.py:1" in found
+
+
+def test_other_modules_are_left_alone():
+    folders = PackageFolders({}.get)
+    assert folders.source("ament_index_python.other") is None
+    assert folders.source("ament_index_python").PackageNotFoundError is PackageNotFoundError

@@ -1,0 +1,150 @@
+"""The table of a sweep: written whole, read again, and continued where it was left."""
+
+import json
+from math import isnan, nan
+
+import pytest
+from sweep_files import hinge_scenario
+
+from drake_twin.errors import InputError
+from drake_twin.sweeps.episode import Sweep, failed
+from drake_twin.sweeps.report import report, sensitivities
+from drake_twin.sweeps.results import Results, check_format, read_table, write_table
+from drake_twin.sweeps.variation import Design, Variation
+
+
+@pytest.fixture
+def sweep(tmp_path):
+    vary = map(Variation.parse, ("hinge.arm.mass=1:4:4", "hinge.args.size=small,1"))
+    return Sweep.of(hinge_scenario(tmp_path), Design(tuple(vary), seeds=(0, 3)), 1.0)
+
+
+def done(sweep):
+    """Made-up rows of all episodes, the last one an error."""
+    *most, last = sweep.design.episodes()
+    rows = [
+        {**failed(sweep, episode, ""), "speed": episode.values["hinge.arm.mass"] ** 2 + episode.seed, "outcome": "done"}
+        for episode in most
+    ]
+    rows[3]["speed"] = nan
+    return [*rows, failed(sweep, last, "a reason, with a comma\nand a line")]
+
+
+def comparable(rows):
+    def value(item):
+        return "nan" if isinstance(item, float) and isnan(item) else item
+
+    return [{key: value(item) for key, item in row.items() if item is not None} for row in rows]
+
+
+@pytest.mark.parametrize("suffix", ["parquet", "csv", "jsonl"])
+def test_a_table_is_read_as_it_was_written_in_the_order_of_its_episodes(sweep, tmp_path, suffix):
+    file = tmp_path / f"t.{suffix}"
+    rows = done(sweep)
+    for row in rows:
+        row["hinge.args.size"] = str(row["hinge.args.size"])  # a column is text or numbers
+    write_table(file, sweep.definition, reversed(rows))
+    definition, read = read_table(file)
+    assert definition == json.loads(json.dumps(sweep.definition))
+    assert comparable(read) == comparable(rows)
+
+
+def test_other_programs_read_it(sweep, tmp_path):
+    pyarrow = pytest.importorskip("pyarrow.parquet")
+    write_table(tmp_path / "t.parquet", sweep.definition, done(sweep))
+    table = pyarrow.read_table(tmp_path / "t.parquet")
+    assert table.schema.names == [
+        *("episode", "id", "hinge.arm.mass", "hinge.args.size", "seed", "speed"),
+        *("outcome", "reason", "simulated", "wall_time", "state_sha256", "version"),
+    ]
+    assert table.column("speed").null_count == 1  # of the episode that failed
+
+
+def test_two_sweeps_do_not_write_one_file(sweep, tmp_path):
+    first = Results(tmp_path / "t.csv", sweep)
+    with pytest.raises(InputError, match="another sweep writes this file"):
+        Results(tmp_path / "t.csv", sweep)
+    first.close()
+    assert Results(tmp_path / "t.csv", sweep).rows == {}
+
+
+def test_a_process_that_was_killed_leaves_rows_to_continue_from(sweep, tmp_path):
+    file, rows = tmp_path / "t.csv", done(sweep)
+    journal = tmp_path / "t.csv.journal"
+    lines = [json.dumps({"drake_twin_sweep": sweep.definition}), *map(json.dumps, rows[:5])]
+    journal.write_text("\n".join(lines)[:-7])
+    results = Results(file, sweep)
+    assert comparable(results.rows.values()) == comparable(rows[:4])
+    for row in (*rows, *rows):
+        results.add(row)
+    assert [json.loads(line).get("episode") for line in journal.read_text().splitlines()] == [None, *range(16)]
+    results.close()
+    assert not journal.exists()
+    assert len(read_table(file)[1]) == len(rows) == 16
+    assert len(Results(file, sweep).rows) == 16
+
+
+def test_a_table_and_its_journal_are_one(sweep, tmp_path):
+    """A kill between the writing of the table and the removal of the journal leaves both."""
+    file, rows = tmp_path / "t.csv", done(sweep)
+    write_table(file, sweep.definition, rows[:6])
+    lines = [json.dumps({"drake_twin_sweep": sweep.definition}), *map(json.dumps, rows[4:9])]
+    (tmp_path / "t.csv.journal").write_text("\n".join(lines) + "\n")
+    assert sorted(row["episode"] for row in Results(file, sweep).rows.values()) == list(range(9))
+
+
+def test_a_file_of_another_sweep_is_refused_and_replaced_by_force(sweep, tmp_path):
+    file = tmp_path / "t.parquet"
+    other = Sweep(sweep.yaml, sweep.design, 2.0, version="drake_twin 0")
+    write_table(file, other.definition, [])
+    with pytest.raises(InputError, match=r"of another sweep \(version, duration differ\)"):
+        Results(file, sweep)
+    assert Results(file, sweep, force=True).rows == {}
+
+
+@pytest.mark.parametrize("suffix", ["parquet", "csv", "jsonl"])
+def test_a_damaged_table_is_refused(sweep, tmp_path, suffix):
+    file = tmp_path / f"t.{suffix}"
+    write_table(file, sweep.definition, done(sweep))
+    data = file.read_bytes()
+    file.write_bytes(data[:20] + data[40 : len(data) // 2])
+    with pytest.raises(InputError, match="not the table of a sweep, or it is damaged"):
+        Results(file, sweep)
+
+
+def test_a_damaged_journal_is_refused(sweep, tmp_path):
+    lines = [json.dumps({"drake_twin_sweep": sweep.definition}), "{nonsense", json.dumps(done(sweep)[0])]
+    (tmp_path / "t.csv.journal").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match="the journal is damaged"):
+        Results(tmp_path / "t.csv", sweep)
+
+
+def test_unknown_formats_and_folders_are_refused(tmp_path):
+    with pytest.raises(InputError, match=r"unknown format. Did you mean '.parquet'"):
+        check_format(tmp_path / "t.parqet")
+    with pytest.raises(InputError, match="no file can be written there"):
+        check_format(tmp_path / "nowhere" / "t.csv")
+
+
+def test_without_pyarrow_parquet_is_refused_and_csv_is_not(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+    with pytest.raises(InputError, match=r"pip install 'drake-twin\[sweep\]'.*\.csv"):
+        check_format(tmp_path / "t.parquet")
+    check_format(tmp_path / "t.csv")
+
+
+def test_sensitivities_are_rank_correlations(sweep):
+    """Of y = x² + seed and values that are spread alike, by hand: the ranks of x and y agree up to ties."""
+    rows = [{"x": x, "y": x**2, "z": -x, "w": 1.0, "episode": 0, "seed": 0} for x in (1.0, 2.0, 5.0, 9.0)]
+    found = sensitivities({"vary": [["x", [1, 2]]]}, rows)
+    assert found == {("x", "y"): pytest.approx(1.0), ("x", "z"): pytest.approx(-1.0)}
+    shuffled = [{"x": x, "y": y} for x, y in ((1, 2), (2, 1), (3, 4), (4, 3), (5, 5))]
+    assert sensitivities({"vary": [["x", []]]}, shuffled)["x", "y"] == pytest.approx(1 - 6 * 4 / (5 * 24))
+
+
+def test_a_report_says_what_came_out_and_which_rows_are_best(sweep):
+    text = report(json.loads(json.dumps(sweep.definition)), done(sweep))
+    assert "16 rows: 15 done, 1 error" in text
+    assert "largest 16           row 12: hinge.arm.mass=4, hinge.args.size=small, seed 0" in text
+    assert "speed: least 1, median" in text
+    assert "error in 1 rows: a reason" in text

@@ -1,0 +1,146 @@
+"""What may be varied: paths into a scenario, and how their values are written."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+from sweep_files import hinge_scenario
+
+from drake_twin import Twin
+from drake_twin.errors import InputError
+from drake_twin.sweeps.variation import Design, Variation, with_value
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    return hinge_scenario(tmp_path)
+
+
+def test_a_path_sets_one_entry_of_the_scenario(scenario):
+    def robot(path, value):
+        return with_value(scenario, path, value).robots[0]
+
+    assert with_value(scenario, "gravity", 3.7).world.gravity == (0, 0, -3.7)
+    assert with_value(scenario, "ground_friction", 0.4).world.ground_friction == 0.4
+    assert with_value(scenario, "time_step", 0.002).time_step == 0.002
+    assert with_value(scenario, "friction", 0.4).values == {"friction": 0.4}
+    assert with_value(scenario, "hinge.arm.mass", 2.0).values == {"hinge.arm.mass": 2.0}
+    assert with_value(scenario, "hinge.payload", 2.0).values == {"hinge.payload": 2.0}
+    assert robot("hinge.z", 0.5).xyz == (0, 0, 0.5)
+    assert robot("hinge.pitch", 0.1).rpy == (0, 0.1, 0)
+    assert robot("hinge.friction", 0.3).friction == 0.3
+    assert robot("hinge.hinge.friction", 0.3).joint_friction == {"hinge": 0.3}
+    assert robot("hinge.hinge.position", 0.3).initial_positions == {"hinge": 0.3}
+    assert robot("hinge.args.size", "small").xacro_args == {"size": "small"}
+    assert robot("hinge.args.length", 2.0).xacro_args == {"length": "2"}
+    assert robot("hinge.velocity.command_timeout", 0.5).controller_parameters == {"velocity": {"command_timeout": 0.5}}
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "changed"),
+    [("hinge.velocity.command_timeout", 0.05, True), ("hinge.hinge.friction", 40.0, True), ("gravity", 0.0, False)],
+)
+def test_what_needs_a_build_is_built_by_a_reset_to_the_same_bits(scenario, path, value, changed):
+    varied = with_value(scenario, path, value)
+    twin, fresh = Twin(scenario), Twin(varied)
+    first = twin.diagram
+    twin.advance_to(0.5)
+    plain = twin.robot_state("hinge").positions
+    twin.reset(varied)
+    assert twin.diagram is not first
+    for each in (twin, fresh):
+        each.advance_to(0.5)
+    assert twin.state_sha256() == fresh.state_sha256()
+    assert (twin.robot_state("hinge").positions != plain) is changed  # the axis is vertical: no gravity acts
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("friction=0.3:1.0:8", (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)),
+        ("a.b.mass=1,2.5, 3e0", (1.0, 2.5, 3.0)),
+        ("a.args.size=small,large", ("small", "large")),
+        ("a.z=-1:1:3", (-1.0, 0.0, 1.0)),
+    ],
+)
+def test_lists_and_ranges(text, values):
+    parsed = Variation.parse(text).values
+    assert parsed == values if isinstance(values[0], str) else parsed == pytest.approx(values)
+
+
+@pytest.mark.parametrize(
+    ("text", "distribution"),
+    [
+        ("x=uniform(0.2,0.9)", stats.uniform(0.2, 0.7)),
+        ("x=normal(3,0.5)", stats.norm(3, 0.5)),
+        ("x=loguniform(0.01,10)", stats.loguniform(0.01, 10)),
+    ],
+)
+def test_samples_have_the_distribution_that_is_asked_for(text, distribution):
+    values = Design((Variation.parse(text),), samples=256).values()["x"]
+    assert stats.kstest(values, distribution.cdf).statistic < 0.02  # of Sobol's points; random ones have 0.08
+    assert values == Design((Variation.parse(text),), samples=256).values()["x"]
+
+
+def test_a_design_has_each_combination_once_with_its_number():
+    design = Design(
+        (Variation.parse("a=1,2"), Variation.parse("b=uniform(0,1)"), Variation.parse("c=x,y,z")), 4, (0, 1, 2)
+    )
+    episodes = list(design.episodes())
+    assert len(episodes) == len(design) == 2 * 4 * 3 * 3
+    assert [episode.number for episode in episodes] == list(range(72))
+    assert {(*episode.values,) for episode in episodes} == {("a", "b", "c")}
+    counts = Counter((*episode.values.values(), episode.seed) for episode in episodes)
+    assert set(counts.values()) == {1}
+    drawn = {episode.values["b"] for episode in episodes}
+    assert sorted(np.floor(np.array(sorted(drawn)) * 4)) == [0, 1, 2, 3]
+
+
+def test_an_episodes_scenario_has_its_values_and_its_seed(scenario):
+    (_, episode) = Design((Variation.parse("hinge.payload=2"),), seeds=(0, 7)).episodes()
+    assert episode.scenario(scenario) == replace(scenario, values={"hinge.payload": 2.0}, seed=7)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("friction", "it must read PATH=VALUES"),
+        ("friction=", "it must read PATH=VALUES"),
+        ("friction=0:1:1", "needs two values or more"),
+        ("friction=0:1:1000000000", "a million values at most"),
+        ("friction=unifrom(0,1)", "Did you mean 'uniform(a,b)'"),
+        ("friction=uniform(1,0)", "the first number must be less"),
+        ("friction=normal(1,0)", "standard deviation 0 is not above zero"),
+        ("friction=loguniform(0,1)", "has no logarithm"),
+        ("friction=1,,2", "a value is missing"),
+        ("friction=1,nan", "not a finite number"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text, message):
+    with pytest.raises(InputError) as refused:
+        Variation.parse(text)
+    assert message in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ("frictoin", 1.0, "Did you mean 'friction'"),
+        ("hing.payload", 1.0, "nothing of this name to vary. Valid: friction, ground_friction, gravity"),
+        ("hinge.payloda", 1.0, "Did you mean 'hinge.payload'"),
+        ("hinge.arm.mass", "heavy", "'heavy' is not a number"),
+        ("time_step", -1.0, "-1 s is not positive"),
+        ("hinge.friction", -1.0, "-1 is below zero"),
+    ],
+)
+def test_a_path_or_a_value_that_does_not_fit_is_refused(scenario, path, value, message):
+    with pytest.raises(InputError) as refused:
+        with_value(scenario, path, value)
+    assert message in str(refused.value)
+
+
+def test_a_path_given_twice_is_refused():
+    with pytest.raises(InputError, match="--vary friction is given twice"):
+        Design((Variation.parse("friction=1,2"), Variation.parse("friction=3,4")))

@@ -1,0 +1,216 @@
+"""The graph over DDS: its formats, and a running twin against eProsima Fast DDS."""
+
+import logging
+import os
+import threading
+from dataclasses import dataclass
+from itertools import pairwise
+
+import pytest
+from conftest import ROVER, rovers
+from rosbags.typesys import Stores, get_typestore
+from wires.fast_dds_peer import fast_dds_peer
+from wires.ros_client import while_running
+
+from drake_twin import Robot
+from drake_twin.errors import InputError
+from drake_twin.messages import float64_multi_array
+from drake_twin.messages.interface_types import serialize
+from drake_twin.services.graph import connect
+from drake_twin.twin.recording import replay
+from drake_twin.wires.dds_wire import DdsWire
+from drake_twin.wires.rmw_dds_format import GRAPH_TYPE, NodeEndpoints, endpoint_data, graph_message, topic_name
+from drake_twin.wires.ros_names import dds_type
+
+pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
+
+JAZZY = get_typestore(Stores.ROS2_JAZZY)
+DOMAIN = 100 + int(os.environ.get("PYTEST_XDIST_WORKER", "gw0")[2:])
+STATES, COMMANDS = "/robot_1/joint_states", "/robot_1/forward_velocity_controller/commands"
+STATE, ARRAY, STRING = (
+    dds_type(f"{name}")
+    for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Float64MultiArray", "std_msgs/msg/String")
+)
+
+
+@pytest.fixture
+def twin():
+    with rovers(2).build() as twin:
+        seam = connect(twin, [DdsWire(DOMAIN)])
+        try:
+            yield twin
+        finally:
+            seam.close()
+
+
+def states(peer, count):
+    found = [JAZZY.deserialize_cdr(data, "sensor_msgs/msg/JointState") for data in peer.messages(count, STATES)]
+    return [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in found]
+
+
+def test_names_and_user_data():
+    """As in ROS 2's "Topic and Service name mapping to DDS", and rmw_dds_common's qos.hpp."""
+    assert topic_name("/robot_1/joint_states") == "rt/robot_1/joint_states"
+    assert endpoint_data("RIHS01_ab") == b"typehash=RIHS01_ab;"
+    assert endpoint_data("") == b""
+
+
+def test_the_graphs_bytes_are_those_of_cyclonedds_own_serializer():
+    from cyclonedds.idl import IdlStruct
+    from cyclonedds.idl.types import array, bounded_str, sequence, uint8
+
+    @dataclass
+    class Gid(IdlStruct, typename="Gid"):
+        data: array[uint8, 16]
+
+    @dataclass
+    class Node(IdlStruct, typename="Node"):
+        node_namespace: bounded_str[256]
+        node_name: bounded_str[256]
+        reader_gid_seq: sequence[Gid]
+        writer_gid_seq: sequence[Gid]
+
+    @dataclass
+    class Info(IdlStruct, typename="Info"):
+        gid: Gid
+        node_entities_info_seq: sequence[Node]
+
+    first, second, third = (bytes(range(start, start + 16)) for start in (0, 16, 32))
+    nodes = [Node("/robot_1", "tf", [Gid([*second])], [Gid([*third]), Gid([*first])]), Node("/", "clock", [], [])]
+    expected = Info(Gid([*first]), nodes)
+    found = graph_message(first, {"/robot_1/tf": NodeEndpoints((second,), (third, first)), "/clock": NodeEndpoints()})
+    assert found == expected.serialize(use_version_2=False)
+
+
+def test_joint_states_come_without_a_gap(twin):
+    with fast_dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.subscribe(STATES, STATE)
+            return states(peer, 201)
+
+        stamps = while_running(twin, work)
+    assert {after - before for before, after in pairwise(stamps[1:])} == {10_000_000}
+
+
+def test_a_late_joiner_gets_the_description(twin):
+    twin.advance_to(0.3)
+    topic = "/robot_1/robot_description"
+    with fast_dds_peer(DOMAIN) as peer:
+        peer.subscribe(topic, STRING, "latched")
+        (data,) = peer.messages(1, topic)
+    assert JAZZY.deserialize_cdr(data, "std_msgs/msg/String").data == twin.latest(topic).data
+
+
+def test_the_graph_names_the_nodes_and_their_endpoints(twin):
+    with fast_dds_peer(DOMAIN) as peer:
+        peer.do(f"sub ros_discovery_info {dds_type(GRAPH_TYPE)} latched")
+        data = bytes.fromhex(peer.wait(1, "heard", "ros_discovery_info")[-1][2])
+        writers = {line[1]: line for line in peer.wait(len(twin.topics()) - 2, "writer")}
+        (reader,) = peer.wait(1, "reader", f"rt{COMMANDS}")
+    message = JAZZY.deserialize_cdr(data, GRAPH_TYPE)
+    nodes = {f"{node.node_namespace.rstrip('/')}/{node.node_name}": node for node in message.node_entities_info_seq}
+    assert {"/robot_1/robot_state_publisher", "/robot_1/joint_state_broadcaster"} <= nodes.keys()
+    assert {"/robot_2/forward_velocity_controller", "/drake_twin"} <= nodes.keys()
+    _, _, kind, user_data, guid = writers[f"rt{STATES}"]
+    assert (kind, user_data) == (STATE, f"typehash={_hash('sensor_msgs/msg/JointState')};")
+    gids = [bytes(gid.data.tolist()).hex() for gid in nodes["/robot_1/joint_state_broadcaster"].writer_gid_seq]
+    assert guid in gids
+    (gid,) = nodes["/robot_1/forward_velocity_controller"].reader_gid_seq
+    assert reader[4] == bytes(gid.data.tolist()).hex()
+
+
+def _hash(kind):
+    return JAZZY.hash_rihs01(kind)
+
+
+def test_commands_are_recorded_and_replayed(twin):
+    twin.record()
+    with fast_dds_peer(DOMAIN) as peer:
+
+        def work():
+            peer.subscribe(STATES, STATE)
+            states(peer, 10)
+            for _ in range(10):  # the first may come before the twin's reader knows the writer
+                peer.publish(COMMANDS, ARRAY, serialize(float64_multi_array([3.0] * 4)))
+                states(peer, len(states(peer, 1)) + 10)
+
+        while_running(twin, work)
+    assert list(twin.command(COMMANDS).data) == [3.0] * 4
+    assert twin.robot_state("robot_1").base_pose[0] > 0.005
+    with replay(twin.recording()) as again:
+        assert again.state_sha256() == twin.state_sha256()
+
+
+def test_nobody_listens_and_nothing_is_evaluated(twin):
+    with fast_dds_peer(DOMAIN) as peer:
+        peer.wait(1, "writer", f"rt{STATES}")
+        twin.advance_to(0.2)
+        assert all(item.is_latched for item in twin._session.subscriptions._items)
+        while_running(twin, lambda: (peer.subscribe(STATES, STATE), states(peer, 3)))
+        assert not all(item.is_latched for item in twin._session.subscriptions._items)
+
+
+def test_the_same_run_with_and_without_has_the_same_state(twin):
+    with rovers(2).build() as alone:
+        twin.advance_to(0.5)
+        alone.advance_to(0.5)
+        assert twin.state_sha256() == alone.state_sha256()
+
+
+def test_spawns_and_deletes_leave_nothing(twin):
+    """Of twenty robots that come and go no writer, reader or thread is left."""
+    before = set(threading.enumerate())
+    wire = twin.inbox.looks[0].__self__._wires[0]
+    counts = len(wire._senders), len(wire._listeners)
+    for _ in range(20):
+        twin.spawn(Robot("guest", ROVER, xyz=(0, -3, 0.13)))
+        twin.advance_to(twin.time + 0.02)
+        assert len(wire._senders) > counts[0]
+        twin.delete("guest")
+        twin.advance_to(twin.time + 0.02)
+    assert (len(wire._senders), len(wire._listeners)) == counts
+    assert set(threading.enumerate()) == before
+
+
+def test_bytes_that_are_no_message_are_one_line_of_the_log(twin, caplog):
+    with fast_dds_peer(DOMAIN) as peer, caplog.at_level(logging.WARNING):
+
+        def work():
+            peer.subscribe(STATES, STATE)
+            for data in (
+                b"\0\1\0\0" + b"\xff" * 40,
+                b"\0",
+                b"\0\1\0\0" + os.urandom(100),
+                b"\0\1\0\0" + bytes(2 << 20),
+            ):
+                peer.publish(COMMANDS, ARRAY, data)
+            states(peer, len(states(peer, 1)) + 20)
+
+        while_running(twin, work)
+    lines = {line for line in caplog.messages if line.startswith(COMMANDS)}
+    assert len(lines) <= 3
+    assert len([line for line in caplog.messages if line.startswith(COMMANDS)]) == len(lines)
+    assert twin.command(COMMANDS) is None
+
+
+def test_a_peer_that_stops_to_read_does_not_stop_the_simulation(twin):
+    with fast_dds_peer(DOMAIN) as peer:
+        while_running(twin, lambda: (peer.subscribe(STATES, STATE), states(peer, 5)))
+        peer.stop_reading()
+        start = twin.time
+        twin.advance_to(start + 5.0)
+        assert twin.time == pytest.approx(start + 5.0)
+
+
+def test_services_are_said_to_be_zenohs_once(caplog):
+    with rovers(1).build() as twin:
+        connect(twin, [DdsWire(DOMAIN)]).close()
+    assert [line for line in caplog.messages if "not offered over DDS" in line] == [
+        "services and actions are not offered over DDS: --ros zenoh offers them"
+    ]
+
+
+def test_an_address_that_is_not_here():
+    with pytest.raises(InputError, match=r"domain 3 cannot be opened on 203\.0\.113\.5"):
+        DdsWire(3, "203.0.113.5")
