@@ -119,7 +119,7 @@ def _drawn(
     """Return Matplotlib's figure, and the metrics and the values that can be drawn.
 
     Raises:
-        InputError: If Matplotlib is missing, or there is no metric, or less than the least number of values.
+        InputError: If Matplotlib is missing, without a metric, or with fewer values than the least number.
     """
     try:
         from matplotlib.figure import Figure

@@ -154,7 +154,7 @@ class Recorder:
         for listener in self.listeners:
             listener(name, arguments)
 
-    def keep(self, name: str, *arguments: Any, **named: Any) -> int | None:
+    def keep(self, name: str, /, *arguments: Any, **named: Any) -> int | None:
         """Record a call.
 
         Returns:

@@ -188,7 +188,11 @@ def test_edits_are_those_of_the_twin_and_undo_returns_to_the_moment_before_each(
     before = twin.state_sha256()
     do(it, "Look", version=0, node="model:ramp::ramp")
     details = it.state["panels"]["world"]["details"]["model:ramp::ramp"]
-    assert (details["edits"], details["xyz"], details["rpy"]) == (["Place", "Remove"], [1, 2, 0.05], [0, 0, 0])
+    assert (details["edits"], details["xyz"], details["rpy"]) == (
+        ["Place", "Duplicate", "Remove"],
+        [1, 2, 0.05],
+        [0, 0, 0],
+    )
     do(it, "Place", entity="ramp", xyz=[3, 3, 0.05], rpy=[0, 0, 0.5])
     assert twin.world_file.models[0].pose.xyz == (3, 3, 0.05)
     do(it, "Remove", entity="crate")
@@ -198,8 +202,18 @@ def test_edits_are_those_of_the_twin_and_undo_returns_to_the_moment_before_each(
     first, second = (twin.entity_state(name).position for name in twin.robots)
     assert second[1] - first[1] > 0.5  # the rover is 0.47 m wide
     assert twin.plans[1].robot.topic_namespace == "/rover_2"
+    do(it, "Duplicate", entity="ramp")
+    assert [(model.name, model.pose.xyz) for model in twin.world_file.models] == [
+        ("ramp_2", (3, 4, 0.05)),
+        ("ramp", (3, 3, 0.05)),
+    ]
     twin.advance_to(1.0)
-    for what in ("duplicate rover at 0.50 s", "delete crate at 0.50 s", "move ramp at 0.50 s"):
+    for what in (
+        "duplicate ramp at 0.50 s",
+        "duplicate rover at 0.50 s",
+        "delete crate at 0.50 s",
+        "move ramp at 0.50 s",
+    ):
         assert it.state["panels"]["world"]["undo"] == what
         do(it, "Undo")
     assert it.state["panels"]["world"]["undo"] == ""
