@@ -3,6 +3,7 @@
 import contextlib
 import json
 import threading
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import read_as
 from drake_twin.cockpit.robot_files import robot_files
+from drake_twin.cockpit.robot_picture import RobotPicture
 from drake_twin.cockpit.xacro_trial import XacroTrial
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Vector3
@@ -24,6 +26,7 @@ from drake_twin.twin.twin import Twin
 
 _PATIENCE = 60  # snapshots, about 4 s, for which a dialog is given data without asking again
 _CLEARANCE = 0.001  # m above the ground
+_REPEATS = 4  # snapshots with the same picture: a slow browser skips some
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,22 @@ class Spawn:
     controllers: str
 
 
-_REQUESTS = {kind.__name__: kind for kind in (Look, Spawn)}
+@dataclass(frozen=True)
+class Preview:
+    """Draw a robot.
+
+    Attributes:
+        key: Names the request in its picture.
+        file: Its file.
+        arguments: Its xacro arguments, as a JSON object of texts.
+    """
+
+    key: str
+    file: str
+    arguments: str
+
+
+_REQUESTS = {kind.__name__: kind for kind in (Look, Spawn, Preview)}
 
 
 @panel("spawn", Path(__file__).with_name("static") / "spawn_panel.js")
@@ -78,11 +96,14 @@ class SpawnPanel:
         self._search: threading.Thread | None = None
         self._trial: tuple[XacroTrial | None, Spawn, Robot] | None = None
         self._outcome = {"key": "", "status": "", "message": ""}
+        self._drawing: tuple[RobotPicture, str] | None = None
+        self._pictures: deque[dict[str, str]] = deque()  # once for each snapshot that a picture is still sent with
 
     def state(self) -> dict[str, Any] | None:
         """Return the robots to choose from, the file's arguments, and the last spawn; None while nobody looks."""
         self._left = max(0, self._left - 1)
         if not self._left:
+            self._cancel_drawing()
             return None
         here = dict.fromkeys(robot.model for robot in self._twin.scenario.robots)
         return {
@@ -90,8 +111,14 @@ class SpawnPanel:
             "files": self._files,
             "file": self._file,
             "arguments": self._arguments,
+            "preview": self._pictures.popleft() if self._pictures else None,
             **self._outcome,
         }
+
+    def watch(self, is_watched: bool) -> None:
+        """Draw nothing while no browser is connected."""
+        if not is_watched:
+            self._cancel_drawing()
 
     def ask(self, data: Any) -> None:
         """Do what a tab asks; what is wrong with a spawn is part of the state.
@@ -106,6 +133,13 @@ class SpawnPanel:
             case Spawn():
                 self._left = _PATIENCE
                 self._try(lambda: self._begin(request), request.key)
+            case Preview(key, file, arguments):
+                self._left = _PATIENCE
+                self._cancel_drawing()
+                try:
+                    self._drawing = RobotPicture(file, _texts(arguments), self._twin.scenario.package_paths), key
+                except InputError as error:
+                    self._show(key, "", str(error))
             case _:
                 raise InputError(f"unknown request {data!r} of the spawn dialog")
 
@@ -119,10 +153,22 @@ class SpawnPanel:
             self._file, self._arguments = file, {}
             with contextlib.suppress(InputError):  # said when it is spawned
                 self._arguments = self._declared(self._packages().resolve(file))
+        if self._drawing is not None and self._drawing[0].is_done():
+            drawn, key = self._drawing
+            self._drawing = None
+            self._show(key, drawn.output.decode().strip(), drawn.problem or "")
         if self._trial is not None and (self._trial[0] is None or self._trial[0].is_done()):
             trial, request, robot = self._trial
             self._trial = None
             self._try(lambda: self._end(trial, request, robot), request.key)
+
+    def _show(self, key: str, picture: str, problem: str) -> None:
+        self._pictures.extend([{"key": key, "picture": picture, "problem": problem}] * _REPEATS)
+
+    def _cancel_drawing(self) -> None:
+        if self._drawing is not None:
+            self._drawing[0].cancel()
+        self._drawing = None
 
     def _declared(self, file: Path) -> dict[str, str]:
         return xacro_arguments(file, self._packages()) if file.is_file() else {}

@@ -22,7 +22,7 @@ def axe():
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (390, 844)], ids=["wide", "phone"])
+@pytest.mark.parametrize("size", [(1280, 800), (1920, 1080), (390, 844)], ids=["wide", "large", "phone"])
 def test_the_page_breaks_none_of_its_rules(show, axe, tmp_path, scheme, size):
     it, tab = show(seeing(tmp_path).scenario())
     tab.emulate_media(color_scheme=scheme, reduced_motion="reduce")

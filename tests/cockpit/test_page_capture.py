@@ -79,8 +79,24 @@ def test_a_distance_is_measured_between_two_points(page):
     assert float(text.inner_text().split()[0]) == pytest.approx(0.4, abs=0.01)
     tab.get_by_role("button", name="Measure").click()
     it.frames(lambda: text.inner_text() == "")
-    assert tools(tab, "onplacechosen") is None
+    assert tools(tab, "clickOwner") is None
     assert tools(tab, "line") is None
+
+
+def test_a_click_has_one_taker_and_who_loses_it_is_told(page):
+    it, tab = page
+    measure = tab.get_by_role("button", name="Measure")
+    measure.click()
+    tab.get_by_role("button", name="Spawn…").click()
+    tab.get_by_role("button", name="Click in the scene…").click()
+    assert measure.get_attribute("aria-pressed") == "false"
+    assert tab.locator("#capture output").inner_text() == ""
+    measure.click()  # the dialog has lost the click, and is back
+    it.frames(lambda: tab.locator("#spawn-dialog").is_visible())
+    tab.get_by_role("button", name="Cancel").click()
+    assert measure.get_attribute("aria-pressed") == "true"
+    tab.keyboard.press("Escape")
+    assert tools(tab, "clickOwner") is None
 
 
 def test_up_to_four_views_each_with_its_camera(page, tmp_path):

@@ -26,6 +26,12 @@ def enter(it, field, text):
     field.press("Enter")
 
 
+def factor(tab):
+    """The real-time factor that the page shows; 0 while it shows none."""
+    text = tab.locator("#factor").inner_text()
+    return float(text.rstrip("×")) if text not in ("–", "paused") else 0.0
+
+
 def test_several_robots_in_one_world(show, tmp_path):
     """Robots by name, each with its topics, frames and controllers, driven from one place."""
     it, tab = show(rovers(1).scenario())
@@ -53,6 +59,10 @@ def test_several_robots_in_one_world(show, tmp_path):
     it.frames(lambda: folder(tab, "left").locator(".controller .muted", has_text="inactive").count() == 1)
     controller.click(force=True)
     it.frames(lambda: folder(tab, "left").locator(".controller .muted", has_text="inactive").count() == 0)
+    step = tab.get_by_label("Physics step, number")
+    enter(it, step, "5")
+    it.frames(lambda: it.twin.time_step == 0.005)
+    it.frames(lambda: factor(tab) > 0)
     folder(tab, "right").locator("summary", has_text="Joint states").click()
     folder(tab, "right").get_by_title("Plot right_rear_left_wheel_joint").click()
     it.frames(lambda: tab.locator("#plots canvas").count() == 1)
@@ -77,7 +87,7 @@ def position(tab, robot, joint):
     return float(folder(tab, robot).locator("tr", has_text=joint).locator("td").first.inner_text() or "nan")
 
 
-def test_an_arm_bends_without_a_controller_and_a_longer_step_is_faster(show, tmp_path):
+def test_an_arm_bends_without_a_controller_and_the_step_is_raised(show, tmp_path):
     """A digital twin of an arm: no controller runs, and it bends; another's does; the step is raised for more speed."""
     (tmp_path / "bare.urdf").write_text(BARE)
     it, tab = show(rovers(1).scenario())
@@ -92,10 +102,17 @@ def test_an_arm_bends_without_a_controller_and_a_longer_step_is_faster(show, tmp
     assert folder(tab, "bare").locator(".controller").count() == 0
     enter(it, folder(tab, "arm").get_by_label("arm joint_1 velocity, number"), "0.5")
     it.frames(lambda: position(tab, "arm", "joint_1") > 0.1)
+    switch = folder(tab, "arm").get_by_label("arm forward_velocity_controller", exact=True)
+    it.frames(switch.is_checked)
+    switch.click(force=True)
+    it.frames(lambda: folder(tab, "arm").locator(".controller .muted", has_text="inactive").count() == 1)
+    assert not it.twin.controller_manager("arm").is_active("forward_velocity_controller")
+    switch.click(force=True)
+    it.frames(lambda: it.twin.controller_manager("arm").is_active("forward_velocity_controller"))
     step = tab.get_by_label("Physics step, number")
     assert float(step.input_value()) == 1.0
     enter(it, step, "10")
     it.frames(lambda: it.twin.time_step == 0.01)
-    it.frames(lambda: tab.locator("#factor").inner_text() not in ("–", "paused"))
+    it.frames(lambda: factor(tab) > 0)
     assert float(step.input_value()) == 10.0
     tab.screenshot(path=tmp_path / "lesson.png")

@@ -10,9 +10,28 @@ from drake_twin.builder.demo import demo_scenario
 
 pytestmark = BROWSER_TESTS
 
-CLIPPED = """element => [...element.querySelectorAll("output, td, input[type=number]")]
-  .filter((item) => item.checkVisibility() && (item.scrollWidth > item.clientWidth + 1) && item.clientWidth)
-  .map((item) => item.outerHTML.slice(0, 120))"""
+# Texts with a digit that reach beyond an ancestor that hides what overflows, and fields that are too narrow.
+CLIPPED = """body => {
+  const found = [];
+  const texts = document.createTreeWalker(body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const item = texts.currentNode.parentElement;
+    if (!/[0-9]/.test(texts.currentNode.data) || !item.checkVisibility({ visibilityProperty: true })) continue;
+    const range = document.createRange();
+    range.selectNodeContents(texts.currentNode);
+    const box = range.getBoundingClientRect();
+    for (let above = item; box.width && above; above = above.parentElement) {
+      const { overflowX, position } = getComputedStyle(above);
+      if (["auto", "scroll"].includes(overflowX) || position === "fixed") break;
+      if (overflowX === "visible" && above !== body) continue;
+      const edge = above.getBoundingClientRect();
+      if (box.left < edge.left - 1 || box.right > edge.right + 1) found.push(item.outerHTML.slice(0, 160));
+    }
+  }
+  const fields = [...body.querySelectorAll("input[type=number]")].filter((item) => item.checkVisibility());
+  const narrow = fields.filter((item) => item.clientWidth && item.scrollWidth > item.clientWidth + 1);
+  return [...found, ...narrow.map((item) => item.outerHTML.slice(0, 160))];
+}"""
 
 
 def test_a_stopped_robots_schedule_is_one_message(show):
@@ -25,6 +44,10 @@ def test_a_stopped_robots_schedule_is_one_message(show):
     it.for_frames(5)
     lines = [line for line in tab.locator("#messages li").all_inner_texts() if "emergency stop" in line]
     assert len(lines) == 2
+    refused = [entry for entry in it.cockpit._log.as_plain() if "emergency stop" in entry["text"]]
+    assert len(refused) == 2
+    due = [command for command in it.twin.scenario.commands if command.time <= it.twin.time]
+    assert len(due) > 2  # that were refused
 
 
 def test_messages_are_searched_filtered_and_copied(show):
@@ -57,3 +80,5 @@ def test_no_number_is_cut_off(show, size):
     it.twin.pause()
     it.for_frames(5)
     assert tab.locator("body").evaluate(CLIPPED) == []
+    tab.evaluate("document.querySelector('#time').parentElement.style.cssText = 'overflow: hidden; width: 1em'")
+    assert tab.locator("body").evaluate(CLIPPED) != []

@@ -17,6 +17,9 @@ def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then
     it.frames(lambda: found.locator(f'option[value="{ARM}"]').count() > 0)
     found.select_option(ARM)
     assert tab.get_by_label("Robot file").input_value() == ARM
+    tab.locator("#spawn-preview summary").click()
+    picture = tab.locator("#spawn-preview img")
+    it.frames(lambda: picture.is_visible() and picture.evaluate("image => image.naturalWidth") == 320)
     tab.screenshot(path=tmp_path / "dialog.png")
     tab.get_by_role("button", name="Click in the scene…").click()
     assert not tab.locator("#spawn-dialog").is_visible()

@@ -1,11 +1,15 @@
 """What the spawn dialog finds and reads, and how a spawn from it is refused or done."""
 
+import base64
+import io
 import json
 import time
 
+import numpy as np
 import pytest
 from conftest import ARM, ROVER, rovers
 from fake_page import FakePage
+from PIL import Image
 
 from drake_twin.cockpit import protocol, spawn_panel
 from drake_twin.cockpit.robot_files import robot_files
@@ -15,6 +19,12 @@ from drake_twin.description.package_index import PackageIndex
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
     '<collision><geometry><box size="0.4 0.4 0.6"/></geometry></collision>'
+)
+
+SEEN = (
+    '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    '<visual><geometry><box size="1 1 1"/></geometry><material name="m"><color rgba="$(arg color) 0 0.2 1"/></material>'
+    "</visual>"
 )
 
 
@@ -145,3 +155,39 @@ def test_a_file_that_takes_too_long_is_ended_and_the_twin_goes_on_meanwhile(dial
     monkeypatch.undo()
     dialog.spawn(ROVER, name="after")
     assert dialog.outcome()["status"] == "done"
+
+
+def test_a_robot_is_drawn_before_it_is_spawned_and_what_is_wrong_with_it_is_said(dialog, tmp_path):
+    file = xacro(tmp_path / "r.xacro", f'<xacro:arg name="color" default="0"/><link name="a">{SEEN}</link>')
+
+    def previewed(key, **fields):
+        dialog.ask(do="Preview", key=key, **fields)
+        while (shown := dialog.look(fields["file"])["preview"]) is None or shown["key"] != key:
+            time.sleep(0.01)
+        return shown
+
+    pictures = {}
+    for color in ("0", "1"):
+        shown = previewed(color, file=str(file), arguments=json.dumps({"color": color}))
+        assert shown["problem"] == ""
+        pictures[color] = np.array(Image.open(io.BytesIO(base64.b64decode(shown["picture"]))))
+    assert pictures["0"].shape == (240, 320, 3)
+    middle = {color: picture[100:140, 140:180].reshape(-1, 3).mean(axis=0) for color, picture in pictures.items()}
+    assert middle["1"][0] > 2 * middle["0"][0]  # red
+    assert (
+        previewed("c", file="/nowhere.urdf", arguments="{}")["problem"]
+        == "model: /nowhere.urdf: the file does not exist."
+    )
+    assert "is not a JSON object" in previewed("d", file=str(file), arguments="[]")["problem"]
+    assert len(dialog.page.twin.robots) == 1
+
+
+def test_a_drawing_ends_with_the_dialog(dialog):
+    dialog.ask(do="Preview", key="a", file=ROVER, arguments="{}")
+    dialog.look(ROVER)
+    panel = dialog.page.cockpit._panels["spawn"]
+    drawn = panel._drawing[0]
+    for _ in range(70):
+        assert dialog.page.state
+    assert panel._drawing is None
+    assert drawn._process.poll() is not None

@@ -64,10 +64,12 @@ export class Capture {
     this.measured.setAttribute("aria-pressed", "true");
     setText(this.distance, "Press the first point");
     this.tools.showLine([]);
-    this.tools.onplacechosen = (hit) => hit && this.pointChosen(hit.point);
+    this.tools.takeClicks(this);
   }
 
-  pointChosen(point) {
+  clicked(hit) {
+    if (!hit) return;
+    const { point } = hit;
     this.points.push([point.x, point.y, point.z]);
     if (this.points.length === 1) {
       setText(this.distance, "Press the second point");
@@ -77,15 +79,19 @@ export class Capture {
     const along = to.map((number, axis) => number - from[axis]);
     setText(this.distance, `${Math.hypot(...along).toFixed(3)} m (${along.map((number) => (number + 0).toFixed(3)).join(", ")})`);
     this.tools.showLine(this.points);
-    this.tools.onplacechosen = null;
+    this.tools.dropClicks(this);
     this.points = [];
+  }
+
+  clicksTaken() {
+    this.endMeasure();
   }
 
   endMeasure() {
     if (this.measured.getAttribute("aria-pressed") !== "true") return;
     this.measured.setAttribute("aria-pressed", "false");
     setText(this.distance, "");
-    this.tools.onplacechosen = null;
+    this.tools.dropClicks(this);
     this.tools.showLine([]);
   }
 }

@@ -4,6 +4,7 @@ import { $, element } from "./dom.js";
 
 const VIEWS = { Front: [1, 0, 0.15], Left: [0, 1, 0.15], Top: [0, 0, 1] }; // from where the camera looks, in the world
 const FIT = 250; // ms between two tries, until all meshes are loaded
+const TRIES = 80; // without a change, after which the view stays as it is
 
 export class MoreViews {
   constructor() {
@@ -27,18 +28,18 @@ export class MoreViews {
 
   add(name) {
     const frame = element("iframe", { src: "scene/", title: `Robots seen from: ${name.toLowerCase()}` });
-    frame.addEventListener("load", () => this.fit(frame, VIEWS[name], ""));
+    frame.addEventListener("load", () => this.fit(frame, VIEWS[name], "", TRIES));
     this.frames.push(frame);
     $("scene").after(frame);
   }
 
   // Fit again as long as meshes are loaded, until somebody moves the camera.
-  fit(frame, direction, fitted) {
+  fit(frame, direction, fitted, left) {
     const tools = frame.contentWindow?.sceneTools;
-    if (!tools || tools.isTouched) return;
+    if (!tools || tools.isTouched || !left) return;
     const { meshes, aspect } = tools.measure(this.names);
     const key = `${meshes} ${aspect}`;
     const done = key !== fitted && tools.fit(this.names, direction);
-    setTimeout(() => this.fit(frame, direction, done ? key : fitted), FIT);
+    setTimeout(() => this.fit(frame, direction, done ? key : fitted, done ? TRIES : left - 1), FIT);
   }
 }

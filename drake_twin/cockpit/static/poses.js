@@ -40,7 +40,7 @@ export class Poses {
 
   get poses() {
     const found = stored()[this.group.topic];
-    const fits = ({ name, values }) => typeof name === "string" && values?.length === this.group.sliders.length;
+    const fits = (pose) => typeof pose?.name === "string" && Array.isArray(pose.values) && pose.values.length === this.group.sliders.length;
     return Array.isArray(found) ? found.filter(fits) : [];
   }
 

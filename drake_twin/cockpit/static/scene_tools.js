@@ -17,7 +17,7 @@ class SceneTools {
     this.onrelease = null; // is given { entity }
     this.pulls = false; // whether a press on a link drags it; with Ctrl it always does
     this.onplace = null; // is given { xyz, rpy } of what the handles have moved
-    this.onplacechosen = null; // takes the next click in place of onclick
+    this.clickOwner = null; // is given clicks in place of onclick
     this.glowing = new Map(); // material → its own color
     this.paths = [];
     this.ray = new THREE.Raycaster();
@@ -134,7 +134,20 @@ class SceneTools {
       return;
     }
     if (!from || event.button !== 0 || Math.hypot(event.clientX - from.clientX, event.clientY - from.clientY) > CLICK) return;
-    (this.onplacechosen ?? this.onclick)?.(this.pick(event));
+    const hit = this.pick(event);
+    if (this.clickOwner) this.clickOwner.clicked(hit);
+    else this.onclick?.(hit);
+  }
+
+  // Give clicks to `owner`: its clicked(hit) is called, or its clicksTaken() when another one takes them.
+  takeClicks(owner) {
+    const before = this.clickOwner;
+    this.clickOwner = owner;
+    if (before !== owner) before?.clicksTaken();
+  }
+
+  dropClicks(owner) {
+    if (this.clickOwner === owner) this.clickOwner = null;
   }
 
   // Show what is selected at another place, too.

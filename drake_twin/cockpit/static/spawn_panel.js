@@ -38,11 +38,14 @@ export default class SpawnPanel {
       if (this.fields.found.value) this.fields.file.value = this.fields.found.value;
       this.fields.found.value = "";
     });
+    this.preview = $("spawn-preview");
+    this.preview.addEventListener("toggle", () => this.askPreview());
+    this.form.addEventListener("change", () => this.askPreview());
     this.form.addEventListener("submit", (event) => {
       event.preventDefault();
       this.spawn();
     });
-    window.addEventListener("keydown", (event) => event.code === "Escape" && this.placeChosen(null));
+    window.addEventListener("keydown", (event) => event.code === "Escape" && this.clicked(null));
     setInterval(() => this.dialog.open && this.look(), LOOK);
   }
 
@@ -58,6 +61,7 @@ export default class SpawnPanel {
     this.say("");
     this.dialog.showModal();
     this.look();
+    this.askPreview();
   }
 
   say(text) {
@@ -65,12 +69,38 @@ export default class SpawnPanel {
     setText($("spawn-message"), text);
   }
 
+  givenArguments() {
+    const given = [...this.arguments].filter(([, input]) => input.value !== "");
+    return JSON.stringify(Object.fromEntries(given.map(([key, input]) => [key, input.value])));
+  }
+
+  // Ask for a picture of the robot, while somebody wants to see it and it is not there yet.
+  askPreview() {
+    const file = this.fields.file.value.trim();
+    const key = JSON.stringify([file, this.givenArguments()]);
+    if (!this.preview.open || !file || key === this.previewed) return;
+    const request = { do: "Preview", key, file, arguments: this.givenArguments() };
+    if (JSON.stringify(request).length > LONGEST) return;
+    this.previewed = key;
+    this.showPreview({ picture: "", problem: "Drawing…" });
+    this.ask(request);
+  }
+
+  showPreview({ picture, problem }) {
+    const image = this.preview.querySelector("img");
+    image.hidden = !picture;
+    if (picture) {
+      image.src = `data:image/png;base64,${picture}`;
+      image.alt = `The robot of ${this.fields.file.value}`;
+    }
+    setText(this.preview.querySelector("p"), problem);
+  }
+
   spawn() {
     const number = (name) => this.fields[name].valueAsNumber || 0;
     const file = this.fields.file.value.trim();
     const name = this.fields.name.value.trim();
     if (!file || !name) return this.say(file ? "The robot needs a name." : "Choose a robot file.");
-    const given = [...this.arguments].filter(([, input]) => input.value !== "").map(([key, input]) => [key, input.value]);
     const request = {
       do: "Spawn",
       key: Math.random().toString(36).slice(2),
@@ -79,7 +109,7 @@ export default class SpawnPanel {
       xyz: [number("x"), number("y"), number("z")],
       rpy: [0, 0, number("yaw")],
       stands: this.fields.stands.checked,
-      arguments: JSON.stringify(Object.fromEntries(given)),
+      arguments: this.givenArguments(),
       controllers: this.fields.controllers.value.trim(),
     };
     if (JSON.stringify(request).length > LONGEST) return this.say(`The request is longer than ${LONGEST} characters.`);
@@ -94,13 +124,17 @@ export default class SpawnPanel {
     if (!tools) return;
     this.dialog.close();
     $("spawn-hint").hidden = false;
-    tools.onplacechosen = (hit) => this.placeChosen(hit);
+    tools.takeClicks(this);
   }
 
-  placeChosen(hit) {
+  clicksTaken() {
+    this.clicked(null);
+  }
+
+  clicked(hit) {
     if ($("spawn-hint").hidden) return;
     $("spawn-hint").hidden = true;
-    $("scene").contentWindow.sceneTools.onplacechosen = null;
+    $("scene").contentWindow?.sceneTools?.dropClicks(this);
     if (hit) for (const axis of ["x", "y", "z"]) this.fields[axis].value = Number(hit.point[axis].toFixed(3)) + 0;
     this.dialog.showModal();
   }
@@ -142,6 +176,7 @@ export default class SpawnPanel {
     if (!state || !this.dialog.open) return;
     this.showFiles(state);
     this.showArguments(state);
+    if (state.preview && state.preview.key === this.previewed) this.showPreview(state.preview);
     if (state.key !== this.asked?.key) return;
     this.form.inert = state.status === "reading";
     if (state.status === "refused") this.say(state.message);
