@@ -18,7 +18,7 @@ class LimitedProcess:
 
     def __init__(self, module: str, arguments: list[str], what: str, longest: float):
         self._what, self._longest = what, longest
-        self._output = tempfile.TemporaryFile()  # a pipe would be full before the process has ended
+        self._output = tempfile.TemporaryFile()  # noqa: SIM115 (a pipe would be full before the process has ended)
         self._process = subprocess.Popen(
             [sys.executable, "-m", module, *arguments],
             stdin=subprocess.DEVNULL,
