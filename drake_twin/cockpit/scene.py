@@ -85,19 +85,32 @@ class Scene:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._commands = Commands()
         self._listeners: list[Callable[[list[Command]], None]] = []
+        self._write_later: Callable[[Callable[[], None]], None] = lambda write: write()
+        self._moved: Frame | None = None  # its poses are still to be written
         self._sender = FrameSender(TWIN)
         self._drawn: SharedScene | None = None
 
     def listen(self, listener: Callable[[list[Command]], None]) -> None:
-        """Call a function with each list of commands from now on."""
+        """Call a function with each list of commands from now on, in the thread that draws or writes."""
         self._listeners.append(listener)
+
+    def write_in(self, call: Callable[[Callable[[], None]], None]) -> None:
+        """Let another thread write the commands of poses.
+
+        In the simulation's thread this takes three times as long: its caches hold what the physics needs.
+
+        Args:
+            call: Has a function called in that thread, soon.
+        """
+        self._write_later = call
 
     def everything(self) -> Commands:
         """Return the commands that draw the present scene on an empty page."""
         with self._lock:
+            self._write()
             return self._commands.copy()
 
     def has_path(self, path: str) -> bool:
@@ -161,13 +174,30 @@ class Scene:
 
     def show(self, frame: Frame) -> None:
         """Draw what may have been drawn before."""
-        self._send(list(self._sender.commands(frame)))
+        with self._lock:
+            has_shapes = frame.scene is self._sender.scene
+            self._moved = frame
+            if not has_shapes:  # reads files, which may fail
+                self._write()
+        if has_shapes:
+            self._write_later(self._write)
+
+    def _write(self) -> None:
+        """Write the poses that are not written yet; only the newest are."""
+        with self._lock:
+            frame, self._moved = self._moved, None
+            if frame is not None:
+                self._deliver(list(self._sender.commands(frame)))
 
     def _send(self, commands: list[Command]) -> None:
+        with self._lock:
+            self._write()
+            self._deliver(commands)
+
+    def _deliver(self, commands: list[Command]) -> None:
         if not commands:
             return
-        with self._lock:
-            self._commands.add(commands, keep_deletions=False)
+        self._commands.add(commands, keep_deletions=False)
         for listener in self._listeners:
             listener(commands)
 

@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable, Mapping
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from aiohttp import WSMsgType, web
 from aiohttp.typedefs import Handler
@@ -119,6 +120,7 @@ class PageServer:
         self._thread = threading.Thread(target=self._run, name="page server", daemon=True)
         self._thread.start()
         scene.listen(self._show)
+        scene.write_in(self._call)
 
     @property
     def is_watched(self) -> bool:
@@ -150,13 +152,12 @@ class PageServer:
 
     def publish(self, texts: Mapping[str, str]) -> None:
         """Send texts to every browser, by channel; return at once."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._distribute, dict(texts))
+        self._call(self._distribute, dict(texts))
 
     def send_bytes(self, key: str, data: bytes) -> None:
         """Send bytes to every browser, in place of unsent ones of the same key; return at once."""
-        if self._clients and self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._distribute_bytes, key, data)
+        if self._clients:
+            self._call(self._distribute_bytes, key, data)
 
     def offer(self, name: str, content: bytes) -> None:
         """Serve a file below ``files/`` of the page's address, in place of one of the same name."""
@@ -275,8 +276,13 @@ class PageServer:
 
     def _show(self, commands: list[Command]) -> None:
         """Send changes of the scene to every browser that draws it; return at once."""
-        if self._viewers and self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._add, commands)
+        if self._viewers:
+            self._call(self._add, commands)
+
+    def _call(self, function: Callable[..., None], *arguments: Any) -> None:
+        """Have a function called in the server's thread, unless that has ended; return at once."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(function, *arguments)
 
     def _add(self, commands: list[Command]) -> None:
         for viewer in self._viewers:

@@ -53,6 +53,11 @@ class FrameSender:
         """Whether the commands of a frame were created."""
         return self._scene is not None
 
+    @property
+    def scene(self) -> SharedScene | None:
+        """The geometry that the page has."""
+        return self._scene
+
     def commands(self, frame: Frame) -> Iterator[Command]:
         """Yield the commands that take the page from the last frame to this one."""
         if frame.scene is not self._scene:

@@ -75,7 +75,8 @@ class SharedScene:
         if twin.scenario.world.has_own_ground:
             path = _unused(f"{WORLD}/ground", geometries)
             geometries[path] = _ground(path, *place_of_robots(twin))
-        self._frames = tuple(bodies)
+        plant = twin.plant
+        self._indices = [int(plant.GetBodyFromFrameId(frame).index()) for frame in bodies]
         self.bodies = tuple(bodies.values())
         self.geometries = tuple(geometries.values())
 
@@ -85,10 +86,13 @@ class SharedScene:
 
     def poses(self, twin: Twin) -> np.ndarray:
         """Return the present poses of the bodies in the world as 4x4 matrices, shape (bodies, 4, 4)."""
-        scene_graph = scene_graph_of(twin)
-        query = scene_graph.get_query_output_port().Eval(scene_graph.GetMyContextFromRoot(twin.context))
-        poses = [query.GetPoseInWorld(frame).GetAsMatrix4() for frame in self._frames]
-        return np.array(poses).reshape(len(poses), 4, 4)
+        plant = twin.plant
+        poses = plant.get_body_poses_output_port().Eval(plant.GetMyContextFromRoot(twin.context))
+        found = np.zeros((len(self._indices), 4, 4))
+        found[:, 3, 3] = 1.0
+        if self._indices:
+            found[:, :3] = [poses[index].GetAsMatrix34() for index in self._indices]
+        return found
 
 
 def scene_graph_of(twin: Twin) -> SceneGraph:

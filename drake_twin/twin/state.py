@@ -5,7 +5,6 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from pydrake.systems.framework import Context
 
 from drake_twin.diagram.twin_diagram import TwinDiagram
@@ -43,18 +42,18 @@ def read_robot_state(built: TwinDiagram, context: Context, plan: RobotPlan, *, w
     parts, plant = built.robots[plan.name], built.plant
     plant_context = plant.GetMyContextFromRoot(context)
     layout = parts.layout
-    state = plant.GetPositionsAndVelocities(plant_context, parts.instance)
-    efforts = np.zeros(layout.num_actuators)
+    state = plant.GetPositionsAndVelocities(plant_context, parts.instance).tolist()
+    efforts = [0.0] * layout.num_actuators
     if with_efforts:
-        efforts = plant.get_net_actuation_output_port(parts.instance).Eval(plant_context)
+        efforts = plant.get_net_actuation_output_port(parts.instance).Eval(plant_context).tolist()
     names = tuple(joint.name for joint in plan.description.movable_joints)
     root = plant.GetBodyByName(plan.model.root_body, parts.instance)
     pose = plant.EvalBodyPoseInWorld(plant_context, root)
     return RobotState(
         joints=names,
-        positions=tuple(float(state[layout.positions[name]]) for name in names),
-        velocities=tuple(float(state[layout.velocities[name]]) for name in names),
-        efforts=tuple(float(efforts[layout.efforts[name]]) if name in layout.efforts else 0.0 for name in names),
+        positions=tuple(state[layout.positions[name]] for name in names),
+        velocities=tuple(state[layout.velocities[name]] for name in names),
+        efforts=tuple(efforts[layout.efforts[name]] if name in layout.efforts else 0.0 for name in names),
         base_pose=(*pose.translation().tolist(), *pose.rotation().ToQuaternion().wxyz().tolist()),
     )
 

@@ -72,6 +72,7 @@ export class PublishForm {
 
   publish(event) {
     event.preventDefault();
+    this.key = ""; // what comes of the last message is over
     this.refuse("");
     setText(this.outcome, "");
     try {
