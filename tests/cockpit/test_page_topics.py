@@ -68,7 +68,7 @@ def test_a_message_is_published_from_a_form(driving, tmp_path):
 
     def refused(why):
         form.get_by_role("button", name="Publish").click()
-        it.frames(lambda: why in form.get_by_role("alert").inner_text())
+        it.frames(lambda: why in form.locator("[role=alert]").inner_text())
 
     it.frames(lambda: it.twin.time > 0.1)
     number.fill("5.5")
