@@ -166,6 +166,7 @@ def _described(options: argparse.Namespace) -> "Sweep":
     from drake_twin.cli.options import parser as run_parser
     from drake_twin.cli.target import find_target
     from drake_twin.sweeps.episode import Sweep
+    from drake_twin.sweeps.launched import LaunchFile, without_nodes
     from drake_twin.sweeps.metrics import Condition, Metric
     from drake_twin.sweeps.variation import Design, Variation
 
@@ -174,10 +175,13 @@ def _described(options: argparse.Namespace) -> "Sweep":
     until = None if options.until is None else Condition(options.until)
     if until is not None:
         until.call  # noqa: B018  # raises what is wrong with it
-    scenario = find_target(run_parser().parse_args(options.target)).scenario
-    if scenario.nodes:
-        raise InputError("the scenario has node programs, which sweeps do not run: leave them out of it")
-    return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until)
+    run_options = run_parser().parse_args(options.target)
+    launch = LaunchFile.of(run_options, design.paths)
+    if launch is None:
+        scenario = without_nodes(find_target(run_options).scenario)
+    else:
+        scenario = launch.scenario(next(design.episodes()).values)
+    return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until, launch=launch)
 
 
 def _finish(results: "Results", options: argparse.Namespace, outcomes: Counter[str]) -> int:

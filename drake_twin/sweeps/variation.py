@@ -12,6 +12,7 @@ A path is one of `Scenario.values` (see `drake_twin.twin.varied_parameters`), or
 | ``ROBOT.JOINT.position`` | start position of a joint (rad or m) |
 | ``ROBOT.JOINT.friction`` | dry friction of a joint (N·m or N) |
 | ``ROBOT.CONTROLLER.PARAMETER`` | a parameter of a controller; those in mappings with dots |
+| ``launch.NAME`` | an argument of the launch file that is run; see `drake_twin.sweeps.launched` |
 """
 
 import re
@@ -26,6 +27,8 @@ from drake_twin.scenario import GROUND_FRICTION, Robot, Scenario, ScenarioError
 from drake_twin.twin.varied_parameters import JOINT_VALUES, LINK_VALUES
 
 Value = float | str
+
+LAUNCH = "launch."  # what paths of launch arguments begin with
 
 _WORLD = ("ground_friction", "gravity", "time_step", "accuracy")
 _POSE = {"x": 0, "y": 1, "z": 2, "roll": 3, "pitch": 4, "yaw": 5}
@@ -52,6 +55,8 @@ def with_value(scenario: Scenario, path: str, value: Value) -> Scenario:
     if not rest and first in (GROUND_FRICTION, *_WORLD):
         return _in_world(scenario, first, _number(path, value))
     if first not in robots or not rest:
+        if path.startswith(LAUNCH):
+            raise InputError(f"{path}: what is run is not a launch file, so that it has no launch arguments")
         valid = [GROUND_FRICTION, *_WORLD, *(f"{name}.…" for name in robots)]
         raise InputError(f"{path}: the scenario has nothing of this name to vary", value=path, valid=valid)
     middle, _, last = rest.rpartition(".")
@@ -80,7 +85,7 @@ def _varied_robot(robot: Robot, path: str, middle: str, last: str, value: Value)
     if not middle and last == "friction":
         return replace(robot, friction=_number(path, value))
     if middle == "args":
-        return replace(robot, xacro_args={**robot.xacro_args, last: value if isinstance(value, str) else f"{value:g}"})
+        return replace(robot, xacro_args={**robot.xacro_args, last: as_text(value)})
     if last == "position":
         return replace(robot, initial_positions={**robot.initial_positions, middle: _number(path, value)})
     if last == "friction":
@@ -95,6 +100,11 @@ def _varied_robot(robot: Robot, path: str, middle: str, last: str, value: Value)
     return replace(
         robot, controller_parameters={**robot.controller_parameters, controller: {**known, parameter: value}}
     )
+
+
+def as_text(value: Value) -> str:
+    """Return a value as the text of an argument of a file."""
+    return value if isinstance(value, str) else f"{value:.15g}"
 
 
 def _number(path: str, value: Value) -> float:
@@ -199,14 +209,20 @@ class Episode:
     values: Mapping[str, Value]
     seed: int
 
-    def scenario(self, base: Scenario) -> Scenario:
+    def scenario(self, base: Scenario, *, launched: bool = False) -> Scenario:
         """Return the episode's scenario.
+
+        Args:
+            base: The scenario without the varied values.
+            launched: Whether the values of launch arguments are in it already.
 
         Raises:
             InputError: If a path or a value cannot be used.
         """
         scenario = base
         for path, value in self.values.items():
+            if launched and path.startswith(LAUNCH):
+                continue
             try:
                 scenario = with_value(scenario, path, value)
             except ScenarioError as error:
