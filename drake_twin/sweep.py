@@ -61,6 +61,14 @@ def _parser() -> ArgumentParser:
         help="a value and what it takes: a,b,c or FIRST:LAST:COUNT, or uniform(a,b), normal(m,s), loguniform(a,b)"
         " (may be repeated: all combinations)",
     )
+    what.add_argument(
+        "--push",
+        action="append",
+        default=[],
+        metavar="ROBOT[.LINK]=FORCE@TIME",
+        help="push a link, for example robot_1=20N@1s: 20 N for 0.1 s from 1 s on, horizontally in a direction that is"
+        " drawn from the seed; or robot_1.base_link=20,0,5N@1s+0.2s (may be repeated)",
+    )
     what.add_argument("--samples", type=int, default=16, metavar="N", help="samples of the distributions (default: 16)")
     what.add_argument("--seeds", type=int, default=1, metavar="N", help="run each with the seeds 0 to N-1 (default: 1)")
     what.add_argument("--duration", type=float, default=5.0, metavar="S", help="simulated seconds (default: 5)")
@@ -168,6 +176,7 @@ def _described(options: argparse.Namespace) -> "Sweep":
     from drake_twin.sweeps.episode import Sweep
     from drake_twin.sweeps.launched import LaunchFile, without_nodes
     from drake_twin.sweeps.metrics import Condition, Metric
+    from drake_twin.sweeps.push_option import with_pushes
     from drake_twin.sweeps.variation import Design, Variation
 
     design = Design(tuple(map(Variation.parse, options.vary)), options.samples, tuple(range(options.seeds)))
@@ -181,6 +190,7 @@ def _described(options: argparse.Namespace) -> "Sweep":
         scenario = without_nodes(find_target(run_options).scenario)
     else:
         scenario = launch.scenario(next(design.episodes()).values)
+    scenario = with_pushes(scenario, options.push, options.duration)
     return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until, launch=launch)
 
 

@@ -14,6 +14,7 @@ from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
+from drake_twin.scenario.push import Push, problems_of_push
 from drake_twin.scenario.typed_values import misfits
 
 # Drake's discrete solvers that support joint servos and mimic joints (TAMSI ignores both).
@@ -239,6 +240,7 @@ class Scenario:
         findings: What a launch file asks for and the twin does not do, each with the reason.
         values: Parameters of the plant that differ from the files', by name: masses, dampings, the ground's friction;
             `drake_twin.twin.varied_parameters` lists them. Servo gains stay those of the files' values.
+        pushes: Forces that push links, with their times.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -258,6 +260,7 @@ class Scenario:
     sensor_noise: bool = True
     nodes: tuple[NodeProgram, ...] = ()
     values: Mapping[str, float] = field(default_factory=dict)
+    pushes: tuple[Push, ...] = ()
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -341,6 +344,8 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if command.period is not None and not scenario.time_step <= command.period <= LONGEST_TIME:
             what = f"it must be {scenario.time_step:g} s (the time step) or more"
             yield ("commands", index, "period"), f"{command.period:g} s is not a period: {what}"
+    for index, push in enumerate(scenario.pushes):
+        yield from ((("pushes", index, *path), text) for path, text in problems_of_push(push, LONGEST_TIME))
     for index, node in enumerate(scenario.nodes):
         if not node.executable:
             yield ("nodes", index, "executable"), "a node needs a script, or a package and its program"

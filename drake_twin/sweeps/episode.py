@@ -185,7 +185,8 @@ def episode_scenario(base: Scenario, launch: LaunchFile | None, episode: Episode
     """
     if launch is None:
         return episode.scenario(base)
-    return episode.scenario(launch.scenario(episode.values), launched=True)
+    launched = replace(launch.scenario(episode.values), pushes=base.pushes)
+    return episode.scenario(launched, launched=True)
 
 
 def first_columns(sweep: Sweep, episode: Episode) -> Row:

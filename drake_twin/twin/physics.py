@@ -28,6 +28,7 @@ from drake_twin.twin.entities import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.pull import Pull
+from drake_twin.twin.pushes import settled_pushes
 from drake_twin.twin.state import read_robot_state
 from drake_twin.twin.varied_parameters import varied_parameters
 
@@ -80,6 +81,7 @@ class Physics:
         simulator: Its simulator.
         context: The root context.
         plant_context: The plant's context.
+        pushes: The scenario's pushes with their forces.
         new_events: The controllers that have added an event, which the simulator does not know yet.
     """
 
@@ -102,7 +104,7 @@ class Physics:
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
         self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
         self._time_step = scenario.time_step
-        self.use_values(scenario.values)
+        self.use(scenario)
         keepers = [
             item
             for parts in self.built.parts.values()
@@ -190,13 +192,15 @@ class Physics:
         if self._start_parameters:
             self._parameters.put(self.context, self._start_parameters)
 
-    def use_values(self, values: Mapping[str, float]) -> None:
-        """Start with these values of a scenario from now on.
+    def use(self, scenario: Scenario) -> None:
+        """Start with the values and pushes of a scenario from now on.
 
         Raises:
-            ScenarioError: If a value is unknown or invalid.
+            ScenarioError: If a value or the link of a push is unknown or invalid.
         """
-        self._start_parameters = varied_parameters(self.built, values)
+        parameters = varied_parameters(self.built, scenario.values)
+        self.pushes = settled_pushes(self.built, scenario)
+        self._start_parameters = parameters
 
     def set_values(self, values: Mapping[str, float]) -> None:
         """Set these values of a scenario at once, and all other parameters to those as built.

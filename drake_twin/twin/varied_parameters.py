@@ -33,6 +33,9 @@ LINK_VALUES = ("mass", "inertia", *_MOMENTS, "payload")
 JOINT_VALUES = ("damping", "rotor_inertia", "gear_ratio")
 _POSITIVE = ("mass", "inertia", *_MOMENTS, "gear_ratio")
 
+# The fields of a scenario that a built twin takes at its start; the others need another build.
+SET_AT_START = ("values", "seed", "pushes")
+
 _Parameters = dict[str, list[float]]
 
 
@@ -49,7 +52,7 @@ def needs_build(old: Scenario, new: Scenario, plans: Sequence[RobotPlan]) -> boo
     may_have_noise = old.world.file is not None or any(plan.description.sensors or plan.sensors for plan in plans)
     if old.seed != new.seed and may_have_noise:
         return True
-    others = (item.name for item in fields(Scenario) if item.name not in ("values", "seed"))
+    others = (item.name for item in fields(Scenario) if item.name not in SET_AT_START)
     return any(getattr(old, name) != getattr(new, name) for name in others)  # `replace` would check all values again
 
 
