@@ -26,6 +26,7 @@ ENGINES = (DISCRETE, CENIC)
 
 # Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
 SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
+LONGEST_DELAY = 1.0  # s, of which all steps are kept
 
 # Names that a robot cannot have: those of other sub-diagrams and model instances.
 RESERVED_NAMES = frozenset(
@@ -124,6 +125,8 @@ class Robot:
             within a mapping are named with dots, for example ``gains.joint_1.p``.
         friction: The coefficient of friction of all its collision shapes; by default those of its file.
         joint_friction: Joint name → its dry friction (N·m or N) in place of the file's.
+        command_delay: How much later what is published to its controllers reaches them (s), in whole physics steps.
+        measurement_delay: How old the joint states are that its controllers read and publish (s), likewise.
     """
 
     name: str
@@ -149,6 +152,8 @@ class Robot:
     controller_parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     friction: float | None = None
     joint_friction: Mapping[str, float] = field(default_factory=dict)
+    command_delay: float = 0.0
+    measurement_delay: float = 0.0
 
     @property
     def topic_namespace(self) -> str:
@@ -329,6 +334,11 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         for where, value in frictions:
             if value is not None and not value >= 0:
                 yield ("robots", index, *where), f"{value:g} is below zero"
+        for name, delay in (("command_delay", robot.command_delay), ("measurement_delay", robot.measurement_delay)):
+            if not 0 <= delay <= LONGEST_DELAY:
+                yield ("robots", index, name), f"{delay:g} s is not a delay from 0 to {LONGEST_DELAY:g} s"
+        if robot.measurement_delay and scenario.engine == CENIC:
+            yield ("robots", index, "measurement_delay"), f"the engine {CENIC} measures without delay: use {DISCRETE}"
     children: set[str] = set()
     for index, transform in enumerate(scenario.static_transforms):
         if transform.child in children:

@@ -8,6 +8,7 @@ A path is one of `Scenario.values` (see `drake_twin.twin.varied_parameters`), or
 | ``time_step``, ``accuracy`` | physics step (s), accuracy of ``cenic`` |
 | ``ROBOT.x``, ``.y``, ``.z``, ``.roll``, ``.pitch``, ``.yaw`` | start pose (m, rad) |
 | ``ROBOT.friction`` | the coefficient of friction of all its shapes |
+| ``ROBOT.command_delay``, ``ROBOT.measurement_delay`` | how late commands arrive, and how old joint states are (s) |
 | ``ROBOT.args.NAME`` | a xacro argument of its file |
 | ``ROBOT.JOINT.position`` | start position of a joint (rad or m) |
 | ``ROBOT.JOINT.friction`` | dry friction of a joint (N·m or N) |
@@ -32,6 +33,7 @@ LAUNCH = "launch."  # what paths of launch arguments begin with
 
 _WORLD = ("ground_friction", "gravity", "time_step", "accuracy")
 _POSE = {"x": 0, "y": 1, "z": 2, "roll": 3, "pitch": 4, "yaw": 5}
+_OF_ROBOT = ("friction", "command_delay", "measurement_delay")
 _NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 _RANGE = re.compile(rf"{_NUMBER}:{_NUMBER}:(\d+)$")
 _RANDOM = re.compile(rf"(\w+)\({_NUMBER},{_NUMBER}\)$")
@@ -82,8 +84,8 @@ def _varied_robot(robot: Robot, path: str, middle: str, last: str, value: Value)
         pose = [*robot.xyz, *robot.rpy]
         pose[_POSE[last]] = _number(path, value)
         return replace(robot, xyz=(pose[0], pose[1], pose[2]), rpy=(pose[3], pose[4], pose[5]))
-    if not middle and last == "friction":
-        return replace(robot, friction=_number(path, value))
+    if not middle and last in _OF_ROBOT:
+        return replace(robot, **{last: _number(path, value)})  # type: ignore[arg-type]
     if middle == "args":
         return replace(robot, xacro_args={**robot.xacro_args, last: as_text(value)})
     if last == "position":
@@ -92,7 +94,7 @@ def _varied_robot(robot: Robot, path: str, middle: str, last: str, value: Value)
         return replace(robot, joint_friction={**robot.joint_friction, middle: _number(path, value)})
     controller, _, parameter = f"{middle}.{last}".partition(".")
     if not middle:
-        own = [*_POSE, "friction", "payload", "args.NAME"]
+        own = [*_POSE, *_OF_ROBOT, "payload", "args.NAME"]
         parts = [f"LINK.{item}" for item in LINK_VALUES] + [f"JOINT.{item}" for item in (*JOINT_VALUES, "position")]
         valid = [f"{robot.name}.{item}" for item in (*own, *parts, "JOINT.friction", "CONTROLLER.PARAMETER")]
         raise InputError(f"{path}: a robot has nothing of this name to vary", value=path, valid=valid)

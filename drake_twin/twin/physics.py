@@ -26,6 +26,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.entities import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
+from drake_twin.twin.late_measurements import LateMeasurements, Past
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.pull import Pull
 from drake_twin.twin.pushes import settled_pushes
@@ -47,11 +48,13 @@ class Moment:
         time: The time (s).
         state: The plant's ``[q; v]``.
         samples: The sample of each stateful controller, in the order of their contexts.
+        past: The past of each measurement delay.
     """
 
     time: float
     state: np.ndarray
     samples: tuple[Any, ...]
+    past: Past
 
 
 def _sample(controller: StatefulController, context: Context) -> Sample:
@@ -116,6 +119,8 @@ class Physics:
         for item in keepers:
             item.new_events = self.new_events
         self._extensions = ExtensionState(self.built, self.context)
+        self._late = LateMeasurements(self.built, self.context)
+        self._late.start()
         plant = self.built.plant
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]
@@ -164,7 +169,7 @@ class Physics:
         """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""
         state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
         samples = tuple(starmap(_sample, self._keepers))
-        return Moment(self.context.get_time(), state, samples)
+        return Moment(self.context.get_time(), state, samples, self._late.past())
 
     def go_back(self, moment: Moment) -> None:
         """Return to a moment of this diagram, for all that steps have changed."""
@@ -172,6 +177,7 @@ class Physics:
         self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
         for (item, context), sample in zip(self._keepers, moment.samples, strict=True):
             item.set_sample(context, sample)
+        self._late.go_back(moment.past)
         self.initialize()
 
     def time_of(self, step: int) -> float:
@@ -191,6 +197,7 @@ class Physics:
         self.context.SetTime(0.0)
         if self._start_parameters:
             self._parameters.put(self.context, self._start_parameters)
+        self._late.start()
 
     def use(self, scenario: Scenario) -> None:
         """Start with the values and pushes of a scenario from now on.
@@ -248,6 +255,7 @@ class Physics:
         self._parameters.put(self.context, state["parameters"])
         for name, saved in state["robots"].items():
             self.set_robot_state(name, np.array(saved["state"], dtype=float))
+            self._late.set_state(name, saved)
         self._extensions.set_state(state.get("systems", {}))
 
     def transfer(self, state: Mapping[str, Any], old: "Physics") -> None:
@@ -261,6 +269,7 @@ class Physics:
         for plan in self.built.plans:
             if is_same_robot(plan, known.get(plan.name)):
                 self.set_robot_state(plan.name, np.array(state["robots"][plan.name]["state"]))
+                self._late.set_state(plan.name, state["robots"][plan.name], self._time_step / old._time_step)
                 assert self.built.robots[plan.name].layout == old.built.robots[plan.name].layout
         own = old._start_parameters
         since = {name: value for name, value in state["parameters"].items() if value != own.get(name)}
@@ -280,6 +289,7 @@ class Physics:
                 for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
             },
             "base_pose": list(state.base_pose),
+            **self._late.state(plan.name),
         }
 
     def _model_states(self) -> dict[str, list[list[float]]]:
@@ -313,4 +323,4 @@ class Physics:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
-        del self._extensions
+        del self._extensions, self._late

@@ -13,7 +13,7 @@ from drake_twin.twin.version_1 import converted_state
 from drake_twin.values import is_number
 
 _KIND, _VERSION = "saved state", 2
-_OPTIONAL = {"systems", "pushes"}  # entries that are left out where they are empty
+_OPTIONAL = {"systems", "pushes", "delayed"}  # entries that are left out where they are empty
 
 
 @saved("Snapshot")
@@ -37,6 +37,7 @@ class Snapshot:
         next_time_step: The pending time step, which applies at its next multiple (s); None without one.
         systems: The state vectors of the user's own systems, by their names.
         pushes: The scenario's pushes that are still to come.
+        delayed: The messages that are under way to robots with a command delay: time of arrival, topic and message.
 
     Raises:
         InputError: If an entry is invalid.
@@ -57,6 +58,7 @@ class Snapshot:
     next_time_step: float | None
     systems: dict[str, Any] = field(default_factory=dict)
     pushes: list[Any] = field(default_factory=list)
+    delayed: list[list[Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         kinds = {
@@ -70,6 +72,8 @@ class Snapshot:
             "commands": isinstance(self.commands, Mapping),
             "systems": isinstance(self.systems, Mapping),
             "pushes": isinstance(self.pushes, list),
+            "delayed": isinstance(self.delayed, list)
+            and all(isinstance(item, list) and len(item) == 3 and is_number(item[0]) for item in self.delayed),
             "expiries": isinstance(self.expiries, Mapping) and all(map(is_number, self.expiries.values())),
             "waiting": isinstance(self.waiting, list)
             and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
