@@ -127,6 +127,7 @@ class Robot:
         joint_friction: Joint name → its dry friction (N·m or N) in place of the file's.
         command_delay: How much later what is published to its controllers reaches them (s), in whole physics steps.
         measurement_delay: How old the joint states are that its controllers read and publish (s), likewise.
+        noise: A factor on the noise of all its sensors: 1 for that of its file, 0 for ideal values.
     """
 
     name: str
@@ -154,6 +155,7 @@ class Robot:
     joint_friction: Mapping[str, float] = field(default_factory=dict)
     command_delay: float = 0.0
     measurement_delay: float = 0.0
+    noise: float = 1.0
 
     @property
     def topic_namespace(self) -> str:
@@ -329,9 +331,9 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if robot.name in names:
             yield ("robots", index, "name"), f"two robots are named {robot.name!r}"
         names.add(robot.name)
-        frictions: list[tuple[tuple[str, ...], float | None]] = [(("friction",), robot.friction)]
-        frictions += [(("joint_friction", name), value) for name, value in robot.joint_friction.items()]
-        for where, value in frictions:
+        least_zero: list[tuple[tuple[str, ...], float | None]] = [(("friction",), robot.friction)]
+        least_zero += [(("joint_friction", name), value) for name, value in robot.joint_friction.items()]
+        for where, value in (*least_zero, (("noise",), robot.noise)):
             if value is not None and not value >= 0:
                 yield ("robots", index, *where), f"{value:g} is below zero"
         for name, delay in (("command_delay", robot.command_delay), ("measurement_delay", robot.measurement_delay)):

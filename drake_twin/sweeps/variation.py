@@ -9,6 +9,7 @@ A path is one of `Scenario.values` (see `drake_twin.twin.varied_parameters`), or
 | ``ROBOT.x``, ``.y``, ``.z``, ``.roll``, ``.pitch``, ``.yaw`` | start pose (m, rad) |
 | ``ROBOT.friction`` | the coefficient of friction of all its shapes |
 | ``ROBOT.command_delay``, ``ROBOT.measurement_delay`` | how late commands arrive, and how old joint states are (s) |
+| ``ROBOT.noise`` | a factor on the noise of all its sensors |
 | ``ROBOT.args.NAME`` | a xacro argument of its file |
 | ``ROBOT.JOINT.position`` | start position of a joint (rad or m) |
 | ``ROBOT.JOINT.friction`` | dry friction of a joint (N·m or N) |
@@ -33,7 +34,7 @@ LAUNCH = "launch."  # what paths of launch arguments begin with
 
 _WORLD = ("ground_friction", "gravity", "time_step", "accuracy")
 _POSE = {"x": 0, "y": 1, "z": 2, "roll": 3, "pitch": 4, "yaw": 5}
-_OF_ROBOT = ("friction", "command_delay", "measurement_delay")
+_OF_ROBOT = ("friction", "noise", "command_delay", "measurement_delay")
 _NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 _RANGE = re.compile(rf"{_NUMBER}:{_NUMBER}:(\d+)$")
 _RANDOM = re.compile(rf"(\w+)\({_NUMBER},{_NUMBER}\)$")
