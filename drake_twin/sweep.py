@@ -11,6 +11,7 @@ import shlex
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -68,6 +69,9 @@ def _parser() -> ArgumentParser:
         metavar="ROBOT[.LINK]=FORCE@TIME",
         help="push a link, for example robot_1=20N@1s: 20 N for 0.1 s from 1 s on, horizontally in a direction that is"
         " drawn from the seed; or robot_1.base_link=20,0,5N@1s+0.2s (may be repeated)",
+    )
+    what.add_argument(
+        "--retune", action="store_true", help="let servo gains follow the varied robot, not the file's (needs builds)"
     )
     what.add_argument("--samples", type=int, default=16, metavar="N", help="samples of the distributions (default: 16)")
     what.add_argument("--seeds", type=int, default=1, metavar="N", help="run each with the seeds 0 to N-1 (default: 1)")
@@ -191,6 +195,8 @@ def _described(options: argparse.Namespace) -> "Sweep":
     else:
         scenario = launch.scenario(next(design.episodes()).values)
     scenario = with_pushes(scenario, options.push, options.duration)
+    if options.retune:
+        scenario = replace(scenario, retune=True)
     return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until, launch=launch)
 
 

@@ -248,6 +248,7 @@ class Scenario:
         values: Parameters of the plant that differ from the files', by name: masses, dampings, the ground's friction;
             `drake_twin.twin.varied_parameters` lists them. Servo gains stay those of the files' values.
         pushes: Forces that push links, with their times.
+        retune: Whether servo gains follow `values` instead, as if the files had them.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -268,6 +269,7 @@ class Scenario:
     nodes: tuple[NodeProgram, ...] = ()
     values: Mapping[str, float] = field(default_factory=dict)
     pushes: tuple[Push, ...] = ()
+    retune: bool = False
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):

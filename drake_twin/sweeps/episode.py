@@ -185,7 +185,7 @@ def episode_scenario(base: Scenario, launch: LaunchFile | None, episode: Episode
     """
     if launch is None:
         return episode.scenario(base)
-    launched = replace(launch.scenario(episode.values), pushes=base.pushes)
+    launched = replace(launch.scenario(episode.values), pushes=base.pushes, retune=base.retune)
     return episode.scenario(launched, launched=True)
 
 

@@ -20,6 +20,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.diagram.release import release
+from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
@@ -84,6 +85,7 @@ class Physics:
         simulator: Its simulator.
         context: The root context.
         plant_context: The plant's context.
+        gains: Robot → the gains of its servos; those of its file unless the scenario retunes them.
         pushes: The scenario's pushes with their forces.
         new_events: The controllers that have added an event, which the simulator does not know yet.
     """
@@ -108,6 +110,11 @@ class Physics:
         self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
         self._time_step = scenario.time_step
         self.use(scenario)
+        self.gains = (
+            self._retuned_gains()
+            if scenario.retune
+            else {name: robot.gains for name, robot in self.built.robots.items()}
+        )
         keepers = [
             item
             for parts in self.built.parts.values()
@@ -208,6 +215,13 @@ class Physics:
         parameters = varied_parameters(self.built, scenario.values)
         self.pushes = settled_pushes(self.built, scenario)
         self._start_parameters = parameters
+
+    def _retuned_gains(self) -> dict[str, tuple[ServoGains | None, ...]]:
+        """Return the gains that follow from the values of the scenario."""
+        built, root = self.built, self.built.diagram.CreateDefaultContext()
+        self._parameters.put(root, self._start_parameters)
+        robots = [(plan, built.robots[plan.name].instance, built.robots[plan.name].layout) for plan in built.plans]
+        return servo_gains(built.plant, robots, context=built.plant.GetMyContextFromRoot(root))
 
     def set_values(self, values: Mapping[str, float]) -> None:
         """Set these values of a scenario at once, and all other parameters to those as built.

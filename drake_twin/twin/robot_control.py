@@ -87,7 +87,8 @@ class RobotControl:
             self._servo_context = self._parts.servo.GetMyMutableContextFromRoot(physics.context)
         if self._parts.gpios is not None:
             self._gpio_context = self._parts.gpios.GetMyMutableContextFromRoot(physics.context)
-        self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
+        self._gains = physics.gains[self._plan.name]
+        self._joints = driven_joints(self._plan.description, self._parts.joints, self._gains)
         layout = self._in_plant.layout
         names = [
             joint or next(iter(layout.positions)) for joint in self._parts.joints
@@ -348,7 +349,7 @@ class RobotControl:
         servo = self._parts.servo
         if servo is not None:
             assignment = servo.assignment(self._servo_context)
-            set_gains(self._plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
+            set_gains(self._plant, self._in_plant.instance, self._gains, assignment.modes)
             self.check_period = check_period(assignment)
             self._slipping = slipping_range(assignment, self._joints)
 

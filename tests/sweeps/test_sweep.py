@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sweep_files import finished, program, write_sweep
 
-from drake_twin import sweep
+from drake_twin import run, sweep
 from drake_twin.sweeps.results import read_table
 
 GRID = ("hinge.yaml", "--vary", "hinge.arm.mass=1:9:40", "--seeds", "2", "--duration", "0.02", "--metric", "max_effort")
@@ -106,8 +106,6 @@ def test_a_full_disk_is_named_and_the_sweep_continues_when_there_is_space(folder
 
 
 def test_a_row_is_run_again_to_the_same_state(folder, undisturbed, monkeypatch, capsys):
-    from drake_twin import run
-
     done = finished(folder, *GRID[:2], "hinge.arm.mass=1,5", *GRID[3:], "--out", "t.jsonl")
     assert done.returncode == 0, done.stderr
     monkeypatch.chdir(folder)
@@ -181,3 +179,21 @@ def test_an_out_file_of_another_sweep_is_refused(folder, monkeypatch, capsys):
     assert "the file is of another sweep (duration differ)" in capsys.readouterr().err
     assert (folder / "t.csv").read_bytes() == before
     assert not os.path.exists(folder / "t.csv.journal")
+
+
+def test_servos_are_retuned_where_that_is_asked_for_and_the_table_knows(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    rows = {}
+    for options in ((), ("--retune",)):
+        given = ["hinge.yaml", "--vary", "hinge.arm.mass=1,2", "--vary", "hinge.arm.inertia=1,3", *options]
+        assert sweep.main([*given, "--duration", "0.1", "--out", "t.csv", "--workers", "1", "--force"]) == 0
+        rows[options] = rows_of(folder / "t.csv")
+    plain, tuned = rows.values()
+    assert len({row["id"] for row in (*plain, *tuned)}) == 8
+    same = [one["state_sha256"] == two["state_sha256"] for one, two in zip(plain, tuned, strict=True)]
+    assert same[0]
+    assert not same[1]
+    capsys.readouterr()
+    for number in (1, 3):
+        assert run.main(["--headless", "--episode", f"t.csv:{number}"]) == 0
+        assert f"row {number}: the same state as in the table, to the last bit" in capsys.readouterr().err
