@@ -35,6 +35,7 @@ examples:
   python -m drake_twin.run --episode results.parquet:17"""
 
 _MANY = 100_000  # episodes that need --yes
+_MOST = 1_000_000  # samples, seeds, processes
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -120,10 +121,11 @@ def _check(options: argparse.Namespace) -> None:
     """
     if options.out is None:
         raise InputError("--out FILE is missing: the table that the sweep writes (.parquet, .csv or .jsonl)")
-    for name, least in (("samples", 1), ("seeds", 1), ("workers", 1)):
+    for name in ("samples", "seeds", "workers"):
         value = getattr(options, name)
-        if value is not None and value < least:
-            raise InputError(f"--{name} {value}: it must be {least} or more")
+        if value is not None and not 1 <= value <= _MOST:
+            what = "1 or more" if value < 1 else f"{_MOST:,} at most"
+            raise InputError(f"--{name} {value}: it must be {what}")
     for name in ("duration", "timeout"):
         value = getattr(options, name)
         if not 0 < value <= 1e9:

@@ -13,6 +13,7 @@ from drake_twin.errors import TwinError, described
 from drake_twin.program import version_text
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.sweeps.known_paths import check_paths
 from drake_twin.sweeps.launched import LaunchFile
 from drake_twin.sweeps.metrics import Condition, Metric, has_fallen
 from drake_twin.sweeps.state_log import StateLog
@@ -222,6 +223,7 @@ def trial(sweep: Sweep) -> None:
     """
     first = next(sweep.design.episodes())
     start = sweep.scenario(first)
+    check_paths(start, sweep.base, sweep.design.paths)
     with Twin(start) as twin:
         for path, values in sweep.design.values().items():
             for index, value in enumerate(_some(values)):

@@ -30,6 +30,8 @@ from drake_twin.twin.varied_parameters import JOINT_VALUES, LINK_VALUES
 
 Value = float | str
 
+_MOST = 10**15  # episodes
+
 LAUNCH = "launch."  # what paths of launch arguments begin with
 
 _WORLD = ("ground_friction", "gravity", "time_step", "accuracy")
@@ -58,6 +60,8 @@ def with_value(scenario: Scenario, path: str, value: Value) -> Scenario:
     if not rest and first in (GROUND_FRICTION, *_WORLD):
         return _in_world(scenario, first, _number(path, value))
     if first not in robots or not rest:
+        if path == "seed":
+            raise InputError("seed: --seeds N runs each episode with the seeds 0 to N-1")
         if path.startswith(LAUNCH):
             raise InputError(f"{path}: what is run is not a launch file, so that it has no launch arguments")
         valid = [GROUND_FRICTION, *_WORLD, *(f"{name}.…" for name in robots)]
@@ -145,15 +149,15 @@ class Variation:
                 f"--vary {text}: it must read PATH=VALUES, for example friction=0.3:1.0:8 or friction=0.3,1"
             )
         if found := _RANGE.match(spec):
-            return cls(path, _range(text, float(found[1]), float(found[2]), int(found[3])))
+            return cls(path, _once(text, _range(text, _finite(text, found[1]), _finite(text, found[2]), int(found[3]))))
         if "(" in spec:
             found = _RANDOM.match(spec.replace(" ", ""))
             name = spec.partition("(")[0].strip()
             if found is None or found[1] not in _DISTRIBUTIONS:
                 what = f"--vary {text}: this is not a distribution with two numbers"
                 raise InputError(what, value=name, valid=[f"{item}(a,b)" for item in _DISTRIBUTIONS])
-            return cls(path, (), found[1], _checked(text, found[1], float(found[2]), float(found[3])))
-        return cls(path, tuple(_value(text, item.strip()) for item in spec.split(",")))
+            return cls(path, (), found[1], _checked(text, found[1], _finite(text, found[2]), _finite(text, found[3])))
+        return cls(path, _once(text, tuple(_value(text, item.strip()) for item in spec.split(","))))
 
     def at(self, share: float) -> float:
         """Return the value of a distribution below which a share (0 to 1) of its values lie."""
@@ -190,12 +194,26 @@ def _value(text: str, word: str) -> Value:
     if not word:
         raise InputError(f"--vary {text}: a value is missing")
     try:
-        number = float(word)
+        return _finite(text, word)
     except ValueError:
         return word
+
+
+def _finite(text: str, word: str) -> float:
+    number = float(word)
     if not isfinite(number):
         raise InputError(f"--vary {text}: {word} is not a finite number")
     return number
+
+
+def _once(text: str, values: tuple[Value, ...]) -> tuple[Value, ...]:
+    """Return values, each of which stands there once: an episode is known by its values."""
+    known: set[Value] = set()
+    for value in values:
+        if value in known:
+            raise InputError(f"--vary {text}: the value {as_text(value)} stands there twice")
+        known.add(value)
+    return values
 
 
 @dataclass(frozen=True)
@@ -243,7 +261,7 @@ class Design:
         seeds: The seeds.
 
     Raises:
-        InputError: If a path stands there twice.
+        InputError: If a path stands there twice, or there are too many episodes to count.
     """
 
     variations: tuple[Variation, ...]
@@ -255,6 +273,8 @@ class Design:
         twice = [path for index, path in enumerate(paths) if path in paths[:index]]
         if twice:
             raise InputError(f"--vary {twice[0]} is given twice")
+        if self._count > _MOST:
+            raise InputError(f"these are {self._count:,} episodes: a sweep has {_MOST:,} at most")
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -262,6 +282,10 @@ class Design:
         return tuple(item.path for item in self.variations)
 
     def __len__(self) -> int:
+        return self._count
+
+    @property
+    def _count(self) -> int:
         lists = prod(len(item.values) for item in self.variations if not item.distribution)
         return lists * (self.samples if self._random else 1) * len(self.seeds)
 

@@ -160,7 +160,11 @@ def _inertia(body: RigidBody, given: Mapping[str, float], name: str) -> list[flo
     """Return mass, center of mass, unit moments and products of a link about its origin."""
     nominal = body.default_spatial_inertia()
     mass, center = nominal.get_mass(), nominal.get_com()
-    central = nominal.Shift(center).CalcRotationalInertia()
+    if not given.get("mass", mass) > 0:
+        if given.keys() != {"payload"}:
+            raise ScenarioError(("values", name), f"{name} has no mass in its file, so that it needs one here, too")
+        return [given["payload"], *np.zeros(9).tolist()]  # a point at the origin
+    central = nominal.Shift(center).CalcRotationalInertia() if mass > 0 else RotationalInertia(0.0, 0.0, 0.0)
     moments = [*map(float, central.get_moments())]
     products = [*map(float, central.get_products())]
     factor = given.get("inertia", 1.0)
