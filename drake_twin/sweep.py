@@ -11,6 +11,7 @@ import shlex
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,7 @@ examples:
   python -m drake_twin.run --episode results.parquet:17"""
 
 _MANY = 100_000  # episodes that need --yes
+_MOST = 1_000_000  # samples, seeds, processes
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -60,6 +62,17 @@ def _parser() -> ArgumentParser:
         metavar="PATH=VALUES",
         help="a value and what it takes: a,b,c or FIRST:LAST:COUNT, or uniform(a,b), normal(m,s), loguniform(a,b)"
         " (may be repeated: all combinations)",
+    )
+    what.add_argument(
+        "--push",
+        action="append",
+        default=[],
+        metavar="ROBOT[.LINK]=FORCE@TIME",
+        help="push a link, for example robot_1=20N@1s: 20 N for 0.1 s from 1 s on, horizontally in a direction that is"
+        " drawn from the seed; or robot_1.base_link=20,0,5N@1s+0.2s (may be repeated)",
+    )
+    what.add_argument(
+        "--retune", action="store_true", help="let servo gains follow the varied robot, not the file's (needs builds)"
     )
     what.add_argument("--samples", type=int, default=16, metavar="N", help="samples of the distributions (default: 16)")
     what.add_argument("--seeds", type=int, default=1, metavar="N", help="run each with the seeds 0 to N-1 (default: 1)")
@@ -108,10 +121,11 @@ def _check(options: argparse.Namespace) -> None:
     """
     if options.out is None:
         raise InputError("--out FILE is missing: the table that the sweep writes (.parquet, .csv or .jsonl)")
-    for name, least in (("samples", 1), ("seeds", 1), ("workers", 1)):
+    for name in ("samples", "seeds", "workers"):
         value = getattr(options, name)
-        if value is not None and value < least:
-            raise InputError(f"--{name} {value}: it must be {least} or more")
+        if value is not None and not 1 <= value <= _MOST:
+            what = "1 or more" if value < 1 else f"{_MOST:,} at most"
+            raise InputError(f"--{name} {value}: it must be {what}")
     for name in ("duration", "timeout"):
         value = getattr(options, name)
         if not 0 < value <= 1e9:
@@ -166,7 +180,9 @@ def _described(options: argparse.Namespace) -> "Sweep":
     from drake_twin.cli.options import parser as run_parser
     from drake_twin.cli.target import find_target
     from drake_twin.sweeps.episode import Sweep
+    from drake_twin.sweeps.launched import LaunchFile, without_nodes
     from drake_twin.sweeps.metrics import Condition, Metric
+    from drake_twin.sweeps.push_option import with_pushes
     from drake_twin.sweeps.variation import Design, Variation
 
     design = Design(tuple(map(Variation.parse, options.vary)), options.samples, tuple(range(options.seeds)))
@@ -174,10 +190,16 @@ def _described(options: argparse.Namespace) -> "Sweep":
     until = None if options.until is None else Condition(options.until)
     if until is not None:
         until.call  # noqa: B018  # raises what is wrong with it
-    scenario = find_target(run_parser().parse_args(options.target)).scenario
-    if scenario.nodes:
-        raise InputError("the scenario has node programs, which sweeps do not run: leave them out of it")
-    return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until)
+    run_options = run_parser().parse_args(options.target)
+    launch = LaunchFile.of(run_options, design.paths)
+    if launch is None:
+        scenario = without_nodes(find_target(run_options).scenario)
+    else:
+        scenario = launch.scenario(next(design.episodes()).values)
+    scenario = with_pushes(scenario, options.push, options.duration)
+    if options.retune:
+        scenario = replace(scenario, retune=True)
+    return Sweep.of(scenario, design, options.duration, metrics=metrics, until=until, launch=launch)
 
 
 def _finish(results: "Results", options: argparse.Namespace, outcomes: Counter[str]) -> int:

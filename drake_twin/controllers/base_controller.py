@@ -49,6 +49,7 @@ class ControllerSetup:
         position_time_constant: A joint approaches its commanded position at error / this (s).
         tells_of_motion: Whether to stop the advance when a commanded velocity becomes zero or nonzero.
         active_at_start: Whether a new Context of the diagram has it active.
+        measures_late: Whether what it reads of the robot is delayed.
     """
 
     name: str
@@ -66,6 +67,7 @@ class ControllerSetup:
     position_time_constant: float = 0.2
     tells_of_motion: bool = False
     active_at_start: bool = False
+    measures_late: bool = False
 
     def frame(self, frame_id: str) -> str:
         """Return a frame's name on ``/tf``: links of this robot get the robot's frame prefix."""
@@ -93,7 +95,8 @@ class Controller(WitnesslessSystem):
         actions: Action below the controller's name → ROS action type; each is an abstract input port.
         vector_inputs: Name below the controller's name → vector input port for a user's own systems.
         vector_outputs: Name below the controller's name → vector output port for a user's own systems.
-        robot_inputs: Signal of the robot (``state``, ``net_actuation``, ``gpio_states``) → the port that takes it.
+        robot_inputs: Signal of the robot (``state``, ``true_state``, ``net_actuation``, ``gpio_states``) → its input
+            port.
         odometry_frames: Parent and child frame of the port ``tf_odometry``; None without that port.
         warnings: Parameters without effect, as sentences.
     """
@@ -239,9 +242,11 @@ class Controller(WitnesslessSystem):
         return port
 
     def declare_robot_input(self, name: str, size: int) -> InputPort:
-        """Declare a vector input port that takes ``state``, ``net_actuation`` or ``gpio_states`` of the robot.
+        """Declare a vector input port that takes ``state``, ``true_state``, ``net_actuation`` or ``gpio_states``.
 
-        The last has each state interface of `RobotDescription.gpios`, in that order.
+        ``true_state`` is the state without the robot's measurement delay.
+
+        ``gpio_states`` has each state interface of `RobotDescription.gpios`, in that order.
         """
         port: InputPort = self.DeclareVectorInputPort(name, size)
         self.robot_inputs[name] = port

@@ -15,6 +15,8 @@ from drake_twin.controllers.stateful_controller import Sample, StatefulControlle
 from drake_twin.errors import TwinError, described
 from drake_twin.systems.weak_callback import weakly
 
+TRUE_STATE = "true_state"  # the name of the port of the state without the measurement delay
+
 
 @dataclass(frozen=True)
 class Update:
@@ -44,6 +46,8 @@ class PeriodicController(StatefulController):
     `drake_twin.diagram.servo_modes` describes what Gazebo does.
 
     - ``state``: vector ``[q; v]`` of the robot (rad, rad/s, or m, m/s; a floating base first).
+    - ``true_state``: the same without the robot's measurement delay, for the velocity limits of its servos; only where
+      there is a delay.
     - ``<controller>``, one for each upstream controller: that controller's ``command_interfaces``.
 
     Attributes:
@@ -64,6 +68,9 @@ class PeriodicController(StatefulController):
             if setup.tells_of_motion and claim.name == "velocity" and claim.joint in setup.layout.velocities
         ]
         self._state_port = self.declare_robot_input("state", setup.layout.size)
+        self._true_state_port = self._state_port
+        if self._reaches and setup.measures_late:
+            self._true_state_port = self.declare_robot_input(TRUE_STATE, setup.layout.size)
         self._upstream_ports = {
             name: self.DeclareVectorInputPort(name, upstream.size) for name, upstream in setup.upstream.items()
         }
@@ -202,7 +209,7 @@ class PeriodicController(StatefulController):
 
     def _within_reach(self, context: Context, commands: tuple[float, ...]) -> tuple[float, ...]:
         """Return the commands with each position limited to its reach."""
-        state, limited = self._state_port.Eval(context).tolist(), list(commands)
+        state, limited = self._true_state_port.Eval(context).tolist(), list(commands)
         for reach in self._reaches:
             limited[reach.position] = reach.limited(commands, state)
         return tuple(limited)

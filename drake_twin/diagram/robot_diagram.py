@@ -6,12 +6,14 @@ from math import ceil, nextafter
 
 import numpy as np
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
+from pydrake.systems.primitives import DiscreteTimeDelay
 
 from drake_twin.controllers.base_controller import Controller, ControllerSetup, Upstream
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster, JointStateBroadcasterParameters
-from drake_twin.controllers.periodic_controller import PeriodicController
+from drake_twin.controllers.periodic_controller import TRUE_STATE, PeriodicController
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class
 from drake_twin.diagram.gpios import add_gpios
+from drake_twin.diagram.measurement_delay import MeasurementDelay
 from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_read_sensors
@@ -41,6 +43,7 @@ class RobotDiagram:
         broadcaster: The system with these ports.
         sensors: The output ports of the topics of sensors that controllers read.
         warnings: Update rates that cannot be met, parameters without effect.
+        delays: The plant's port → the system that delays it for the controllers.
     """
 
     diagram: Diagram
@@ -53,6 +56,7 @@ class RobotDiagram:
     always_published: dict[str, str] = field(default_factory=dict)
     sensors: tuple[SensorPort, ...] = ()
     warnings: tuple[str, ...] = ()
+    delays: Mapping[str, DiscreteTimeDelay] = field(default_factory=dict)
 
 
 def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_plant: RobotInPlant) -> RobotDiagram:
@@ -71,6 +75,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     instance, layout = in_plant.instance, in_plant.layout
     builder = DiagramBuilder()
     inputs = PlantInputs(builder)
+    late = MeasurementDelay(builder, inputs, plan.robot.measurement_delay, time_step)
     from_plant = {
         "state": plant.get_state_output_port(instance),
         "net_actuation": plant.get_net_actuation_output_port(instance),
@@ -87,7 +92,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     if broadcaster is None:
         broadcaster = _add_broadcaster(builder, plan, layout)
         for name, port in broadcaster.robot_inputs.items():
-            inputs.connect(from_plant[name], name, port)
+            late.connect(from_plant[name], name, port)
         if all(item.type != JOINT_STATE_BROADCASTER for item in plan.controllers):
             always_published = dict(broadcaster.published)
         for topic in always_published:
@@ -97,14 +102,26 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     for name, controller in controllers.items():
         for source, port in controller.robot_inputs.items():
             if source in from_plant:
-                inputs.connect(from_plant[source], source, port)
+                late.connect(from_plant[source], source, port)
+            elif source == TRUE_STATE:
+                inputs.connect(from_plant["state"], "state", port)
         _wire_controller(builder, name, controller, controllers)
     sensors, about_sensors = add_read_sensors(builder, plan, instance, surroundings, controllers, inputs)
     warnings += about_sensors
     diagram = builder.Build()
     diagram.set_name(plan.name)
     return RobotDiagram(
-        diagram, controllers, servo, gpios, joints, inputs.needed, broadcaster, always_published, sensors, warnings
+        diagram,
+        controllers,
+        servo,
+        gpios,
+        joints,
+        inputs.needed,
+        broadcaster,
+        always_published,
+        sensors,
+        warnings,
+        late.systems,
     )
 
 
@@ -147,6 +164,7 @@ def _add_controllers(
             position_time_constant=plan.position_time_constant or SETTLING_TIME,
             tells_of_motion=True,
             active_at_start=item.state == ACTIVE,
+            measures_late=plan.robot.measurement_delay > 0,
         )
         kind = controller_class(item.type)
         assert kind is not None, "a controller of an unknown type has a problem"

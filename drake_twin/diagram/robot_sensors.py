@@ -127,10 +127,9 @@ def _add(
     ports: list[SensorPort] = []
     warnings: list[str] = []
     world = surroundings.world
+    factor = 0.0 if not surroundings.noise else plan.robot.noise if isinstance(plan, RobotPlan) else 1.0
     for item in sensors:
-        noise = NoiseSource(
-            surroundings.seed, plan.name, item.place, item.rate, surroundings.time_step, is_on=surroundings.noise
-        )
+        noise = NoiseSource(surroundings.seed, plan.name, item.place, item.rate, surroundings.time_step, factor)
         setup = SensorSetup(
             sensor=item.sensor,
             settings=item.settings,

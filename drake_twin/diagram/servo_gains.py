@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
+from pydrake.systems.framework import Context
 
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
 from drake_twin.errors import InputError
@@ -146,6 +147,7 @@ def servo_gains(
     plant: MultibodyPlant,
     robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
     known: Mapping[str, tuple[ServoGains | None, ...]] | None = None,
+    context: Context | None = None,
 ) -> dict[str, tuple[ServoGains | None, ...]]:
     """Return the gains of every robot's actuators, in their order; None for one that models friction.
 
@@ -155,6 +157,7 @@ def servo_gains(
         plant: The finalized plant.
         robots: The robots in the plant.
         known: Gains that were calculated before.
+        context: A context of the plant with the masses and dampings that count, at the start; by default the files'.
 
     Raises:
         InputError: If a joint's limits are so large that gains cannot be calculated.
@@ -169,7 +172,7 @@ def servo_gains(
                 servos.append((plan, actuator))
     new = [robot for robot in robots if robot[0].name not in known]
     continuous = plant.time_step() == 0.0
-    loads = _joint_loads(plant, new, servos)
+    loads = _joint_loads(plant, new, servos, plant.CreateDefaultContext() if context is None else context)
     for (plan, actuator), load in zip(servos, loads, strict=True):
         if not np.isfinite((load.inertia, load.gravity, load.contact)).all():
             raise InputError(
@@ -215,11 +218,13 @@ def _joint_loads(
     plant: MultibodyPlant,
     robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
     actuators: Sequence[tuple[RobotPlan, JointActuator]],
+    start: Context,
 ) -> list[JointLoad]:
     """Return the largest inertia and gravity load of each actuated joint over sampled configurations."""
     if not actuators:
         return []
     context = plant.CreateDefaultContext()
+    context.SetTimeStateAndParametersFrom(start)
     velocities = [actuator.joint().velocity_start() for _, actuator in actuators]
     inertia = np.full(len(actuators), _LEAST_INERTIA)
     gravity = np.zeros(len(actuators))
@@ -232,15 +237,14 @@ def _joint_loads(
                 plant.SetPositions(context, instance, q)
         inertia = np.maximum(inertia, np.diag(plant.CalcMassMatrix(context))[velocities])
         gravity = np.maximum(gravity, np.abs(plant.CalcGravityGeneralizedForces(context)[velocities]))
-    default = plant.CreateDefaultContext()
     g = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
-    weights = {plan.name: g * plant.CalcTotalMass(default, [instance]) for plan, instance, _ in robots}
+    weights = {plan.name: g * plant.CalcTotalMass(start, [instance]) for plan, instance, _ in robots}
     return [
         JointLoad(
             inertia=float(m),
             gravity=float(load) + _friction(plan, actuator) + _drag(plan, actuator),
-            contact=_contact_load(plant, plan, actuator, float(m), weights[plan.name]),
-            damping=float(actuator.joint().default_damping_vector()[0]),
+            contact=_contact_load(plant, start, plan, actuator, float(m), weights[plan.name]),
+            damping=float(actuator.joint().GetDampingVector(start)[0]),
         )
         for (plan, actuator), m, load in zip(actuators, inertia, gravity, strict=True)
     ]
@@ -257,7 +261,7 @@ def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
 
 
 def _contact_load(
-    plant: MultibodyPlant, plan: RobotPlan, actuator: JointActuator, inertia: float, weight: float
+    plant: MultibodyPlant, context: Context, plan: RobotPlan, actuator: JointActuator, inertia: float, weight: float
 ) -> float:
     """Return the load of a joint that bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
     if plan.model.is_fixed:
@@ -266,7 +270,7 @@ def _contact_load(
     lever = 1.0
     if joint.type_name() == "revolute":
         outboard = plant.GetBodiesKinematicallyAffectedBy([joint.index()])
-        mass = sum(plant.get_body(index).default_mass() for index in outboard)
+        mass = sum(plant.get_body(index).get_mass(context) for index in outboard)
         lever = float(np.sqrt(inertia / mass)) if mass > 0 else 0.0
     return min(weight * lever, float(actuator.effort_limit()))
 

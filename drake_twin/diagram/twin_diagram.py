@@ -331,7 +331,7 @@ def _add_robot(
         builder.Connect(output, system.GetInputPort(name))
     plans = {item.name: item for item in plan.controllers}
     for name, kind in robot.always_published.items():
-        drafter = robot.broadcaster.drafter(name, in_plant.places)
+        drafter = None if robot.delays else robot.broadcaster.drafter(name, in_plant.places)
         topic, rate = robot_topic(plan, name), plan.update_rate
         topics.publish(topic, system.GetOutputPort(name), kind, rate, plan.name, drafter=drafter)
     publish_sensors(plan.name, robot.sensors, system, topics, surroundings.time_step)
@@ -348,7 +348,7 @@ def _add_robot(
             published = controller_topic(plan, plans[name], own)
             if published is not None and own != TF_ODOMETRY:  # published on /tf
                 output = system.GetOutputPort(f"{name}/{own}")
-                drafter = item.drafter(own, in_plant.places)
+                drafter = None if robot.delays else item.drafter(own, in_plant.places)
                 topics.publish(published, output, kind, plans[name].update_rate, plan.name, name, drafter=drafter)
     return robot
 

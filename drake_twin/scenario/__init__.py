@@ -1,5 +1,6 @@
 """Scenarios: a twin as plain data (robots, world, frames, commands), read from YAML and written to it."""
 
+from drake_twin.scenario.push import PUSH_DURATION, Push
 from drake_twin.scenario.scenario import (
     CENIC,
     COLLISION_KINDS,
@@ -36,10 +37,12 @@ __all__ = [
     "LONGEST_STEP",
     "LONGEST_TIME",
     "POINT",
+    "PUSH_DURATION",
     "RESERVED_NAMES",
     "SHORTEST_STEP",
     "Command",
     "NodeProgram",
+    "Push",
     "Robot",
     "Scenario",
     "ScenarioError",

@@ -14,6 +14,7 @@ from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
+from drake_twin.scenario.push import Push, problems_of_push
 from drake_twin.scenario.typed_values import misfits
 
 # Drake's discrete solvers that support joint servos and mimic joints (TAMSI ignores both).
@@ -25,6 +26,7 @@ ENGINES = (DISCRETE, CENIC)
 
 # Steps outside these bounds (s) simulate nothing, and times beyond the last (s) overflow a step count.
 SHORTEST_STEP, LONGEST_STEP, LONGEST_TIME = 1e-6, 0.1, 1e9
+LONGEST_DELAY = 1.0  # s, of which all steps are kept
 
 # Names that a robot cannot have: those of other sub-diagrams and model instances.
 RESERVED_NAMES = frozenset(
@@ -123,6 +125,9 @@ class Robot:
             within a mapping are named with dots, for example ``gains.joint_1.p``.
         friction: The coefficient of friction of all its collision shapes; by default those of its file.
         joint_friction: Joint name → its dry friction (N·m or N) in place of the file's.
+        command_delay: How much later what is published to its controllers reaches them (s), in whole physics steps.
+        measurement_delay: How old the joint states are that its controllers read and publish (s), likewise.
+        noise: A factor on the noise of all its sensors: 1 for that of its file, 0 for ideal values.
     """
 
     name: str
@@ -148,6 +153,9 @@ class Robot:
     controller_parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     friction: float | None = None
     joint_friction: Mapping[str, float] = field(default_factory=dict)
+    command_delay: float = 0.0
+    measurement_delay: float = 0.0
+    noise: float = 1.0
 
     @property
     def topic_namespace(self) -> str:
@@ -239,6 +247,8 @@ class Scenario:
         findings: What a launch file asks for and the twin does not do, each with the reason.
         values: Parameters of the plant that differ from the files', by name: masses, dampings, the ground's friction;
             `drake_twin.twin.varied_parameters` lists them. Servo gains stay those of the files' values.
+        pushes: Forces that push links, with their times.
+        retune: Whether servo gains follow `values` instead, as if the files had them.
 
     Raises:
         ScenarioError: If no twin can be built from a value, such as two robots of one name.
@@ -258,6 +268,8 @@ class Scenario:
     sensor_noise: bool = True
     nodes: tuple[NodeProgram, ...] = ()
     values: Mapping[str, float] = field(default_factory=dict)
+    pushes: tuple[Push, ...] = ()
+    retune: bool = False
 
     def __post_init__(self) -> None:
         for path, message in _problems(self):
@@ -321,11 +333,16 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if robot.name in names:
             yield ("robots", index, "name"), f"two robots are named {robot.name!r}"
         names.add(robot.name)
-        frictions: list[tuple[tuple[str, ...], float | None]] = [(("friction",), robot.friction)]
-        frictions += [(("joint_friction", name), value) for name, value in robot.joint_friction.items()]
-        for where, value in frictions:
+        least_zero: list[tuple[tuple[str, ...], float | None]] = [(("friction",), robot.friction)]
+        least_zero += [(("joint_friction", name), value) for name, value in robot.joint_friction.items()]
+        for where, value in (*least_zero, (("noise",), robot.noise)):
             if value is not None and not value >= 0:
                 yield ("robots", index, *where), f"{value:g} is below zero"
+        for name, delay in (("command_delay", robot.command_delay), ("measurement_delay", robot.measurement_delay)):
+            if not 0 <= delay <= LONGEST_DELAY:
+                yield ("robots", index, name), f"{delay:g} s is not a delay from 0 to {LONGEST_DELAY:g} s"
+        if robot.measurement_delay and scenario.engine == CENIC:
+            yield ("robots", index, "measurement_delay"), f"the engine {CENIC} measures without delay: use {DISCRETE}"
     children: set[str] = set()
     for index, transform in enumerate(scenario.static_transforms):
         if transform.child in children:
@@ -341,6 +358,8 @@ def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
         if command.period is not None and not scenario.time_step <= command.period <= LONGEST_TIME:
             what = f"it must be {scenario.time_step:g} s (the time step) or more"
             yield ("commands", index, "period"), f"{command.period:g} s is not a period: {what}"
+    for index, push in enumerate(scenario.pushes):
+        yield from ((("pushes", index, *path), text) for path, text in problems_of_push(push, LONGEST_TIME))
     for index, node in enumerate(scenario.nodes):
         if not node.executable:
             yield ("nodes", index, "executable"), "a node needs a script, or a package and its program"

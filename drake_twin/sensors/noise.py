@@ -4,7 +4,7 @@ Each number is a function of the seed, the robot, the sensor, the channel and th
 generator): it does not depend on who listened before, on the order of subscriptions, or on a snapshot between.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import blake2b
 from math import exp, expm1, floor, sqrt
@@ -46,6 +46,19 @@ class Noise:
     def wanders(self) -> bool:
         """Whether the bias changes with time."""
         return self.dynamic_bias_stddev > 0.0 and self.dynamic_bias_correlation_time > 0.0
+
+    def scaled(self, factor: float) -> "Noise":
+        """Return the noise times a factor: its means and standard deviations, not the precision; 0 for no noise."""
+        if factor in (0.0, 1.0):
+            return self if factor else SILENT
+        return replace(
+            self,
+            mean=factor * self.mean,
+            stddev=factor * self.stddev,
+            bias_mean=factor * self.bias_mean,
+            bias_stddev=factor * self.bias_stddev,
+            dynamic_bias_stddev=factor * self.dynamic_bias_stddev,
+        )
 
     @property
     def text(self) -> str:
@@ -91,7 +104,7 @@ class NoiseSource:
         sensor: The sensor's name with its link or joint, unique on the robot.
         rate: The sensor's rate (Hz); 0 for one that measures at every step.
         time_step: The physics step (s).
-        is_on: Whether there is noise at all.
+        factor: What the noises are multiplied with; 0 for no noise at all.
     """
 
     seed: int = 0
@@ -99,11 +112,11 @@ class NoiseSource:
     sensor: str = ""
     rate: float = 0.0
     time_step: float = 1e-3
-    is_on: bool = True
+    factor: float = 1.0
 
     def channel(self, name: str, noise: Noise) -> "NoiseChannel":
         """Return the noise of a channel, such as ``angular_velocity.x``."""
-        return NoiseChannel(noise if self.is_on else SILENT, self, name)
+        return NoiseChannel(noise.scaled(self.factor), self, name)
 
     def tick(self, time: float, period: float = 0.0) -> int:
         """Return the number of measurements before a time (s)."""

@@ -8,6 +8,8 @@ from drake_twin.cli.target import Target
 from drake_twin.errors import InputError
 from drake_twin.program import version_text
 from drake_twin.scenario.scenario_file import ScenarioFile
+from drake_twin.sweeps.episode import episode_scenario
+from drake_twin.sweeps.launched import LaunchFile
 from drake_twin.sweeps.results import read_table
 from drake_twin.sweeps.variation import Episode
 from drake_twin.twin.twin import Twin
@@ -64,6 +66,7 @@ def episode_again(options: argparse.Namespace) -> EpisodeAgain:
         raise InputError(f"--episode {options.episode}: the table's {len(rows)} rows lack this number")
     row = found[0]
     episode = Episode(int(number), {path: row[path] for path, _ in definition["vary"]}, row["seed"])
-    scenario = episode.scenario(ScenarioFile(definition["scenario"], file).scenario)
+    base, launch = ScenarioFile(definition["scenario"], file).scenario, LaunchFile.from_plain(definition.get("launch"))
+    scenario = episode_scenario(base, launch, episode)
     simulated = row["simulated"] or definition["duration"]
     return EpisodeAgain(int(number), Target(scenario), simulated, row["state_sha256"] or "", row["version"])

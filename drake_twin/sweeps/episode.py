@@ -13,6 +13,8 @@ from drake_twin.errors import TwinError, described
 from drake_twin.program import version_text
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.sweeps.known_paths import check_paths
+from drake_twin.sweeps.launched import LaunchFile
 from drake_twin.sweeps.metrics import Condition, Metric, has_fallen
 from drake_twin.sweeps.state_log import StateLog
 from drake_twin.sweeps.variation import Design, Episode, Value
@@ -38,6 +40,7 @@ class Sweep:
         metrics: What the episodes are judged by.
         until: The condition that ends an episode early.
         version: The version of this package.
+        launch: The launch file whose arguments are varied; None if none are.
     """
 
     yaml: str
@@ -46,6 +49,7 @@ class Sweep:
     metrics: tuple[Metric, ...] = ()
     until: Condition | None = None
     version: str = ""
+    launch: LaunchFile | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, design: Design, duration: float, **more: Any) -> "Sweep":
@@ -60,6 +64,14 @@ class Sweep:
     def __len__(self) -> int:
         return len(self.design)
 
+    def scenario(self, episode: Episode) -> Scenario:
+        """Return the scenario of an episode.
+
+        Raises:
+            InputError: If a path or a value cannot be used.
+        """
+        return episode_scenario(self.base, self.launch, episode)
+
     @cached_property
     def definition(self) -> dict[str, Any]:
         """All that the rows depend on, as plain data."""
@@ -69,6 +81,7 @@ class Sweep:
             "duration": self.duration,
             "metrics": [[item.name, item.file, item.function, item.sha256] for item in self.metrics],
             "until": None if self.until is None else [self.until.text, self.until.sha256],
+            **({} if self.launch is None else {"launch": self.launch.as_plain()}),
             **self.design.as_plain(),
         }
 
@@ -83,7 +96,7 @@ class Sweep:
         return hashlib.sha256(f"{self._common}\n{own}".encode()).hexdigest()[:20]
 
     def __reduce__(self) -> Any:
-        return Sweep, (self.yaml, self.design, self.duration, self.metrics, self.until, self.version)
+        return Sweep, (self.yaml, self.design, self.duration, self.metrics, self.until, self.version, self.launch)
 
 
 class Runner:
@@ -107,7 +120,7 @@ class Runner:
         sweep, started = self._sweep, time.perf_counter()
         row = first_columns(sweep, episode)
         try:
-            twin = self._started(episode.scenario(sweep.base))
+            twin = self._started(sweep.scenario(episode))
             outcome = self._advance(twin)
             if self._log is not None:
                 history = self._log.history(twin)
@@ -160,6 +173,23 @@ class Runner:
         return FELL if has_fallen(twin) else TIMEOUT
 
 
+def episode_scenario(base: Scenario, launch: LaunchFile | None, episode: Episode) -> Scenario:
+    """Return the scenario of an episode.
+
+    Args:
+        base: The scenario without the varied values.
+        launch: The launch file whose arguments are varied.
+        episode: The episode.
+
+    Raises:
+        InputError: If a path or a value cannot be used.
+    """
+    if launch is None:
+        return episode.scenario(base)
+    launched = replace(launch.scenario(episode.values), pushes=base.pushes, retune=base.retune)
+    return episode.scenario(launched, launched=True)
+
+
 def first_columns(sweep: Sweep, episode: Episode) -> Row:
     """Return the columns of a row that are known before its episode has run."""
     values: dict[str, Value] = dict(episode.values)
@@ -192,11 +222,12 @@ def trial(sweep: Sweep) -> None:
         InputError: If a path, a value or a metric's topic cannot be used.
     """
     first = next(sweep.design.episodes())
-    start = first.scenario(sweep.base)
+    start = sweep.scenario(first)
+    check_paths(start, sweep.base, sweep.design.paths)
     with Twin(start) as twin:
         for path, values in sweep.design.values().items():
             for index, value in enumerate(_some(values)):
-                scenario = replace(first, values={**first.values, path: value}).scenario(sweep.base)
+                scenario = sweep.scenario(replace(first, values={**first.values, path: value}))
                 if index == 0 or replace(scenario, values=start.values) == start:
                     twin.reset(scenario)
         for metric in sweep.metrics:

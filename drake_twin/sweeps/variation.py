@@ -8,10 +8,13 @@ A path is one of `Scenario.values` (see `drake_twin.twin.varied_parameters`), or
 | ``time_step``, ``accuracy`` | physics step (s), accuracy of ``cenic`` |
 | ``ROBOT.x``, ``.y``, ``.z``, ``.roll``, ``.pitch``, ``.yaw`` | start pose (m, rad) |
 | ``ROBOT.friction`` | the coefficient of friction of all its shapes |
+| ``ROBOT.command_delay``, ``ROBOT.measurement_delay`` | how late commands arrive, and how old joint states are (s) |
+| ``ROBOT.noise`` | a factor on the noise of all its sensors |
 | ``ROBOT.args.NAME`` | a xacro argument of its file |
 | ``ROBOT.JOINT.position`` | start position of a joint (rad or m) |
 | ``ROBOT.JOINT.friction`` | dry friction of a joint (N·m or N) |
 | ``ROBOT.CONTROLLER.PARAMETER`` | a parameter of a controller; those in mappings with dots |
+| ``launch.NAME`` | an argument of the launch file that is run; see `drake_twin.sweeps.launched` |
 """
 
 import re
@@ -27,8 +30,13 @@ from drake_twin.twin.varied_parameters import JOINT_VALUES, LINK_VALUES
 
 Value = float | str
 
+_MOST = 10**15  # episodes
+
+LAUNCH = "launch."  # what paths of launch arguments begin with
+
 _WORLD = ("ground_friction", "gravity", "time_step", "accuracy")
 _POSE = {"x": 0, "y": 1, "z": 2, "roll": 3, "pitch": 4, "yaw": 5}
+_OF_ROBOT = ("friction", "noise", "command_delay", "measurement_delay")
 _NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
 _RANGE = re.compile(rf"{_NUMBER}:{_NUMBER}:(\d+)$")
 _RANDOM = re.compile(rf"(\w+)\({_NUMBER},{_NUMBER}\)$")
@@ -52,6 +60,10 @@ def with_value(scenario: Scenario, path: str, value: Value) -> Scenario:
     if not rest and first in (GROUND_FRICTION, *_WORLD):
         return _in_world(scenario, first, _number(path, value))
     if first not in robots or not rest:
+        if path == "seed":
+            raise InputError("seed: --seeds N runs each episode with the seeds 0 to N-1")
+        if path.startswith(LAUNCH):
+            raise InputError(f"{path}: what is run is not a launch file, so that it has no launch arguments")
         valid = [GROUND_FRICTION, *_WORLD, *(f"{name}.…" for name in robots)]
         raise InputError(f"{path}: the scenario has nothing of this name to vary", value=path, valid=valid)
     middle, _, last = rest.rpartition(".")
@@ -77,17 +89,17 @@ def _varied_robot(robot: Robot, path: str, middle: str, last: str, value: Value)
         pose = [*robot.xyz, *robot.rpy]
         pose[_POSE[last]] = _number(path, value)
         return replace(robot, xyz=(pose[0], pose[1], pose[2]), rpy=(pose[3], pose[4], pose[5]))
-    if not middle and last == "friction":
-        return replace(robot, friction=_number(path, value))
+    if not middle and last in _OF_ROBOT:
+        return replace(robot, **{last: _number(path, value)})  # type: ignore[arg-type]
     if middle == "args":
-        return replace(robot, xacro_args={**robot.xacro_args, last: value if isinstance(value, str) else f"{value:g}"})
+        return replace(robot, xacro_args={**robot.xacro_args, last: as_text(value)})
     if last == "position":
         return replace(robot, initial_positions={**robot.initial_positions, middle: _number(path, value)})
     if last == "friction":
         return replace(robot, joint_friction={**robot.joint_friction, middle: _number(path, value)})
     controller, _, parameter = f"{middle}.{last}".partition(".")
     if not middle:
-        own = [*_POSE, "friction", "payload", "args.NAME"]
+        own = [*_POSE, *_OF_ROBOT, "payload", "args.NAME"]
         parts = [f"LINK.{item}" for item in LINK_VALUES] + [f"JOINT.{item}" for item in (*JOINT_VALUES, "position")]
         valid = [f"{robot.name}.{item}" for item in (*own, *parts, "JOINT.friction", "CONTROLLER.PARAMETER")]
         raise InputError(f"{path}: a robot has nothing of this name to vary", value=path, valid=valid)
@@ -95,6 +107,11 @@ def _varied_robot(robot: Robot, path: str, middle: str, last: str, value: Value)
     return replace(
         robot, controller_parameters={**robot.controller_parameters, controller: {**known, parameter: value}}
     )
+
+
+def as_text(value: Value) -> str:
+    """Return a value as the text of an argument of a file."""
+    return value if isinstance(value, str) else f"{value:.15g}"
 
 
 def _number(path: str, value: Value) -> float:
@@ -132,15 +149,15 @@ class Variation:
                 f"--vary {text}: it must read PATH=VALUES, for example friction=0.3:1.0:8 or friction=0.3,1"
             )
         if found := _RANGE.match(spec):
-            return cls(path, _range(text, float(found[1]), float(found[2]), int(found[3])))
+            return cls(path, _once(text, _range(text, _finite(text, found[1]), _finite(text, found[2]), int(found[3]))))
         if "(" in spec:
             found = _RANDOM.match(spec.replace(" ", ""))
             name = spec.partition("(")[0].strip()
             if found is None or found[1] not in _DISTRIBUTIONS:
                 what = f"--vary {text}: this is not a distribution with two numbers"
                 raise InputError(what, value=name, valid=[f"{item}(a,b)" for item in _DISTRIBUTIONS])
-            return cls(path, (), found[1], _checked(text, found[1], float(found[2]), float(found[3])))
-        return cls(path, tuple(_value(text, item.strip()) for item in spec.split(",")))
+            return cls(path, (), found[1], _checked(text, found[1], _finite(text, found[2]), _finite(text, found[3])))
+        return cls(path, _once(text, tuple(_value(text, item.strip()) for item in spec.split(","))))
 
     def at(self, share: float) -> float:
         """Return the value of a distribution below which a share (0 to 1) of its values lie."""
@@ -177,12 +194,26 @@ def _value(text: str, word: str) -> Value:
     if not word:
         raise InputError(f"--vary {text}: a value is missing")
     try:
-        number = float(word)
+        return _finite(text, word)
     except ValueError:
         return word
+
+
+def _finite(text: str, word: str) -> float:
+    number = float(word)
     if not isfinite(number):
         raise InputError(f"--vary {text}: {word} is not a finite number")
     return number
+
+
+def _once(text: str, values: tuple[Value, ...]) -> tuple[Value, ...]:
+    """Return values, each of which stands there once: an episode is known by its values."""
+    known: set[Value] = set()
+    for value in values:
+        if value in known:
+            raise InputError(f"--vary {text}: the value {as_text(value)} stands there twice")
+        known.add(value)
+    return values
 
 
 @dataclass(frozen=True)
@@ -199,14 +230,20 @@ class Episode:
     values: Mapping[str, Value]
     seed: int
 
-    def scenario(self, base: Scenario) -> Scenario:
+    def scenario(self, base: Scenario, *, launched: bool = False) -> Scenario:
         """Return the episode's scenario.
+
+        Args:
+            base: The scenario without the varied values.
+            launched: Whether the values of launch arguments are in it already.
 
         Raises:
             InputError: If a path or a value cannot be used.
         """
         scenario = base
         for path, value in self.values.items():
+            if launched and path.startswith(LAUNCH):
+                continue
             try:
                 scenario = with_value(scenario, path, value)
             except ScenarioError as error:
@@ -224,7 +261,7 @@ class Design:
         seeds: The seeds.
 
     Raises:
-        InputError: If a path stands there twice.
+        InputError: If a path stands there twice, or there are too many episodes to count.
     """
 
     variations: tuple[Variation, ...]
@@ -236,6 +273,8 @@ class Design:
         twice = [path for index, path in enumerate(paths) if path in paths[:index]]
         if twice:
             raise InputError(f"--vary {twice[0]} is given twice")
+        if self._count > _MOST:
+            raise InputError(f"these are {self._count:,} episodes: a sweep has {_MOST:,} at most")
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -243,6 +282,10 @@ class Design:
         return tuple(item.path for item in self.variations)
 
     def __len__(self) -> int:
+        return self._count
+
+    @property
+    def _count(self) -> int:
         lists = prod(len(item.values) for item in self.variations if not item.distribution)
         return lists * (self.samples if self._random else 1) * len(self.seeds)
 

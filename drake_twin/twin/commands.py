@@ -1,5 +1,6 @@
 """The commands of the controllers: pending, valid, expiring, and those that the scenario schedules."""
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from math import isfinite
@@ -11,6 +12,7 @@ from pydrake.systems.framework import Context, FixedInputPortValue
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.diagram.topics import CommandTopic
+from drake_twin.errors import CommandError
 from drake_twin.messages import Numbers, shortened
 from drake_twin.scenario import Command
 from drake_twin.twin.clock import Clock
@@ -18,6 +20,8 @@ from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.schedule import ScheduledCommand, step_at
+
+_log = logging.getLogger(__name__)
 
 _ROUNDING = 1e-9  # s
 _published = attrgetter("published")
@@ -31,6 +35,7 @@ class _Before:
     expiries: dict[str, float]
     queue: list[tuple[str, Any]]
     published: list[int]
+    delayed: list[tuple[float, str, Any]]
 
 
 class Commands:
@@ -40,6 +45,7 @@ class Commands:
         values: Topic or action → the valid value.
         expiries: Topic → when its value expires (s).
         queue: Pending topics and values, applied at the next step in this order.
+        delayed: Time of arrival (s), topic and message of what is under way to robots with a command delay.
         schedule: The scenario's own commands.
         silenced: Topics whose scheduled commands are dropped.
     """
@@ -52,6 +58,7 @@ class Commands:
         self.values: dict[str, Any] = {}
         self.expiries: dict[str, float] = {}
         self.queue: list[tuple[str, Any]] = []
+        self.delayed: list[tuple[float, str, Any]] = []
         self.schedule: list[ScheduledCommand] = []
         self.silenced: set[str] = set()
         self._ports: dict[str, CommandTopic] = {}
@@ -70,7 +77,7 @@ class Commands:
         """Remove all commands; those of a scenario are ahead."""
         self.values.clear()
         self.expiries.clear()
-        self.queue = []
+        self.queue, self.delayed = [], []
         self.schedule = [ScheduledCommand(command) for command in commands]
         self._fixed = {
             topic: item.port.FixValue(self._context, AbstractValue.Make(None)) for topic, item in self._ports.items()
@@ -79,6 +86,10 @@ class Commands:
     def last(self, topic: str) -> Any:
         """Return the value published last on a topic, pending or valid; None without one."""
         return next((value for name, value in reversed(self.queue) if name == topic), self.values.get(topic))
+
+    def hold(self, topic: str, message: Any, time: float) -> None:
+        """Let a message arrive at a later time (s)."""
+        self.delayed = [*self.delayed, (time, topic, message)]
 
     def put_pending(self, time: float, action: CommandTopic | None = None) -> None:
         """Apply the pending commands to their input ports.
@@ -101,11 +112,11 @@ class Commands:
             time: The present time (s).
             publish: Publishes a scheduled command as if a user had published it.
         """
-        if not (self.schedule or self.expiries or self.queue):
+        if not (self.schedule or self.expiries or self.queue or self.delayed):
             self._before = None
             return
         published = list(map(_published, self.schedule))
-        self._before = _Before(dict(self.values), dict(self.expiries), self.queue, published)
+        self._before = _Before(dict(self.values), dict(self.expiries), self.queue, published, self.delayed)
         due = []
         for scheduled in self.schedule:
             if scheduled.due_step(self._clock.time_step) <= self._clock.step:
@@ -116,11 +127,32 @@ class Commands:
             if self.expiries[topic] <= time + _ROUNDING:
                 self.set(topic, None, time)
         pending, self.queue = self.queue, []
+        if self.delayed:
+            self._take_arrived()
         for scheduled in due:
             publish(scheduled)
         for topic, value in self.queue + pending:
             self.set(topic, value, time)
         self.queue = []
+
+    def _take_arrived(self) -> None:
+        """Queue the delayed messages that arrive at the present step, if their controllers still hear them."""
+        under_way = []
+        for time, topic, message in self.delayed:
+            if step_at(time, self._clock.time_step) > self._clock.step:
+                under_way.append((time, topic, message))
+                continue
+            item = self._ports[topic]
+            control = self._controls[item.robot]
+            if control.stopped or not control.manager.is_active(item.controller):
+                continue
+            try:
+                self.queue.append((topic, control.accept(item, message)))
+            except CommandError as error:
+                _log.warning("%s", error.about(topic))
+                if error.deactivates:
+                    control.deactivate(item.controller, error.about(topic).message)
+        self.delayed = under_way
 
     def take_back(self) -> None:
         """Undo the last `apply`: the step that was to follow has failed."""
@@ -130,6 +162,7 @@ class Commands:
             if self.values.get(topic) is not self._before.values.get(topic):
                 self._fix(topic, self._before.values.get(topic))
         self.values, self.expiries, self.queue = self._before.values, self._before.expiries, self._before.queue
+        self.delayed = self._before.delayed
         for item, published in zip(self.schedule, self._before.published, strict=True):
             item.published = published
         self._before = None
@@ -164,19 +197,22 @@ class Commands:
 
     def due_steps(self) -> list[float]:
         """Return the steps at which something is due."""
-        if not (self.schedule or self.expiries):
+        if not (self.schedule or self.expiries or self.delayed):
             return []
         due = [item.due_step(self._clock.time_step) for item in self.schedule]
-        return due + [step_at(time, self._clock.time_step) for time in self.expiries.values()]
+        times = (*self.expiries.values(), *(time for time, _, _ in self.delayed))
+        return due + [step_at(time, self._clock.time_step) for time in times]
 
     def state(self) -> dict[str, Any]:
         """Return the entries of a snapshot that this part keeps."""
+        delayed = [[time, topic, to_plain(message)] for time, topic, message in self.delayed]
         return {
             "commands": {topic: to_plain(value) for topic, value in self.values.items()},
             "expiries": dict(self.expiries),
             "waiting": [[topic, to_plain(value)] for topic, value in self.queue],
             "schedule": [item.published for item in self.schedule],
             "silenced": sorted(self.silenced & {item.topic for item in self.schedule}),
+            **({"delayed": delayed} if delayed else {}),
         }
 
     def set_state(self, state: Mapping[str, Any]) -> None:
@@ -195,6 +231,7 @@ class Commands:
             raise ValueError("what expires is not commanded")
         self.expiries = dict(state["expiries"])
         self.queue = [(topic, self._saved(topic, value)) for topic, value in state["waiting"]]
+        self.delayed = [(time, topic, self._message(topic, plain)) for time, topic, plain in state.get("delayed", ())]
         for scheduled, published in zip(self.schedule, state["schedule"], strict=True):
             scheduled.published = published
         self.silenced = set(state["silenced"])
@@ -220,8 +257,17 @@ class Commands:
                 "waiting": [entry for entry in state["waiting"] if entry[0] in self._ports],
                 "schedule": published,
                 "silenced": self.silenced,
+                "delayed": [entry for entry in state.get("delayed", ()) if entry[1] in self._ports],
             }
         )
+
+    def _message(self, topic: str, plain: Any) -> Any:
+        """Return a saved message that is under way."""
+        item, message = self._ports[topic], from_plain(plain)
+        kind = getattr(message, "__msgtype__", None)
+        if not isinstance(message, Numbers) and kind != item.type:
+            raise ValueError(f"{shortened(plain)} is not a message of {topic}")
+        return message
 
     def _saved(self, topic: str, plain: Any) -> Any:
         """Return a saved command as its port takes it."""

@@ -40,6 +40,7 @@ def delete(session: Session, entity: str) -> None:
         InputError: If the robot or model is unknown, or the robot is the last one.
     """
     scenario = session.scenario
+    pushes = tuple(push for push in scenario.pushes if push.entity.partition("::")[0] != entity)
     if entity not in session.robots:
         _check_model(session, entity)
         world = scenario.world
@@ -49,7 +50,7 @@ def delete(session: Session, entity: str) -> None:
             world = replace(world, model_copies=copies, model_poses=poses)
         else:
             world = replace(world, without_models=(*world.without_models, entity), model_poses=poses)
-        session.rebuild(replace(scenario, world=world))
+        session.rebuild(replace(scenario, world=world, pushes=pushes))
         return
     kept = tuple(item for item in scenario.robots if item.name != entity)
     if not kept:
@@ -59,7 +60,7 @@ def delete(session: Session, entity: str) -> None:
     own -= {item.topic for item in commanded if item.robot != entity}
     commands = tuple(command for command in scenario.commands if command.topic not in own)
     values = {name: value for name, value in scenario.values.items() if name.partition(".")[0] != entity}
-    session.rebuild(replace(scenario, robots=kept, commands=commands, values=values))
+    session.rebuild(replace(scenario, robots=kept, commands=commands, values=values, pushes=pushes))
 
 
 def copy_model(session: Session, model: str, name: str, xyz: Iterable[float], rpy: Iterable[float]) -> None:

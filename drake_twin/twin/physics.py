@@ -20,14 +20,17 @@ from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.diagram.release import release
+from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
 from drake_twin.twin.entities import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
+from drake_twin.twin.late_measurements import LateMeasurements, Past
 from drake_twin.twin.plant_parameters import PlantParameters
 from drake_twin.twin.pull import Pull
+from drake_twin.twin.pushes import settled_pushes
 from drake_twin.twin.state import read_robot_state
 from drake_twin.twin.varied_parameters import varied_parameters
 
@@ -46,11 +49,13 @@ class Moment:
         time: The time (s).
         state: The plant's ``[q; v]``.
         samples: The sample of each stateful controller, in the order of their contexts.
+        past: The past of each measurement delay.
     """
 
     time: float
     state: np.ndarray
     samples: tuple[Any, ...]
+    past: Past
 
 
 def _sample(controller: StatefulController, context: Context) -> Sample:
@@ -80,6 +85,8 @@ class Physics:
         simulator: Its simulator.
         context: The root context.
         plant_context: The plant's context.
+        gains: Robot → the gains of its servos; those of its file unless the scenario retunes them.
+        pushes: The scenario's pushes with their forces.
         new_events: The controllers that have added an event, which the simulator does not know yet.
     """
 
@@ -102,7 +109,12 @@ class Physics:
         self.plant_context: Context = self.built.plant.GetMyMutableContextFromRoot(self.context)
         self._parameters = PlantParameters(self.built.plant, self.built.scene_graph, self.context)
         self._time_step = scenario.time_step
-        self.use_values(scenario.values)
+        self.use(scenario)
+        self.gains = (
+            self._retuned_gains()
+            if scenario.retune
+            else {name: robot.gains for name, robot in self.built.robots.items()}
+        )
         keepers = [
             item
             for parts in self.built.parts.values()
@@ -114,6 +126,8 @@ class Physics:
         for item in keepers:
             item.new_events = self.new_events
         self._extensions = ExtensionState(self.built, self.context)
+        self._late = LateMeasurements(self.built, self.context)
+        self._late.start()
         plant = self.built.plant
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]
@@ -162,7 +176,7 @@ class Physics:
         """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""
         state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
         samples = tuple(starmap(_sample, self._keepers))
-        return Moment(self.context.get_time(), state, samples)
+        return Moment(self.context.get_time(), state, samples, self._late.past())
 
     def go_back(self, moment: Moment) -> None:
         """Return to a moment of this diagram, for all that steps have changed."""
@@ -170,6 +184,7 @@ class Physics:
         self.built.plant.SetPositionsAndVelocities(self.plant_context, moment.state)
         for (item, context), sample in zip(self._keepers, moment.samples, strict=True):
             item.set_sample(context, sample)
+        self._late.go_back(moment.past)
         self.initialize()
 
     def time_of(self, step: int) -> float:
@@ -189,14 +204,24 @@ class Physics:
         self.context.SetTime(0.0)
         if self._start_parameters:
             self._parameters.put(self.context, self._start_parameters)
+        self._late.start()
 
-    def use_values(self, values: Mapping[str, float]) -> None:
-        """Start with these values of a scenario from now on.
+    def use(self, scenario: Scenario) -> None:
+        """Start with the values and pushes of a scenario from now on.
 
         Raises:
-            ScenarioError: If a value is unknown or invalid.
+            ScenarioError: If a value or the link of a push is unknown or invalid.
         """
-        self._start_parameters = varied_parameters(self.built, values)
+        parameters = varied_parameters(self.built, scenario.values)
+        self.pushes = settled_pushes(self.built, scenario)
+        self._start_parameters = parameters
+
+    def _retuned_gains(self) -> dict[str, tuple[ServoGains | None, ...]]:
+        """Return the gains that follow from the values of the scenario."""
+        built, root = self.built, self.built.diagram.CreateDefaultContext()
+        self._parameters.put(root, self._start_parameters)
+        robots = [(plan, built.robots[plan.name].instance, built.robots[plan.name].layout) for plan in built.plans]
+        return servo_gains(built.plant, robots, context=built.plant.GetMyContextFromRoot(root))
 
     def set_values(self, values: Mapping[str, float]) -> None:
         """Set these values of a scenario at once, and all other parameters to those as built.
@@ -244,6 +269,7 @@ class Physics:
         self._parameters.put(self.context, state["parameters"])
         for name, saved in state["robots"].items():
             self.set_robot_state(name, np.array(saved["state"], dtype=float))
+            self._late.set_state(name, saved)
         self._extensions.set_state(state.get("systems", {}))
 
     def transfer(self, state: Mapping[str, Any], old: "Physics") -> None:
@@ -257,6 +283,7 @@ class Physics:
         for plan in self.built.plans:
             if is_same_robot(plan, known.get(plan.name)):
                 self.set_robot_state(plan.name, np.array(state["robots"][plan.name]["state"]))
+                self._late.set_state(plan.name, state["robots"][plan.name], self._time_step / old._time_step)
                 assert self.built.robots[plan.name].layout == old.built.robots[plan.name].layout
         own = old._start_parameters
         since = {name: value for name, value in state["parameters"].items() if value != own.get(name)}
@@ -276,6 +303,7 @@ class Physics:
                 for joint, position, velocity in zip(state.joints, state.positions, state.velocities, strict=True)
             },
             "base_pose": list(state.base_pose),
+            **self._late.state(plan.name),
         }
 
     def _model_states(self) -> dict[str, list[list[float]]]:
@@ -309,4 +337,4 @@ class Physics:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
-        del self._extensions
+        del self._extensions, self._late

@@ -87,7 +87,8 @@ class RobotControl:
             self._servo_context = self._parts.servo.GetMyMutableContextFromRoot(physics.context)
         if self._parts.gpios is not None:
             self._gpio_context = self._parts.gpios.GetMyMutableContextFromRoot(physics.context)
-        self._joints = driven_joints(self._plan.description, self._parts.joints, self._in_plant.gains)
+        self._gains = physics.gains[self._plan.name]
+        self._joints = driven_joints(self._plan.description, self._parts.joints, self._gains)
         layout = self._in_plant.layout
         names = [
             joint or next(iter(layout.positions)) for joint in self._parts.joints
@@ -127,17 +128,30 @@ class RobotControl:
         Raises:
             CommandError: If the data does not fit the topic's type, or the controller refuses it.
         """
+        return self.accept(topic, self.message(topic, data))
+
+    def message(self, topic: CommandTopic, data: Any) -> Any:
+        """Return data as a message of a topic.
+
+        Raises:
+            CommandError: If the data does not fit the topic's type.
+        """
         try:
             kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
-            message: Any
             if kind == "std_msgs/msg/Float64MultiArray" and messages.is_bare(data):
-                message = messages.Numbers.read(data)
-            else:
-                message = messages.message(kind, data)
+                return messages.Numbers.read(data)
+            return messages.message(kind, data)
         except (TypeError, ValueError) as error:
             is_list = topic.type == "std_msgs/msg/Float64MultiArray" and not isinstance(data, Mapping)
             text = f"{messages.shortened(data)} is not a list of numbers" if is_list else str(error)
             raise CommandError(text) from None
+
+    def accept(self, topic: CommandTopic, message: Any) -> Any:
+        """Return what `message` returned as the value of the topic's port, at the present time.
+
+        Raises:
+            CommandError: If the controller refuses it.
+        """
         controller = self.controllers[topic.controller]
         if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
             message = messages.Numbers((message.data,) * len(controller.claims))
@@ -335,7 +349,7 @@ class RobotControl:
         servo = self._parts.servo
         if servo is not None:
             assignment = servo.assignment(self._servo_context)
-            set_gains(self._plant, self._in_plant.instance, self._in_plant.gains, assignment.modes)
+            set_gains(self._plant, self._in_plant.instance, self._gains, assignment.modes)
             self.check_period = check_period(assignment)
             self._slipping = slipping_range(assignment, self._joints)
 

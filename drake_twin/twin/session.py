@@ -28,7 +28,7 @@ from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.state import hash_plain
 from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
-from drake_twin.twin.varied_parameters import needs_build
+from drake_twin.twin.varied_parameters import SET_AT_START, needs_build
 from drake_twin.twin.wrenches import Wrenches
 
 # What goes wrong with saved values of another kind than they should be; some of Drake's checks end the process.
@@ -272,11 +272,12 @@ class Session:
     def _change_to(self, scenario: Scenario) -> None:
         """Use another scenario: set its values if that suffices, else build its diagram."""
         if not needs_build(self.scenario, scenario, self.built.plans):
-            self.physics.use_values(scenario.values)
+            self.physics.use(scenario)
             self.scenario = scenario
         elif not needs_build(self._given, scenario, self.built.plans):  # its optional commands are checked already
-            self.physics.use_values(scenario.values)
-            self.scenario = replace(self.scenario, values=scenario.values, seed=scenario.seed)
+            self.physics.use(scenario)
+            same = {name: getattr(scenario, name) for name in SET_AT_START}
+            self.scenario = replace(self.scenario, **same)
             self._given = scenario
         else:
             self.rebuild(scenario)
@@ -285,7 +286,7 @@ class Session:
         self.clock.step = 0
         self.physics.start_at_rest()
         self.commands.start(self.scenario.commands)
-        self.wrenches.clear()
+        self.wrenches.start(self.physics.pushes)
         for control in self.controls.values():
             control.start()
         self.physics.initialize()

@@ -13,6 +13,7 @@ from drake_twin.twin.version_1 import converted_state
 from drake_twin.values import is_number
 
 _KIND, _VERSION = "saved state", 2
+_OPTIONAL = {"systems", "pushes", "delayed"}  # entries that are left out where they are empty
 
 
 @saved("Snapshot")
@@ -35,6 +36,8 @@ class Snapshot:
         silenced: Topics whose scheduled commands are dropped.
         next_time_step: The pending time step, which applies at its next multiple (s); None without one.
         systems: The state vectors of the user's own systems, by their names.
+        pushes: The scenario's pushes that are still to come.
+        delayed: The messages that are under way to robots with a command delay: time of arrival, topic and message.
 
     Raises:
         InputError: If an entry is invalid.
@@ -54,6 +57,8 @@ class Snapshot:
     silenced: list[str]
     next_time_step: float | None
     systems: dict[str, Any] = field(default_factory=dict)
+    pushes: list[Any] = field(default_factory=list)
+    delayed: list[list[Any]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         kinds = {
@@ -66,6 +71,9 @@ class Snapshot:
             and all(isinstance(values, list) for values in self.parameters.values()),
             "commands": isinstance(self.commands, Mapping),
             "systems": isinstance(self.systems, Mapping),
+            "pushes": isinstance(self.pushes, list),
+            "delayed": isinstance(self.delayed, list)
+            and all(isinstance(item, list) and len(item) == 3 and is_number(item[0]) for item in self.delayed),
             "expiries": isinstance(self.expiries, Mapping) and all(map(is_number, self.expiries.values())),
             "waiting": isinstance(self.waiting, list)
             and all(isinstance(item, list) and len(item) == 2 for item in self.waiting),
@@ -81,7 +89,7 @@ class Snapshot:
     def state(self) -> dict[str, Any]:
         """Return all entries except the scenario, by name."""
         entries = {name: value for name, value in vars(self).items() if name != "scenario"}
-        return entries if self.systems else {name: value for name, value in entries.items() if name != "systems"}
+        return {name: value for name, value in entries.items() if value or name not in _OPTIONAL}
 
     def save(self, file: str | Path) -> None:
         """Write the snapshot as JSON.
@@ -100,8 +108,8 @@ class Snapshot:
         """
         data = read_saved(file, _KIND, _VERSION, converted_state)
         names = set(cls.__dataclass_fields__)
-        if not names - {"systems"} <= set(data) <= names:
-            raise InputError(f"a saved state has the entries {', '.join(sorted(names - {'systems'}))}", file=file)
+        if not names - _OPTIONAL <= set(data) <= names:
+            raise InputError(f"a saved state has the entries {', '.join(sorted(names - _OPTIONAL))}", file=file)
         try:
             return cls(**data)
         except InputError as error:

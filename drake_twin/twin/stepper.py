@@ -18,7 +18,6 @@ from drake_twin.twin.inbox import PERIOD, Inbox
 from drake_twin.twin.physics import Moment
 from drake_twin.twin.schedule import ScheduledCommand, step_at
 from drake_twin.twin.session import Session
-from drake_twin.twin.wrenches import Acting
 
 _log = logging.getLogger(__name__)
 
@@ -117,13 +116,11 @@ class Stepper:
         """Advance to the next step at which something is due."""
         session = self._session
         clock, physics, controls = session.clock, session.physics, session.controls.values()
-        start, wrenches = physics.moment(), session.wrenches.items
+        start = physics.moment()
         for control in controls:
             control.kept = None
         time = clock.step * clock.time_step
-        if wrenches:
-            session.wrenches.drop_ended(time)
-            session.wrenches.renew(clock)
+        session.wrenches.update(clock)
         session.commands.apply(time, self._publish_scheduled)
         for control in controls:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
@@ -134,9 +131,9 @@ class Stepper:
         try:
             noticed = self._advance_simulator(next_step)
         except (Exception, SystemExit) as error:  # of Drake, or of a system that the user has added
-            raise self._go_back_from(error, start, next_step, wrenches) from error
+            raise self._go_back_from(error, start, next_step) from error
         except KeyboardInterrupt:  # somewhere within a step
-            self._go_back_to_start(start, wrenches)
+            self._go_back_to_start(start)
             raise
         clock.step = round(physics.context.get_time() / clock.time_step)
         if noticed:
@@ -193,14 +190,13 @@ class Stepper:
         physics.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
         physics.simulator.AdvanceTo(physics.time_of(next_step))
 
-    def _go_back_from(self, error: BaseException, start: Moment, end: int, wrenches: Acting) -> RunError:
+    def _go_back_from(self, error: BaseException, start: Moment, end: int) -> RunError:
         """Return to the last good state, and return the error to raise.
 
         Args:
             error: What was raised.
             start: The moment from which the simulator was to advance.
             end: The step that it was to advance to.
-            wrenches: The wrenches before that.
         """
         session, clock, physics = self._session, self._session.clock, self._session.physics
         if not is_possible(start.state):  # it was written into the context
@@ -217,15 +213,15 @@ class Stepper:
         earlier = None if before is good else before
         found = failure(session.built, physics.plant_context, clock.time, error, good, earlier)
         if good is start:
-            self._go_back_to_start(start, wrenches)
+            self._go_back_to_start(start)
         else:
             physics.go_back(good)
         return found
 
-    def _go_back_to_start(self, start: Moment, wrenches: Acting) -> None:
+    def _go_back_to_start(self, start: Moment) -> None:
         """Return to where an advance began: what was due then is still due."""
         session = self._session
-        session.wrenches.put(wrenches)
+        session.wrenches.take_back()
         session.commands.take_back()
         for control in session.controls.values():
             control.take_back()
@@ -241,11 +237,8 @@ class Stepper:
             session.subscriptions.due_step,
             session.alarm.due_step,
             *session.commands.due_steps(),
+            *session.wrenches.due_steps(clock),
         ]
-        if session.wrenches.items:
-            due += [step_at(item.until, clock.time_step) for item in session.wrenches.items]
-            if session.wrenches.pulls:
-                due.append(session.wrenches.next_renewal(clock))
         if (change := clock.change_step()) is not None:
             due.append(change)
         for control in session.controls.values():

@@ -82,16 +82,24 @@ class Topics:
                 why = f"the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it"
                 refused = refused or CommandError(f"{topic}: {why}")
                 continue
-            if not control.manager.is_active(item.controller):
+            delay = control.plan.robot.command_delay
+            if not delay and not control.manager.is_active(item.controller):
                 continue
+            message = None
             try:
-                value = control.read(item, data)
+                message = control.message(item, data)
+                value = control.accept(item, message)
             except CommandError as error:
                 refused = error.about(topic)
-                if error.deactivates:
+                if error.deactivates and delay:
+                    session.commands.hold(port, message, session.clock.time + delay)  # its controller refuses it then
+                elif error.deactivates:
                     control.deactivate(item.controller, refused.message)
                 continue
-            session.commands.queue.append((port, value))
+            if delay:
+                session.commands.hold(port, message, session.clock.time + delay)
+            else:
+                session.commands.queue.append((port, value))
             heard = True
         if refused is not None and not heard:
             raise refused

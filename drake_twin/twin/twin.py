@@ -754,7 +754,8 @@ class Twin:
 
         Args:
             scenario: The scenario to start; by default the present one. Where the two differ only in their
-                ``values``, these are set in the present diagram; else it is built again. The state is the same.
+                ``values``, ``pushes`` and seed, these are set in the present diagram, unless values retune servos or
+                the seed draws noise; else it is built again. The state is the same.
 
         Raises:
             InputError: If called inside a callback, or the scenario cannot be built; nothing is changed then.
@@ -766,7 +767,7 @@ class Twin:
     def set_values(self, values: Mapping[str, float]) -> None:
         """Set parameters of the plant at once, as the scenario would with these ``values`` beside its own.
 
-        `reset` takes them back; all other parameters become the scenario's.
+        `reset` takes them back; all other parameters become the scenario's. Servo gains stay as they are.
 
         Args:
             values: Name → value, as in `Scenario`.

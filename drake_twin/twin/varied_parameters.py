@@ -11,8 +11,8 @@
 | ``ROBOT.JOINT.rotor_inertia`` | inertia of its motor's rotor (kg·m²) |
 | ``ROBOT.JOINT.gear_ratio`` | gear ratio of its motor |
 
-They are set in the context of a diagram, at its start and at each reset: no value needs another build. All else that a
-scenario holds, such as gravity, shapes and gains, does.
+They are set in the context of a diagram, at its start and at each reset: no value needs another build, but where the
+servos are retuned. All else that a scenario holds, such as gravity, shapes and gains, does.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -33,6 +33,10 @@ LINK_VALUES = ("mass", "inertia", *_MOMENTS, "payload")
 JOINT_VALUES = ("damping", "rotor_inertia", "gear_ratio")
 _POSITIVE = ("mass", "inertia", *_MOMENTS, "gear_ratio")
 
+# The fields of a scenario that a built twin takes at its start; the others need another build, and so do the values of
+# robots whose servos are retuned.
+SET_AT_START = ("values", "seed", "pushes")
+
 _Parameters = dict[str, list[float]]
 
 
@@ -46,11 +50,17 @@ def needs_build(old: Scenario, new: Scenario, plans: Sequence[RobotPlan]) -> boo
     """
     if (GROUND_FRICTION in old.values) != (GROUND_FRICTION in new.values):
         return True  # the ground's shapes are others where its friction may change
+    if (old.retune or new.retune) and _of_robots(old.values) != _of_robots(new.values):
+        return True  # the servos' gains are others
     may_have_noise = old.world.file is not None or any(plan.description.sensors or plan.sensors for plan in plans)
     if old.seed != new.seed and may_have_noise:
         return True
-    others = (item.name for item in fields(Scenario) if item.name not in ("values", "seed"))
+    others = (item.name for item in fields(Scenario) if item.name not in SET_AT_START)
     return any(getattr(old, name) != getattr(new, name) for name in others)  # `replace` would check all values again
+
+
+def _of_robots(values: Mapping[str, float]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if name != GROUND_FRICTION}
 
 
 def varied_parameters(built: TwinDiagram, values: Mapping[str, float]) -> _Parameters:
@@ -150,7 +160,11 @@ def _inertia(body: RigidBody, given: Mapping[str, float], name: str) -> list[flo
     """Return mass, center of mass, unit moments and products of a link about its origin."""
     nominal = body.default_spatial_inertia()
     mass, center = nominal.get_mass(), nominal.get_com()
-    central = nominal.Shift(center).CalcRotationalInertia()
+    if not given.get("mass", mass) > 0:
+        if given.keys() != {"payload"}:
+            raise ScenarioError(("values", name), f"{name} has no mass in its file, so that it needs one here, too")
+        return [given["payload"], *np.zeros(9).tolist()]  # a point at the origin
+    central = nominal.Shift(center).CalcRotationalInertia() if mass > 0 else RotationalInertia(0.0, 0.0, 0.0)
     moments = [*map(float, central.get_moments())]
     products = [*map(float, central.get_products())]
     factor = given.get("inertia", 1.0)

@@ -3,11 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from drake_twin.scenario import LONGEST_TIME, Push
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.entities import Wrench
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.pull import PERIOD, Pull, with_force
+from drake_twin.twin.schedule import step_at
 
 Acting = tuple[Wrench | Pull, ...]
 
@@ -19,12 +21,15 @@ class Wrenches:
 
     Attributes:
         items: The wrenches and pulls; the tuple is replaced, never changed.
+        pushes: The scenario's pushes that are still to come.
     """
 
     _physics: Physics
 
     def __init__(self) -> None:
         self.items: Acting = ()
+        self.pushes: tuple[Push, ...] = ()
+        self._before: tuple[Acting, tuple[Push, ...]] = (), ()
 
     @property
     def pulls(self) -> tuple[Pull, ...]:
@@ -35,10 +40,34 @@ class Wrenches:
         """Switch to a newly built diagram, and keep the wrenches on entities that it has."""
         self._physics = physics
         self.items = tuple(item for item in self.items if item.entity.partition("::")[0] in entities)
+        self.pushes = tuple(item for item in self.pushes if item.entity.partition("::")[0] in entities)
 
-    def clear(self) -> None:
-        """Remove all wrenches."""
+    def start(self, pushes: Sequence[Push]) -> None:
+        """Remove all wrenches; the pushes of a scenario, with their forces, are ahead."""
         self.put(())
+        self.pushes = tuple(pushes)
+
+    def update(self, clock: Clock) -> None:
+        """End and begin what is due at the present step, and renew the springs' forces."""
+        self._before = self.items, self.pushes
+        if self.items:
+            self.drop_ended(clock.time)
+            self.renew(clock)
+        due = [push for push in self.pushes if step_at(push.time, clock.time_step) <= clock.step]
+        if due:
+            self.put((*self.items, *(_wrench(push, clock) for push in due)))
+            self.pushes = tuple(push for push in self.pushes if push not in due)
+
+    def take_back(self) -> None:
+        """Undo the last `update`: the step that was to follow has failed."""
+        items, self.pushes = self._before
+        self.put(items)
+
+    def due_steps(self, clock: Clock) -> list[int]:
+        """Return the steps at which something is due."""
+        due = [step_at(item.until, clock.time_step) for item in self.items]
+        due += [step_at(push.time, clock.time_step) for push in self.pushes]
+        return [*due, self.next_renewal(clock)] if self.pulls else due
 
     def put(self, items: Sequence[Wrench | Pull]) -> None:
         """Replace the wrenches."""
@@ -68,8 +97,25 @@ class Wrenches:
 
     def state(self) -> dict[str, Any]:
         """Return the entries of a snapshot that this part keeps."""
-        return {"wrenches": to_plain(self.items)}
+        state = {"wrenches": to_plain(self.items)}
+        return state | {"pushes": [to_plain(push) for push in self.pushes]} if self.pushes else state
 
     def set_state(self, state: Mapping[str, Any]) -> None:
-        """Set the entries that `state` returned."""
+        """Set the entries that `state` returned.
+
+        Raises:
+            ValueError: If they are invalid.
+        """
         self.put(from_plain(state["wrenches"]))
+        pushes = tuple(map(from_plain, state.get("pushes", ())))
+        if not all(isinstance(push, Push) for push in pushes):
+            raise ValueError("what is to come is not a push")
+        self.pushes = pushes
+
+
+def _wrench(push: Push, clock: Clock) -> Wrench:
+    """Return a push that begins now as a wrench."""
+    assert push.force is not None, "it is settled"
+    assert push.at is not None, "it is settled"
+    until = min(clock.time + max(push.duration, clock.time_step), LONGEST_TIME)
+    return Wrench(push.entity, push.force, (0.0, 0.0, 0.0), until, push.at)

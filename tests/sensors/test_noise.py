@@ -140,7 +140,7 @@ def test_each_element_of_an_array_has_noise_of_its_own_and_one_bias():
 
 
 def test_noise_can_be_left_out():
-    assert samples(Noise(stddev=1.0, bias_mean=1.0), 10, is_on=False).tolist() == [0.0] * 10
+    assert samples(Noise(stddev=1.0, bias_mean=1.0), 10, factor=0.0).tolist() == [0.0] * 10
 
 
 def test_both_forms_of_the_element_are_read():

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sweep_files import finished, program, write_sweep
 
-from drake_twin import sweep
+from drake_twin import run, sweep
 from drake_twin.sweeps.results import read_table
 
 GRID = ("hinge.yaml", "--vary", "hinge.arm.mass=1:9:40", "--seeds", "2", "--duration", "0.02", "--metric", "max_effort")
@@ -106,8 +106,6 @@ def test_a_full_disk_is_named_and_the_sweep_continues_when_there_is_space(folder
 
 
 def test_a_row_is_run_again_to_the_same_state(folder, undisturbed, monkeypatch, capsys):
-    from drake_twin import run
-
     done = finished(folder, *GRID[:2], "hinge.arm.mass=1,5", *GRID[3:], "--out", "t.jsonl")
     assert done.returncode == 0, done.stderr
     monkeypatch.chdir(folder)
@@ -151,7 +149,37 @@ def test_the_table_is_shown_and_drawn(folder, monkeypatch, capsys):
         ("hinge.yaml --out t.csv --vary hinge.arn.mass=1,2", "has no link 'arn'. Did you mean 'arm'"),
         ("hinge.yaml --out t.csv --vary friction=-1,1", "friction is -1: it must be zero or above"),
         ("hinge.yaml --out t.csv --vary hinge.arm.izz=1,100", "the largest principal moment"),
-        ("hinge.yaml --out t.csv --vary hinge.velocty.p=1,2", "has no controller 'velocty'. Did you mean 'velocity'"),
+        (
+            "hinge.yaml --out t.csv --vary hinge.velocty.joints=1,2",
+            "has no controller 'velocty', and its parts no such value. Did you mean 'hinge.velocity.joints'",
+        ),
+        ("hinge.yaml --out t.csv --vary hinge.arm.mas=1,2", "Did you mean 'hinge.arm.mass'"),
+        (
+            "hinge.yaml --out t.csv --vary hinge.velocity.p=1",
+            "controller 'velocity' has no parameter 'p'. Did you mean",
+        ),
+        ("hinge.yaml --out t.csv --vary hinge.payloda=1", "Did you mean 'hinge.payload'"),
+        (
+            "hinge.yaml --out t.csv --vary hinge.arm.mass=normal(1,2)",
+            "hinge.arm.mass is -1.04366: it must be above zero",
+        ),
+        ("hinge.yaml --out t.csv --vary hinge.arm.inertia=0,1", "hinge.arm.inertia is 0: it must be above zero"),
+        ("hinge.yaml --out t.csv --vary hinge.world.mass=0", "hinge.world.mass is 0: it must be above zero"),
+        ("hinge.yaml --out t.csv --vary hinge.world.inertia=2", "has no mass in its file, so that it needs one here"),
+        ("hinge.yaml --out t.csv --vary hinge.friction=0,-1", "-1 is below zero"),
+        ("hinge.yaml --out t.csv --vary hinge.hinge.friction=0,-1", "-1 is below zero"),
+        ("hinge.yaml --out t.csv --vary ground_friction=0,-1", "-1 is below zero"),
+        ("hinge.yaml --out t.csv --vary hinge.noise=-1", "-1 is below zero"),
+        ("hinge.yaml --out t.csv --vary hinge.command_delay=2", "2 s is not a delay from 0 to 1 s"),
+        ("hinge.yaml --out t.csv --vary seed=1,2", "--seeds N runs each episode with the seeds 0 to N-1"),
+        ("hinge.yaml --out t.csv --vary friction=1,1.0", "the value 1 stands there twice"),
+        ("hinge.yaml --out t.csv --vary friction=nan", "nan is not a finite number"),
+        ("hinge.yaml --out t.csv --seeds 1000000000", "--seeds 1000000000: it must be 1,000,000 at most"),
+        ("hinge.yaml --out t.csv --vary a=uniform(0,1) --samples 10000000", "it must be 1,000,000 at most"),
+        (
+            "hinge.yaml --out t.csv --vary friction=0:1:1000000 --vary hinge.x=0:1:1000000 --vary hinge.y=0:1:1000000",
+            "1,000,000,000,000,000,000 episodes: a sweep has 1,000,000,000,000,000 at most",
+        ),
         ("hinge.yaml --out t.csv --vary friction=1,2 --vary friction=1", "--vary friction is given twice"),
         ("hinge.yaml --out t.csv --vary friction=0:1:1000000 --seeds 1000", "1,000,000,000 episodes: --yes runs them"),
         ("hinge.yaml --out t.csv --metric metrics.py:nothing", "has no function 'nothing'"),
@@ -181,3 +209,21 @@ def test_an_out_file_of_another_sweep_is_refused(folder, monkeypatch, capsys):
     assert "the file is of another sweep (duration differ)" in capsys.readouterr().err
     assert (folder / "t.csv").read_bytes() == before
     assert not os.path.exists(folder / "t.csv.journal")
+
+
+def test_servos_are_retuned_where_that_is_asked_for_and_the_table_knows(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    rows = {}
+    for options in ((), ("--retune",)):
+        given = ["hinge.yaml", "--vary", "hinge.arm.mass=1,2", "--vary", "hinge.arm.inertia=1,3", *options]
+        assert sweep.main([*given, "--duration", "0.1", "--out", "t.csv", "--workers", "1", "--force"]) == 0
+        rows[options] = rows_of(folder / "t.csv")
+    plain, tuned = rows.values()
+    assert len({row["id"] for row in (*plain, *tuned)}) == 8
+    same = [one["state_sha256"] == two["state_sha256"] for one, two in zip(plain, tuned, strict=True)]
+    assert same[0]
+    assert not same[1]
+    capsys.readouterr()
+    for number in (1, 3):
+        assert run.main(["--headless", "--episode", f"t.csv:{number}"]) == 0
+        assert f"row {number}: the same state as in the table, to the last bit" in capsys.readouterr().err

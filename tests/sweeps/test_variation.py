@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import rovers
 from scipy import stats
 from sweep_files import hinge_scenario
 
@@ -116,6 +117,11 @@ def test_an_episodes_scenario_has_its_values_and_its_seed(scenario):
         ("friction=loguniform(0,1)", "has no logarithm"),
         ("friction=1,,2", "a value is missing"),
         ("friction=1,nan", "not a finite number"),
+        ("friction=0:1e999:3", "1e999 is not a finite number"),
+        ("friction=uniform(0,1e999)", "1e999 is not a finite number"),
+        ("friction=2,1,2.0", "the value 2 stands there twice"),
+        ("friction=1:1:3", "the value 1 stands there twice"),
+        ("a.args.size=small,small", "the value small stands there twice"),
     ],
 )
 def test_what_cannot_be_read_is_refused(text, message):
@@ -144,3 +150,45 @@ def test_a_path_or_a_value_that_does_not_fit_is_refused(scenario, path, value, m
 def test_a_path_given_twice_is_refused():
     with pytest.raises(InputError, match="--vary friction is given twice"):
         Design((Variation.parse("friction=1,2"), Variation.parse("friction=3,4")))
+
+
+WHEELS = "/robot_1/forward_velocity_controller/commands"
+BUILT = {
+    "ground_friction": 0.4,
+    "gravity": 3.7,
+    "time_step": 0.002,
+    "robot_1.x": 0.7,
+    "robot_1.y": -0.4,
+    "robot_1.z": 0.2,
+    "robot_1.roll": 0.1,
+    "robot_1.pitch": -0.1,
+    "robot_1.yaw": 0.6,
+    "robot_1.friction": 0.3,
+    "robot_1.noise": 0.0,
+    "robot_1.command_delay": 0.05,
+    "robot_1.measurement_delay": 0.004,
+    "robot_1.robot_1_front_left_wheel_joint.position": 0.3,
+    "robot_1.robot_1_front_left_wheel_joint.friction": 0.5,
+    "robot_1.forward_velocity_controller.command_timeout": 0.4,
+}
+
+
+@pytest.fixture(scope="module")
+def driving():
+    """A scenario of two rovers of which one drives, and a twin of it that all paths are set on, one after the other."""
+    scenario = replace(
+        rovers(2, 1.0).scenario(), commands=rovers(2).command(WHEELS, [9.0, 2.0, 9.0, 2.0]).scenario().commands
+    )
+    with Twin(scenario) as twin:
+        yield scenario, twin
+
+
+@pytest.mark.parametrize("path", BUILT)
+def test_every_path_that_needs_a_build_is_set_by_a_reset_to_the_same_bits(driving, path):
+    scenario, twin = driving
+    varied = with_value(scenario, path, BUILT[path])
+    twin.reset(varied)
+    twin.advance_to(2.0)
+    with Twin(varied) as fresh:
+        fresh.advance_to(2.0)
+        assert twin.state_sha256() == fresh.state_sha256()

@@ -170,6 +170,23 @@ def test_a_pendulum_swings_with_the_period_and_decay_of_its_mass_and_damping(tmp
     assert late == pytest.approx(0, abs=1e-4 * period)
 
 
+def test_a_link_without_mass_takes_a_payload_or_a_mass(tmp_path):
+    frame = '<link name="tool"/><joint name="f" type="fixed"><parent link="arm"/><child link="tool"/>'
+    frame += '<origin xyz="0 0 -1"/></joint></robot>'
+    (tmp_path / "p.urdf").write_text(PENDULUM.format(mass=1.0, damping=0.0).replace("</robot>", frame))
+    scenario = TwinBuilder().robot("p", tmp_path / "p.urdf").scenario()
+    nominal = 0.02 + 0.25
+    for values, moment in (
+        ({"p.tool.payload": 2.0}, nominal + 2.0),
+        ({"p.tool.payload": 0.0}, nominal),
+        ({"p.tool.mass": 3.0}, nominal + 3.0),
+        ({"p.tool.mass": 3.0, "p.tool.payload": 1.0}, nominal + 4.0),
+    ):
+        twin = Twin(replace(scenario, values=values))
+        mass_matrix = twin.plant.CalcMassMatrix(twin.plant.GetMyContextFromRoot(twin.context))
+        assert mass_matrix[0, 0] == pytest.approx(moment, rel=1e-12), values
+
+
 def test_the_mass_matrix_is_pinocchios_of_the_varied_file(tmp_path):
     pinocchio = pytest.importorskip("pinocchio")
     (tmp_path / "p.urdf").write_text(PENDULUM.format(mass=1.0, damping=0.0))
