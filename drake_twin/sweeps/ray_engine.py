@@ -34,6 +34,8 @@ _START = 30.0  # s in which workers start, or are not waited for any longer
 _QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 # What makes Ray take the loopback address, as on systems where it knows no clusters.
 _ALONE = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0", "RAY_AUTH_MODE": "token"}
+# No spare processes, which would open ports when all have been named.
+_ALONE |= dict.fromkeys(("RAY_enable_worker_prestart", "RAY_prestart_worker_first_driver"), "0")
 # Ray's servers end with this process, but for its agents if it is killed: they then search for the servers for minutes.
 _CLEAN_UP = 'cat; sleep 1; rm -rf "$1"; shift; kill -9 "$@" 2>/dev/null'
 

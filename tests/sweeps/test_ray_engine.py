@@ -23,17 +23,29 @@ LONG = ("hinge.yaml", "--vary", "hinge.arm.mass=1:9:60", "--duration", "2", "--m
 needs_ray = pytest.mark.skipif(find_spec("ray") is None, reason="needs Ray: pip install 'drake-twin[ray]'")
 
 
+UP = """
+ip link set lo up || exit 1
+ip link add outer type veth peer name nowhere && ip addr add 192.0.2.9/24 dev outer && ip link set outer up &&
+ip route add default dev outer && echo up || echo loopback
+exec sleep 100000
+"""
+
+
 class Network:
-    """A network namespace in which nothing but the loopback address exists."""
+    """A network namespace: the loopback address, and where that can be made, a cable that leads nowhere.
+
+    With the latter, Ray sees the address of a machine among others, as it does everywhere else.
+    """
 
     def __init__(self):
         self._keeper = subprocess.Popen(
-            ["unshare", "-n", "sh", "-c", "ip link set lo up && echo up && exec sleep 100000"],
+            ["unshare", "-n", "sh", "-c", UP],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
         )
-        self.is_up = self._keeper.stdout.readline() == "up\n"
+        made = self._keeper.stdout.readline().strip()
+        self.is_up, self.has_outer = made != "", made == "up"
 
     def command(self, *arguments):
         return ["nsenter", "-t", str(self._keeper.pid), "-n", *arguments]
@@ -191,7 +203,8 @@ def test_a_node_that_is_killed_loses_no_episode(folder, network):
         node = next(item for item, line in network.processes.items() if item not in before and "/raylet/raylet" in line)
         cluster = set(network.processes)
         token = {name: environment[name] for name in ("RAY_AUTH_MODE", "RAY_AUTH_TOKEN")}
-        arguments = (*LONG, "--engine", "ray", "--address", "127.0.0.1:6379", "--out", "r.jsonl")
+        address = "192.0.2.9:6379" if network.has_outer else "127.0.0.1:6379"
+        arguments = (*LONG, "--engine", "ray", "--address", address, "--out", "r.jsonl")
         run = start(folder, network, *arguments, **token)
         ends(lambda: lines(folder / "r.jsonl.journal") > 10, run)
         workers = [item for item, line in network.processes.items() if line.startswith("ray::Episodes")]
@@ -202,6 +215,8 @@ def test_a_node_that_is_killed_loses_no_episode(folder, network):
         _, err = run.communicate(timeout=300)
         assert run.returncode == 0, err
         assert rows_of(folder / "r.jsonl") == known
+        reach = "other machines reach" if network.has_outer else "only the machine itself reaches"
+        assert re.search(rf"Ray on \S+ listens at ports that {reach}: .*gcs_server 6379", err), err
         assert set(network.processes) <= cluster  # nothing of the sweep is left, and the cluster is
         assert any("gcs_server" in line for line in network.processes.values())
     finally:
