@@ -112,7 +112,7 @@ class RayEngine(Dispatcher[_Actor]):
             started, and ended with the engine.
 
     Raises:
-        InputError: If Ray is not installed, or there is no cluster at the address.
+        InputError: If Ray is not installed, or no cluster answers at the address.
     """
 
     def __init__(self, sweep: Sweep, workers: int, timeout: float, address: str | None = None):
