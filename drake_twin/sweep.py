@@ -13,12 +13,13 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError, RunError
 from drake_twin.program import ArgumentParser, add_version, leave, run_program, say, stop_signals
 
 if TYPE_CHECKING:
+    from drake_twin.sweeps.dispatch import Dispatcher
     from drake_twin.sweeps.episode import Sweep
     from drake_twin.sweeps.results import Results
 
@@ -34,6 +35,7 @@ examples:
   python -m drake_twin.sweep --show results.parquet --plot sweep.png
   python -m drake_twin.run --episode results.parquet:17"""
 
+_ENGINES = ("processes", "ray")
 _MANY = 100_000  # episodes that need --yes
 _MOST = 1_000_000  # samples, seeds, processes
 
@@ -88,6 +90,12 @@ def _parser() -> ArgumentParser:
     how = parser.add_argument_group("how it is run")
     how.add_argument("--out", type=Path, metavar="FILE", help="the table: .parquet, .csv or .jsonl")
     how.add_argument("--workers", type=int, metavar="N", help="processes (default: one for each core)")
+    how.add_argument(
+        "--engine", default="processes", metavar="NAME", help="processes (default), or ray, which opens ports"
+    )
+    how.add_argument(
+        "--address", metavar="HOST:PORT", help="run in this cluster of Ray (default: one of this machine alone)"
+    )
     how.add_argument("--timeout", type=float, default=600.0, metavar="S", help="longest wall time (default: 600)")
     how.add_argument("--force", action="store_true", help="run all again, also where the file is of another sweep")
     how.add_argument("--yes", action="store_true", help=f"run more than {_MANY:,} episodes")
@@ -121,6 +129,10 @@ def _check(options: argparse.Namespace) -> None:
     """
     if options.out is None:
         raise InputError("--out FILE is missing: the table that the sweep writes (.parquet, .csv or .jsonl)")
+    if options.engine not in _ENGINES:
+        raise InputError(f"--engine {options.engine}: unknown engine", value=options.engine, valid=_ENGINES)
+    if options.address is not None and options.engine != "ray":
+        raise InputError("--address names a cluster of Ray: it needs --engine ray")
     for name in ("samples", "seeds", "workers"):
         value = getattr(options, name)
         if value is not None and not 1 <= value <= _MOST:
@@ -133,7 +145,6 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int]) -> int:
-    from drake_twin.sweeps.engine import Engine, workers_of_machine
     from drake_twin.sweeps.episode import ERROR, trial
     from drake_twin.sweeps.progress_line import ProgressLine
     from drake_twin.sweeps.results import Results, check_format
@@ -144,13 +155,12 @@ def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Seque
         raise InputError(f"these are {len(sweep):,} episodes: --yes runs them")
     results = Results(options.out, sweep, force=options.force)
     left = len(sweep) - len(results.rows)
-    workers = min(options.workers or workers_of_machine(), max(left, 1))
     if not left:
         say(f"{options.out}: all {len(sweep)} episodes are there already (--force runs them again)")
         return _finish(results, options, Counter())
     outcomes: Counter[str] = Counter()
     try:
-        with Engine(sweep, workers, options.timeout) as engine:
+        with _engine(options, sweep, left) as engine:
             trial(sweep)
             episodes = (item for item in sweep.design.episodes() if sweep.id_of(item) not in results.rows)
             with ProgressLine(len(sweep), len(results.rows)) as progress:
@@ -169,6 +179,18 @@ def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Seque
         return 130
     code = _finish(results, options, outcomes)
     return 1 if code == 0 and outcomes[ERROR] == len(sweep) else code
+
+
+def _engine(options: argparse.Namespace, sweep: "Sweep", left: int) -> "Dispatcher[Any]":
+    """Start the engine that the options name, for as many episodes as are left."""
+    from drake_twin.sweeps.engine import Engine, workers_of_machine
+
+    if options.engine == "ray":
+        from drake_twin.sweeps.ray_engine import RayEngine
+
+        cores = left if options.address else workers_of_machine()  # a cluster says itself how many it has
+        return RayEngine(sweep, min(options.workers or cores, left), options.timeout, options.address)
+    return Engine(sweep, min(options.workers or workers_of_machine(), left), options.timeout)
 
 
 def _described(options: argparse.Namespace) -> "Sweep":

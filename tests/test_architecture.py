@@ -14,12 +14,12 @@ ROOT = Path(drake_twin.__file__).parent
 ROOMS = [
     ["__main__"],
     ["run", "check", "play", "sweep", "calibrate", "tools"],
+    ["benchmarks"],
     ["gym"],
     ["calibration"],
     ["sweeps"],
     ["cli"],
     ["show"],
-    ["benchmarks"],
     ["launch", "recording"],  # shorter addresses of what stands in ros2 and twin
     ["builder", "playback"],
     ["cockpit"],

@@ -17,6 +17,7 @@ from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.sensors import sensors
 from drake_twin.benchmarks.startup import startup
+from drake_twin.benchmarks.sweeps import sweep
 from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
 from drake_twin.program import say
 from drake_twin.twin.twin import Twin
@@ -334,4 +335,5 @@ SECTIONS: Mapping[str, Callable[[Size], list[Table]]] = {
     "real-time": real_time,
     "startup": startup,
     "sensors": sensors,
+    "sweep": sweep,
 }

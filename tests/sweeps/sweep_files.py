@@ -78,8 +78,23 @@ def program(folder: Path, *arguments: str, module: str = "sweep", **options) -> 
     )
 
 
-def finished(folder: Path, *arguments: str, module: str = "sweep", **options) -> subprocess.CompletedProcess:
+def finished(
+    folder: Path, *arguments: str, module: str = "sweep", timeout: float = 200, **options
+) -> subprocess.CompletedProcess:
     """Runs ``drake_twin.sweep`` in a folder to its end."""
-    started = program(folder, *arguments, module=module, **options)
-    out, err = started.communicate(timeout=200)
+    started = program(folder, *arguments, **options)
+    out, err = started.communicate(timeout=timeout)
     return subprocess.CompletedProcess(arguments, started.returncode, out, err)
+
+
+def children(process: subprocess.Popen) -> list[int]:
+    """The processes that a process has started."""
+    return [int(item) for item in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+
+
+def runs(process: int) -> bool:
+    """Whether a process runs: it exists, and has not only not been waited for."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

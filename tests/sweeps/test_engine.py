@@ -8,7 +8,6 @@ import pytest
 from sweep_files import hinge_scenario, write_sweep
 
 from drake_twin import Twin
-from drake_twin.builder.demo import demo_scenario
 from drake_twin.sweeps.engine import Engine
 from drake_twin.sweeps.episode import Runner, Sweep
 from drake_twin.sweeps.metrics import Condition, Metric
@@ -152,14 +151,3 @@ def test_efforts_are_sampled_where_a_metric_reads_them(tmp_path, metric, some):
     (episode,) = one.design.episodes()
     runner.run(episode)
     assert runner._log.history(runner._twin).robots["hinge"].efforts.any() == some
-
-
-@pytest.mark.slow
-def test_two_hundred_episodes_of_two_rovers_are_the_same_whoever_runs_them():
-    base = demo_scenario("rover", 2)
-    vary = ("friction=0.1:1.0:10", "robot_1.payload=0:4:5", "robot_1.x=0,0.5")
-    design = Design(tuple(map(Variation.parse, vary)), seeds=(0, 1))
-    one = Sweep.of(base, design, 0.5, metrics=(Metric("distance"), Metric("energy")))
-    known = rows_of(one, 1)
-    assert len(known) == 200
-    assert rows_of(one, 2) == rows_of(one, 3, episodes=reversed(list(design.episodes()))) == known

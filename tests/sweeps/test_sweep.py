@@ -4,10 +4,9 @@ import os
 import resource
 import signal
 import time
-from pathlib import Path
 
 import pytest
-from sweep_files import finished, program, write_sweep
+from sweep_files import children, finished, program, runs, write_sweep
 
 from drake_twin import run, sweep
 from drake_twin.sweeps.results import read_table
@@ -35,10 +34,6 @@ def undisturbed(tmp_path_factory):
 
 def without_folder(row):
     return {key: value for key, value in row.items() if key != "id"}  # the hinge's file is in another folder
-
-
-def children(process):
-    return [int(item) for item in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
 
 
 def wait_for(condition, process):
@@ -83,13 +78,6 @@ def test_a_sweep_that_is_killed_leaves_no_process_and_continues_without_a_row_to
     last = finished(folder, *GRID, "--out", "t.csv")
     assert last.returncode == 0, last.stderr
     assert [without_folder(row) for row in rows_of(folder / "t.csv")] == undisturbed
-
-
-def runs(process):
-    try:
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def test_a_full_disk_is_named_and_the_sweep_continues_when_there_is_space(folder, undisturbed):

@@ -46,6 +46,11 @@ class MujocoEngine:
         if steps > 0:
             mujoco.mj_step(self._model, self._data, steps)
 
+    def reset(self, friction: float) -> None:
+        """Return to time zero, with another coefficient of friction of all shapes."""
+        mujoco.mj_resetData(self._model, self._data)
+        self._model.geom_friction[:, 0] = friction
+
     def positions(self) -> np.ndarray:
         """Return the positions of the commanded joints."""
         return np.array(self._data.qpos[self._positions])
