@@ -15,6 +15,7 @@ from gymnasium.utils import EzPickle
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.errors import InputError, RunError
 from drake_twin.planning.controller_plan import ACTIVE
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile
 from drake_twin.sweeps.variation import with_value
@@ -79,7 +80,7 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
             raise InputError(f"render_mode {render_mode!r}: it must be 'rgb_array', with the camera (robot, sensor)")
         self._base = scenario if isinstance(scenario, Scenario) else ScenarioFile.read(scenario).scenario
         self._values = dict(values or {})
-        self._observe, self._reward = observation or _scaled_state, reward
+        self._observe, self._reward = observation or _ScaledState(), reward
         self._rate, self._steps = control_rate, round(duration * control_rate)
         self._camera, self.render_mode = camera, render_mode
         self._step_number = 0
@@ -215,22 +216,37 @@ def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str,
     return found
 
 
-def _scaled_state(twin: Twin) -> Array:
-    parts: list[Array] = []
-    for plan in twin.plans:
-        state = twin.robot_state(plan.name, with_efforts=False)
-        limits = [joint.limits for joint in plan.description.movable_joints]
-        lower, upper = (np.array([getattr(item, end) for item in limits]) for end in ("lower", "upper"))
-        has_range = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
-        positions, fastest = np.array(state.positions), np.array([item.velocity for item in limits])
-        with np.errstate(invalid="ignore", divide="ignore"):
-            scaled = np.where(has_range, 2 * (positions - lower) / (upper - lower) - 1, positions)
-        can_move = np.isfinite(fastest) & (fastest > 0)
-        parts += [scaled, np.array(state.velocities) / np.where(can_move, fastest, 1.0)]
-        if not plan.model.is_fixed:
-            base = twin.entity_state(plan.name)
-            parts += [np.array(state.base_pose), np.array(base.linear), np.array(base.angular)]
-    return np.concatenate(parts)
+class _ScaledState:
+    """The observation of the robots' states; limits are read once for each plan."""
+
+    def __init__(self) -> None:
+        self._limits: dict[str, tuple[RobotPlan, Array, Array, Array]] = {}
+
+    def __call__(self, twin: Twin) -> Array:
+        parts: list[Array] = []
+        for plan in twin.plans:
+            known = self._limits.get(plan.name)
+            if known is None or known[0] is not plan:
+                known = self._limits[plan.name] = (plan, *_scales(plan))
+            _, middle, half, fastest = known
+            state = twin.robot_state(plan.name, with_efforts=False)
+            parts += [(np.array(state.positions) - middle) / half, np.array(state.velocities) / fastest]
+            if not plan.model.is_fixed:
+                base = twin.entity_state(plan.name)
+                parts += [np.array(state.base_pose), np.array(base.linear), np.array(base.angular)]
+        return np.concatenate(parts)
+
+
+def _scales(plan: RobotPlan) -> tuple[Array, Array, Array]:
+    """Return middle and half of the joints' ranges and their largest velocities; 0 and 1 where they have no limit."""
+    limits = [joint.limits for joint in plan.description.movable_joints]
+    lower, upper, fastest = (
+        np.array([getattr(item, end) for item in limits], dtype=float) for end in ("lower", "upper", "velocity")
+    )
+    has_range = np.isfinite(lower) & np.isfinite(upper) & (lower < upper)
+    with np.errstate(invalid="ignore"):
+        middle, half = np.where(has_range, (lower + upper) / 2, 0.0), np.where(has_range, (upper - lower) / 2, 1.0)
+    return middle, half, np.where(np.isfinite(fastest) & (fastest > 0), fastest, 1.0)
 
 
 _WHEELS = {"/robot_1/forward_velocity_controller/commands": (-10.0, 10.0)}  # rad/s

@@ -36,6 +36,7 @@ OTHERS = (
     "ruff",
     "mypy",
     "jupyter",
+    "ray start",
 )
 TOO_LONG = ("python -m pytest", "python -m drake_twin.benchmarks", "python -m drake_twin.controllers.docs")
 ELSEWHERE = ("python diagrams/", "python -m sphinx")  # run by tests/diagrams and tests/docs/test_build.py
