@@ -333,6 +333,11 @@ class Physics:
             forces.append(force)
         port.FixValue(self.plant_context, forces)
 
+    @property
+    def is_discarded(self) -> bool:
+        """Whether the diagram was released."""
+        return not hasattr(self, "simulator")
+
     def discard(self) -> None:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.built.diagram])

@@ -782,15 +782,16 @@ class Twin:
         """Free the memory of the twin's diagram; neither can be used afterwards, nor a plant or context of it.
 
         pydrake never frees a diagram by itself (drake#22515). A program that makes many twins closes each; ``with
-        Twin(scenario) as twin:`` does so at the end.
+        Twin(scenario) as twin:`` does so at the end. Another call does nothing.
 
         Raises:
             InputError: If called inside a callback.
         """
         while self.companions:
             self.companions.pop().close()
-        self._session.built.renderer.close()
-        self._session.physics.discard()
+        if not self._session.physics.is_discarded:
+            self._session.built.renderer.close()
+            self._session.physics.discard()
 
     def __enter__(self) -> Self:
         return self

@@ -647,6 +647,12 @@ def test_the_command_that_holds_is_a_message_that_can_be_published_again():
     assert twin.robot_state("robot_1").velocities == pytest.approx(other, abs=1e-12)
 
 
+def test_a_twin_may_be_closed_twice():
+    twin = rovers(1).build()
+    twin.close()
+    twin.close()
+
+
 def test_a_closed_twin_is_freed():
     def systems():
         gc.collect()
