@@ -325,7 +325,7 @@ MUTANTS = (
         ("commands: expiry a step late", "<= time + _ROUNDING:", "<= time - _ROUNDING:"),
         ("commands: expiry counted from zero", "= time + max(timeout,", "= max(timeout,"),
         ("commands: expiry before the next step", "max(timeout, self._clock.time_step)", "timeout"),
-        ("commands: an expiry stops no advance", "for time in self.expiries.values()]", "for time in ()]"),
+        ("commands: an expiry stops no advance", "times = (*self.expiries.values(), ", "times = (*(), "),
         ("commands: the scenario's come last", "in self.queue + pending:", "in pending + self.queue:"),
         ("commands: a failed step counts as published", "item.published = published", "item.published += 0"),
         (
@@ -379,15 +379,27 @@ MUTANTS = (
         ("session: deleted robots are switched", "control.retire()", "control.state()"),
     ),
     *_of(
+        "twin/wrenches.py",
+        ("tests/twin/test_pushes.py", *STEPPER),
+        (
+            "stepper: pushes last until a stop",
+            "clock.time_step) for item in self.items]",
+            "clock.time_step) for item in ()]",
+        ),
+        (
+            "stepper: a failed step ends pushes",
+            "items, self.pushes = self.before",
+            "items, self.pushes = (), self.before[1]",
+        ),
+    ),
+    *_of(
         "twin/stepper.py",
         STEPPER,
         ("stepper: checks where the time is cut", "(clock.step // steps + 1) * steps", "clock.step + steps"),
         ("stepper: two steps are tried once", "if end > clock.step + 1:", "if end > clock.step + 2:"),
         ("stepper: the failed step counts", "physics.moment(), step\n", "physics.moment(), step + 1\n"),
-        ("stepper: pushes last until a stop", "for item in session.wrenches.items]", "for item in ()]"),
         ("stepper: a thread is a callback", "if self._thread != get_ident():", "if self._thread == get_ident():"),
         ("stepper: an end leaves a step out", "(step + 0.5) * time_step", "(step + 1.0) * time_step"),
-        ("stepper: a failed step ends pushes", "session.wrenches.put(wrenches)", "session.wrenches.put(())"),
         ("stepper: the target counts old steps", "target = step_at(end, clock.time_step)", "target = int(target)"),
         ("stepper: faulty controllers stay", "control.deactivate_faulty()", "control.check_joints()"),
     ),

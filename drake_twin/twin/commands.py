@@ -147,7 +147,7 @@ class Commands:
             if control.stopped or not control.manager.is_active(item.controller):
                 continue
             try:
-                self.queue.append((topic, control.accept(item, message)))
+                self.queue.append((topic, control.read(item, message)))
             except CommandError as error:
                 _log.warning("%s", error.about(topic))
                 if error.deactivates:
@@ -265,7 +265,7 @@ class Commands:
         """Return a saved message that is under way."""
         item, message = self._ports[topic], from_plain(plain)
         kind = getattr(message, "__msgtype__", None)
-        if not isinstance(message, Numbers) and kind != item.type:
+        if kind != item.type:
             raise ValueError(f"{shortened(plain)} is not a message of {topic}")
         return message
 

@@ -20,6 +20,9 @@ class LateMeasurements:
     Args:
         built: The diagram.
         context: Its root context.
+
+    Attributes:
+        contexts: Those of the systems that keep the past.
     """
 
     def __init__(self, built: TwinDiagram, context: Context):
@@ -28,7 +31,7 @@ class LateMeasurements:
             for robot, parts in built.parts.items()
             if parts.delays
         }
-        self._contexts = [context for delays in self._delays.values() for _, context in delays.values()]
+        self.contexts = [context for delays in self._delays.values() for _, context in delays.values()]
 
     def start(self) -> None:
         """Set the past to the present state, at rest without efforts."""
@@ -40,11 +43,11 @@ class LateMeasurements:
 
     def past(self) -> Past:
         """Return the past, for `go_back`."""
-        return tuple(context.get_discrete_state_vector().CopyToVector() for context in self._contexts)
+        return tuple(context.get_discrete_state_vector().CopyToVector() for context in self.contexts)
 
     def go_back(self, past: Past) -> None:
         """Set what `past` returned."""
-        for context, values in zip(self._contexts, past, strict=True):
+        for context, values in zip(self.contexts, past, strict=True):
             context.SetDiscreteState(values)
 
     def state(self, robot: str) -> dict[str, Any]:

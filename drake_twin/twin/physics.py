@@ -176,7 +176,8 @@ class Physics:
         """Return the present moment, for `go_back`. It is called before each advance, so it copies one vector only."""
         state = np.array(self.built.plant.GetPositionsAndVelocities(self.plant_context))
         samples = tuple(starmap(_sample, self._keepers))
-        return Moment(self.context.get_time(), state, samples, self._late.past())
+        past = self._late.past() if self._late.contexts else ()
+        return Moment(self.context.get_time(), state, samples, past)
 
     def go_back(self, moment: Moment) -> None:
         """Return to a moment of this diagram, for all that steps have changed."""

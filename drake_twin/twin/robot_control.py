@@ -47,6 +47,7 @@ class RobotControl:
 
     Attributes:
         manager: The controller manager.
+        command_delay: How much later commands reach its controllers (s).
         stopped: Whether an emergency stop is active.
         kept: The servo's assignment before the last change; the twin clears it before each advance.
         faults: What made controllers fail, in the order in which it happened.
@@ -67,6 +68,7 @@ class RobotControl:
         self.controllers: dict[str, Controller] = {}
         self._contexts: dict[str, Context] = {}
         self.manager = ControllerManager(plan, self._switch, functools.partial(note, "controller_manager", plan.name))
+        self.command_delay = plan.robot.command_delay
         self.stopped = False
         self.check_period: float | None = None
         self.kept: ServoAssignment | None = None
@@ -128,30 +130,17 @@ class RobotControl:
         Raises:
             CommandError: If the data does not fit the topic's type, or the controller refuses it.
         """
-        return self.accept(topic, self.message(topic, data))
-
-    def message(self, topic: CommandTopic, data: Any) -> Any:
-        """Return data as a message of a topic.
-
-        Raises:
-            CommandError: If the data does not fit the topic's type.
-        """
         try:
             kind = f"{topic.type}_Goal" if "/action/" in topic.type else topic.type
+            message: Any
             if kind == "std_msgs/msg/Float64MultiArray" and messages.is_bare(data):
-                return messages.Numbers.read(data)
-            return messages.message(kind, data)
+                message = messages.Numbers.read(data)
+            else:
+                message = messages.message(kind, data)
         except (TypeError, ValueError) as error:
             is_list = topic.type == "std_msgs/msg/Float64MultiArray" and not isinstance(data, Mapping)
             text = f"{messages.shortened(data)} is not a list of numbers" if is_list else str(error)
             raise CommandError(text) from None
-
-    def accept(self, topic: CommandTopic, message: Any) -> Any:
-        """Return what `message` returned as the value of the topic's port, at the present time.
-
-        Raises:
-            CommandError: If the controller refuses it.
-        """
         controller = self.controllers[topic.controller]
         if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
             message = messages.Numbers((message.data,) * len(controller.claims))

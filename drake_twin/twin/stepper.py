@@ -120,7 +120,11 @@ class Stepper:
         for control in controls:
             control.kept = None
         time = clock.step * clock.time_step
-        session.wrenches.update(clock)
+        wrenches = session.wrenches
+        if wrenches.items or wrenches.pushes:
+            wrenches.update(clock)
+        else:
+            wrenches.before = (), ()
         session.commands.apply(time, self._publish_scheduled)
         for control in controls:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
@@ -237,8 +241,9 @@ class Stepper:
             session.subscriptions.due_step,
             session.alarm.due_step,
             *session.commands.due_steps(),
-            *session.wrenches.due_steps(clock),
         ]
+        if session.wrenches.items or session.wrenches.pushes:
+            due += session.wrenches.due_steps(clock)
         if (change := clock.change_step()) is not None:
             due.append(change)
         for control in session.controls.values():

@@ -11,7 +11,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Finding, Kind
-from drake_twin.messages import Numbers, float64_multi_array
+from drake_twin.messages import Numbers, float64_multi_array, message
 from drake_twin.systems.draft import Draft, LaterDraft, Reading
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.session import Session
@@ -82,22 +82,20 @@ class Topics:
                 why = f"the emergency stop of {item.robot!r} holds: clear_emergency_stop() ends it"
                 refused = refused or CommandError(f"{topic}: {why}")
                 continue
-            delay = control.plan.robot.command_delay
+            delay = control.command_delay
             if not delay and not control.manager.is_active(item.controller):
                 continue
-            message = None
             try:
-                message = control.message(item, data)
-                value = control.accept(item, message)
+                value = control.read(item, data)
             except CommandError as error:
                 refused = error.about(topic)
-                if error.deactivates and delay:
-                    session.commands.hold(port, message, session.clock.time + delay)  # its controller refuses it then
+                if error.deactivates and delay:  # its controller refuses it when it arrives
+                    session.commands.hold(port, message(item.type, data), session.clock.time + delay)
                 elif error.deactivates:
                     control.deactivate(item.controller, refused.message)
                 continue
             if delay:
-                session.commands.hold(port, message, session.clock.time + delay)
+                session.commands.hold(port, message(item.type, data), session.clock.time + delay)
             else:
                 session.commands.queue.append((port, value))
             heard = True

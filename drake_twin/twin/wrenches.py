@@ -22,6 +22,7 @@ class Wrenches:
     Attributes:
         items: The wrenches and pulls; the tuple is replaced, never changed.
         pushes: The scenario's pushes that are still to come.
+        before: Both before the last `update`, for `take_back`.
     """
 
     _physics: Physics
@@ -29,7 +30,7 @@ class Wrenches:
     def __init__(self) -> None:
         self.items: Acting = ()
         self.pushes: tuple[Push, ...] = ()
-        self._before: tuple[Acting, tuple[Push, ...]] = (), ()
+        self.before: tuple[Acting, tuple[Push, ...]] = (), ()
 
     @property
     def pulls(self) -> tuple[Pull, ...]:
@@ -49,7 +50,7 @@ class Wrenches:
 
     def update(self, clock: Clock) -> None:
         """End and begin what is due at the present step, and renew the springs' forces."""
-        self._before = self.items, self.pushes
+        self.before = self.items, self.pushes
         if self.items:
             self.drop_ended(clock.time)
             self.renew(clock)
@@ -60,7 +61,7 @@ class Wrenches:
 
     def take_back(self) -> None:
         """Undo the last `update`: the step that was to follow has failed."""
-        items, self.pushes = self._before
+        items, self.pushes = self.before
         self.put(items)
 
     def due_steps(self, clock: Clock) -> list[int]:
