@@ -13,11 +13,11 @@ from typing import Any
 
 from drake_twin.errors import TwinError
 from drake_twin.messages.interface_types import make_response
-from drake_twin.nodes.graph_items import Offer, Publication, Reception, TwinService
+from drake_twin.nodes.graph_items import Offer, Publication, Reception
 from drake_twin.nodes.interfaces import to_wire
 from drake_twin.nodes.program import Program
 from drake_twin.nodes.turns import Turns
-from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint
+from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 
 _log = logging.getLogger(__name__)
@@ -45,7 +45,7 @@ class Graph:
         is_open: Whether messages are passed on.
     """
 
-    def __init__(self, twin: Twin, turns: Turns, services: Callable[[Twin], Iterable[TwinService]]):
+    def __init__(self, twin: Twin, turns: Turns, services: Callable[[Twin], Iterable[ServiceEndpoint]]):
         self.twin = twin
         self.publications: dict[str, list[Publication]] = {}
         self.receptions: dict[str, list[Reception]] = {}
@@ -62,7 +62,7 @@ class Graph:
         self._endpoints: tuple[Endpoint, ...] | None = None
         self._published: dict[str, Endpoint] = {}
         self._commanded: dict[str, Endpoint] = {}
-        self._twin_services: tuple[Any, dict[str, TwinService]] = (None, {})
+        self._twin_services: tuple[Any, dict[str, ServiceEndpoint]] = (None, {})
         self.follow()
 
     # Time ------------------------------------------------------------------------------------------------------------
@@ -265,7 +265,7 @@ class Graph:
         is_twins = service is not None and service.type == kind
         return is_twins or any(offer.type == kind for offer in self.offers.get(name, ()))
 
-    def services(self) -> Mapping[str, TwinService]:
+    def services(self) -> Mapping[str, ServiceEndpoint]:
         """Return the twin's services by their names."""
         twin = self.twin
         state = self._endpoints, tuple(tuple(twin.controller_manager(robot).states) for robot in twin.robots)
@@ -297,7 +297,7 @@ class Graph:
         else:
             self.post(act)
 
-    def _answer(self, service: TwinService, request: Any, answered: Callable[[Any], None]) -> None:
+    def _answer(self, service: ServiceEndpoint, request: Any, answered: Callable[[Any], None]) -> None:
         """Answer a request as the twin's service does."""
         try:
             fields = service.answer(request)
@@ -310,7 +310,7 @@ class Graph:
             self.log(service.name, str(error))
         self.post(partial(answered, response))
 
-    def _continue(self, service: TwinService, answer: Any, answered: Callable[[Any], None]) -> None:
+    def _continue(self, service: ServiceEndpoint, answer: Any, answered: Callable[[Any], None]) -> None:
         try:
             next(answer)
         except StopIteration as end:

@@ -1,33 +1,9 @@
-"""What node programs have on the graph, and what they see of the twin's services."""
+"""What node programs have on the graph."""
 
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
-
-
-class TwinService(Protocol):
-    """A service of the twin, as `drake_twin.services.Service` has it."""
-
-    @property
-    def name(self) -> str:
-        """Its full name."""
-
-    @property
-    def type(self) -> str:
-        """Its ROS type."""
-
-    @property
-    def node(self) -> str:
-        """The full name of its node."""
-
-    @property
-    def between_advances(self) -> bool:
-        """Whether it does what a callback cannot do."""
-
-    @property
-    def answer(self) -> Callable[[Any], Any]:
-        """Takes the request; returns the response's fields, or a generator that returns them later."""
+from typing import Any
 
 
 @dataclass(eq=False)

@@ -14,7 +14,6 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.nodes import simulated_time
 from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
-from drake_twin.nodes.graph_items import TwinService
 from drake_twin.nodes.imports import NodeFinder, stand_in
 from drake_twin.nodes.interfaces import Interfaces
 from drake_twin.nodes.package_folders import PackageFolders
@@ -22,6 +21,7 @@ from drake_twin.nodes.program import Program
 from drake_twin.nodes.task import Task
 from drake_twin.nodes.turns import Turns
 from drake_twin.scenario import NodeProgram
+from drake_twin.twin.endpoints import ServiceEndpoint
 from drake_twin.twin.twin import Twin
 
 _log = logging.getLogger(__name__)
@@ -50,7 +50,7 @@ class Nodes:
         self,
         twin: Twin,
         programs: Sequence[NodeProgram] | None = None,
-        services: Callable[[Twin], Iterable[TwinService]] = lambda twin: (),
+        services: Callable[[Twin], Iterable[ServiceEndpoint]] = lambda twin: (),
         is_stopped: Callable[[], bool] = lambda: False,
         patience: float = 20.0,
     ):

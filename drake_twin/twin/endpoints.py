@@ -1,6 +1,8 @@
-"""What a twin offers to the world outside: topics out and in, and actions."""
+"""What a twin offers to the world outside: topics out and in, actions and services."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.diagram.twin_diagram import TwinDiagram
@@ -31,6 +33,30 @@ class Endpoint:
     latched: bool = False
     robot: str = ""
     controller: str = ""
+
+
+class ServiceEndpoint(Protocol):
+    """A service of the twin, as `drake_twin.services.Service` has it."""
+
+    @property
+    def name(self) -> str:
+        """Its full name."""
+
+    @property
+    def type(self) -> str:
+        """Its ROS type."""
+
+    @property
+    def node(self) -> str:
+        """The full name of its node."""
+
+    @property
+    def between_advances(self) -> bool:
+        """Whether it does what a callback cannot do."""
+
+    @property
+    def answer(self) -> Callable[[Any], Any]:
+        """Takes the request; returns the response's fields, or a generator that returns them later."""
 
 
 def endpoints_of(built: TwinDiagram) -> tuple[Endpoint, ...]:

@@ -19,7 +19,7 @@ import numpy as np
 from drake_twin.errors import TwinError
 from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
 from drake_twin.systems.draft import Draft, LaterDraft
-from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint
+from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEndpoint
 
@@ -27,30 +27,6 @@ _log = logging.getLogger(__name__)
 _MOST_WAITING = 10_000  # messages for the sender's thread; more make the simulation wait
 _MOST_LINES = 1000  # of the log
 _TOO_MANY = "too many requests wait"
-
-
-class WiredService(Protocol):
-    """A service as `drake_twin.services.Service` has it."""
-
-    @property
-    def name(self) -> str:
-        """Its full name."""
-
-    @property
-    def type(self) -> str:
-        """Its ROS type."""
-
-    @property
-    def node(self) -> str:
-        """The full name of its node."""
-
-    @property
-    def between_advances(self) -> bool:
-        """Whether it does what a callback cannot do."""
-
-    @property
-    def answer(self) -> Callable[[Any], Any]:
-        """Takes the request; returns the response's fields, or a generator that returns them later."""
 
 
 class WiredActions(Protocol):
@@ -100,7 +76,7 @@ class Seam:
         self,
         twin: Twin,
         wires: Sequence[Wire],
-        services: Callable[[Twin], Iterable[WiredService]] = lambda twin: (),
+        services: Callable[[Twin], Iterable[ServiceEndpoint]] = lambda twin: (),
         actions: WiredActions | None = None,
     ):
         self._twin = twin
@@ -111,7 +87,7 @@ class Seam:
         self._endpoints: tuple[Endpoint, ...] | None = None
         self._topics: dict[str, _Topic] = {}
         self._heard: dict[str, tuple[Endpoint, list[Closable]]] = {}
-        self._served: dict[str, tuple[WiredService, list[Closable]]] = {}
+        self._served: dict[str, tuple[ServiceEndpoint, list[Closable]]] = {}
         self._commanded: set[str] = set()
         self._has_changed = False
         self._logged: set[tuple[str, str]] = set()
@@ -303,7 +279,7 @@ class Seam:
             return
         self._continue(service, fields, reply)
 
-    def _continue(self, service: WiredService, answer: Generator[Any, None, Any], reply: Reply) -> None:
+    def _continue(self, service: ServiceEndpoint, answer: Generator[Any, None, Any], reply: Reply) -> None:
         """Continue an answer that takes longer, once a look."""
         try:
             next(answer)
@@ -317,7 +293,7 @@ class Seam:
         if not self._twin.inbox.put(act, between_advances=between, is_urgent=between):  # others wait for time to pass
             self._refuse(service, reply, _TOO_MANY)
 
-    def _refuse(self, service: WiredService, reply: Reply, reason: str, cause: str = "") -> None:
+    def _refuse(self, service: ServiceEndpoint, reply: Reply, reason: str, cause: str = "") -> None:
         self._log(service.name, reason, cause)
         reply(serialize(make_response(service.type, {}, reason)))
 
