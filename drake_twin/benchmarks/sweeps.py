@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from drake_twin.benchmarks.engine import Setting, drive
-from drake_twin.benchmarks.engines.mujoco import MujocoEngine
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.workloads import WORKLOADS
@@ -100,6 +99,8 @@ def _in_twin(setting: Setting, size: "Size", count: int, duration: float) -> Cal
 
 
 def _in_mujoco(setting: Setting, size: "Size", count: int, duration: float) -> Callable[[], None]:
+    from drake_twin.benchmarks.engines.mujoco import MujocoEngine  # needs the extra, which --help and --version do not
+
     engine = setting.make(_ROVERS, _COUNT, size.folder)
     assert isinstance(engine, MujocoEngine)
 

@@ -57,10 +57,10 @@ def test_the_page_plays_a_bag(browser, tmp_path):
             tab.get_by_role("button", name="Reset").click()
             frames(lambda: player.time == 0.0)
             slider = tab.get_by_label("Time to look at")
-            slider.press("End")
-            frames(lambda: player.time == bag.duration)
-            slider.press("Home")
-            frames(lambda: player.time == 0.0)
+            for key, time in (("End", bag.duration), ("Home", 0.0)):
+                slider.press(key)
+                frames(lambda time=time: player.time == time)
+                frames(lambda time=time: tab.locator("#time").inner_text() == f"{time:.3f} s")
             assert faults == []
         finally:
             tab.close()
