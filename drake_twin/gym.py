@@ -3,6 +3,7 @@
 Needs the extra ``gym``.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -80,7 +81,8 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
             raise InputError(f"render_mode {render_mode!r}: it must be 'rgb_array', with the camera (robot, sensor)")
         self._base = scenario if isinstance(scenario, Scenario) else ScenarioFile.read(scenario).scenario
         self._values = dict(values or {})
-        self._observe, self._reward = observation or _ScaledState(), reward
+        self._scaled_state = _ScaledState()
+        self._observe, self._reward = observation or self._scaled_state, reward
         self._rate, self._steps = control_rate, round(duration * control_rate)
         self._camera, self.render_mode = camera, render_mode
         self._step_number = 0
@@ -111,7 +113,7 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Apply an action for one period of the control rate."""
-        scaled = np.clip(np.asarray(action, dtype=float), -1.0, 1.0)
+        scaled = np.asarray(action, dtype=float).clip(-1.0, 1.0)
         begin, info, terminated = 0, {}, False
         for topic, (low, high) in self._bounds.items():
             share = (scaled[begin : begin + len(low)] + 1.0) / 2.0
@@ -169,8 +171,10 @@ class GoalEnv(TwinEnv):
         EzPickle.__init__(self, robot, reach, near, **more)
 
     def _here(self) -> Array:
-        state = self.twin.robot_state(self.twin.robots[0], with_efforts=False)
-        return np.array(state.base_pose[:2] if self._robot == "rover" else state.positions)
+        robot = self.twin.robots[0]
+        reader, state = self._scaled_state.reader(self.twin, robot), self.twin.state_vector(robot)
+        here: Array = reader.layout.base_state(state)[0][4:6] if self._robot == "rover" else state[reader.positions]
+        return here
 
     def _begin(self) -> None:
         here = self._here()
@@ -178,7 +182,8 @@ class GoalEnv(TwinEnv):
         self._last = self._distance()
 
     def _distance(self) -> float:
-        return float(np.linalg.norm(self._goal - self._here()))
+        away = self._goal - self._here()
+        return math.sqrt(away @ away)
 
     def _judged(self) -> tuple[float, bool]:
         before, self._last = self._last, self._distance()
@@ -186,7 +191,7 @@ class GoalEnv(TwinEnv):
 
     def _observation(self) -> Array:
         goal = self._goal if self._goal.size else self._here()
-        return np.concatenate([super()._observation(), goal]).astype(np.float32)
+        return np.concatenate((super()._observation(), goal), dtype=np.float32)
 
 
 def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str, tuple[Array, Array]]:
@@ -216,25 +221,47 @@ def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str,
     return found
 
 
+class _Reader:
+    """Reads one robot's state, scaled, from its vector in the plant; limits and places are looked up once for each."""
+
+    def __init__(self, twin: Twin, plan: RobotPlan):
+        self.layout = twin.state_layout(plan.name)
+        joints = plan.description.movable_joints
+        self.positions = [self.layout.positions[joint.name] for joint in joints]
+        middle, half, fastest = _scales(plan)
+        places, offsets, factors = [*self.positions], [*middle], [*half]
+        places += [self.layout.velocities[joint.name] for joint in joints]
+        offsets += [0.0] * len(joints)
+        factors += [*fastest]
+        self._places, self._offsets, self._factors = np.array(places, dtype=int), np.array(offsets), np.array(factors)
+
+    def scaled(self, state: Array) -> list[Array]:
+        """Return joint positions and velocities, and of a base that moves position, orientation and twist."""
+        joints = (state[self._places] - self._offsets) / self._factors
+        if not self.layout.has_moving_base:
+            return [joints]
+        pose, velocity = self.layout.base_state(state)
+        orientation = pose[:4] if pose[0] >= 0 else -pose[:4]
+        return [joints, pose[4:], orientation, velocity[3:], velocity[:3]]
+
+
 class _ScaledState:
-    """The observation of the robots' states; limits are read once for each plan."""
+    """The observation of the robots' states."""
 
     def __init__(self) -> None:
-        self._limits: dict[str, tuple[RobotPlan, Array, Array, Array]] = {}
+        self._readers: dict[str, _Reader] = {}
 
     def __call__(self, twin: Twin) -> Array:
-        parts: list[Array] = []
-        for plan in twin.plans:
-            known = self._limits.get(plan.name)
-            if known is None or known[0] is not plan:
-                known = self._limits[plan.name] = (plan, *_scales(plan))
-            _, middle, half, fastest = known
-            state = twin.robot_state(plan.name, with_efforts=False)
-            parts += [(np.array(state.positions) - middle) / half, np.array(state.velocities) / fastest]
-            if not plan.model.is_fixed:
-                base = twin.entity_state(plan.name)
-                parts += [np.array(state.base_pose), np.array(base.linear), np.array(base.angular)]
-        return np.concatenate(parts)
+        parts = [part for robot in twin.robots for part in self.reader(twin, robot).scaled(twin.state_vector(robot))]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def reader(self, twin: Twin, robot: str) -> _Reader:
+        """Return the reader of a robot in the diagram of today."""
+        known = self._readers.get(robot)
+        if known is None or known.layout is not twin.state_layout(robot):
+            plan = next(plan for plan in twin.plans if plan.name == robot)
+            known = self._readers[robot] = _Reader(twin, plan)
+        return known
 
 
 def _scales(plan: RobotPlan) -> tuple[Array, Array, Array]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hinge import write_hinge
+from test_walk import walk
 
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot, Scenario
@@ -113,6 +114,30 @@ def test_actions_are_scaled_to_limits_and_observations_to_ranges(scenario):
     env.step(np.array([7.0]))
     env.step(np.array([7.0]))
     assert env.twin.robot_state("hinge").velocities[0] == pytest.approx(5, rel=1e-3)
+
+
+def test_a_rovers_observation_is_its_joints_its_base_and_the_goal():
+    env = gymnasium.make("drake_twin/Rover-v0").unwrapped
+    env.reset(seed=2)
+    for _ in range(20):
+        observation = env.step(np.array([1.0, -0.2, 1.0, -0.2]))[0]
+    state, base = env.twin.robot_state("robot_1"), env.twin.entity_state("robot_1")
+    assert abs(base.angular[2]) > 0.1
+    joints = [*state.positions, *(speed / 20.0 for speed in state.velocities)]
+    expected = [*joints, *state.base_pose, *base.linear, *base.angular]
+    assert observation[:-2] == pytest.approx(expected, abs=1e-6)
+    assert float(np.hypot(*(observation[-2:] - state.base_pose[:2]))) == pytest.approx(env._last, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["Rover", "Arm"])
+def test_a_step_makes_few_calls_beside_the_twins_own(name):
+    env = gymnasium.make(f"drake_twin/{name}-v0").unwrapped
+    env.reset(seed=0)
+    action = env.action_space.sample()
+    env.step(action)
+    entered = walk(lambda: env.step(action))
+    own = [function for function in entered if "gym.py" in function]
+    assert len([*own, *(function for function in entered if "state_vector" in function)]) <= 20, "\n".join(entered)
 
 
 def test_functions_and_files_and_values_of_ones_own(scenario, tmp_path):

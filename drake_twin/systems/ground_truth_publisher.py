@@ -113,7 +113,7 @@ class GroundTruthPublisher(WitnesslessSystem):
 
 def _numbers(position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
     """Return position (m), quaternion (w, x, y, z), and in the link's own axes angular and linear velocity."""
-    quaternion = position[:4] / np.linalg.norm(position[:4])
+    quaternion = position[:4]
     R_BW = RotationMatrix(Quaternion(quaternion)).inverse()
     velocities = R_BW.multiply(velocity.reshape(2, 3).T).T.ravel()
     return np.concatenate((position[4:7], quaternion, velocities))

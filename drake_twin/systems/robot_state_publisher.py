@@ -261,8 +261,4 @@ def _link_transform(stamp: Any, link: LinkFrame, poses: Sequence[RigidTransform]
 
 def _base_pose(layout: StateLayout, state: np.ndarray) -> np.ndarray:
     """Return x, y, z (m), qx, qy, qz, qw of a moving base."""
-    quaternion_first = layout.base_state(state)[0]
-    quaternion = quaternion_first[:4]
-    pose = quaternion_first[_POSITION_FIRST]
-    pose[3:] /= np.sqrt(quaternion @ quaternion)
-    return pose
+    return layout.base_state(state)[0][_POSITION_FIRST]

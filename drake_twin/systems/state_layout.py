@@ -59,10 +59,10 @@ class StateLayout:
         """Return the pose and velocity of a moving root link in the world, like those of a floating base.
 
         Args:
-            state: ``[q; v]``.
+            state: ``[q; v]``; Drake's discrete steps let a quaternion in it grow, as only its direction counts.
 
         Returns:
-            The pose (qw, qx, qy, qz, x, y, z) and the velocity (angular rad/s, then linear m/s).
+            The pose (qw, qx, qy, qz of length 1, x, y, z) and the velocity (angular rad/s, then linear m/s).
 
         Raises:
             ValueError: If the root link does not move.
@@ -71,4 +71,6 @@ class StateLayout:
             return self.planar_base.as_floating(state)
         if self.base_position is None or self.base_velocity is None:
             raise ValueError("the root link does not move")
-        return state[self.base_position :][:7], state[self.base_velocity :][:6]
+        pose = state[self.base_position :][:7].copy()
+        pose[:4] /= np.sqrt(pose[:4] @ pose[:4])
+        return pose, state[self.base_velocity :][:6]

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Concatenate, ParamSpec, Protocol, Self, TypeVar
 
+import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, OutputPort
@@ -25,6 +26,7 @@ from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.systems.draft import Draft
+from drake_twin.systems.state_layout import StateLayout
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.controller_manager import ControllerManager
@@ -268,6 +270,22 @@ class Twin:
             return read_robot_state(session.built, session.physics.context, plan, with_efforts=with_efforts)
         except (RuntimeError, SystemExit) as error:
             raise session.failure(error) from error
+
+    def state_layout(self, robot: str) -> StateLayout:
+        """Return where joints and base stand in `state_vector`; it lives as long as `diagram`.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        return self._session.built.robots[self._session.plan(robot).name].layout
+
+    def state_vector(self, robot: str) -> np.ndarray:
+        """Return a robot's positions and velocities ``[q; v]``, as Drake has them: the fastest way to read them.
+
+        Raises:
+            InputError: If the robot is unknown.
+        """
+        return self._session.physics.robot_state(self._session.plan(robot).name)
 
     def start_positions(self, robot: str) -> Mapping[str, float]:
         """Return the position of each movable joint at the start (rad or m).

@@ -1,5 +1,6 @@
 """Robots that only a Gazebo plugin drives, in the twin."""
 
+import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder
@@ -61,6 +62,23 @@ def test_its_odometry_is_the_true_pose_and_is_on_tf(make):
     (transform,) = [item for item in twin.latest("/tf").transforms if item.child_frame_id == "cart/base_footprint"]
     assert transform.header.frame_id == "cart/odom"
     assert transform.transform.translation.x == pytest.approx(true.x, abs=1e-12)
+
+
+def test_its_odometry_stays_true_after_many_turns(make):
+    twin = make(DIFF_DRIVE.format(ros=""))
+    twin.set_time_step(0.01)
+    twin.publish("/cart/cmd_vel", {"linear": {"x": 0.5}, "angular": {"z": 3.0}})
+    twin.advance_to(30.3)
+    assert np.linalg.norm(twin.state_vector("cart")[:4]) > 1.1  # Drake keeps the direction only
+    true, seen = twin.entity_state("cart"), twin.latest("/cart/odom")
+    sent = seen.pose.pose.orientation
+    turned = abs(np.dot([sent.w, sent.x, sent.y, sent.z], true.orientation))
+    assert turned == pytest.approx(1, abs=1e-6)
+    forwards = np.hypot(*true.linear[:2])
+    assert seen.twist.twist.linear.x == pytest.approx(forwards, rel=1e-3)
+    (transform,) = [item for item in twin.latest("/tf").transforms if item.child_frame_id == "cart/base_footprint"]
+    rotation = transform.transform.rotation
+    assert (rotation.w, rotation.z) == pytest.approx((sent.w, sent.z), abs=1e-9)
 
 
 def test_the_plugins_own_remapping_names_the_topics(make):

@@ -22,6 +22,15 @@ def test_the_slides_are_along_the_axes_of_the_start():
     assert velocity == pytest.approx([0, 0, 0.7, -0.5, 0.4, 0.6])
 
 
+def test_a_floating_bases_quaternion_has_length_one():
+    layout = StateLayout(13, {}, {}, {}, base_position=0, base_velocity=7)
+    state = np.array([3.0, 0, 0, 4.0, 1, 2, 3, 4, 5, 6, 7, 8, 9])
+    pose, velocity = layout.base_state(state)
+    assert pose == pytest.approx([0.6, 0, 0, 0.8, 1, 2, 3])
+    assert velocity.tolist() == [4, 5, 6, 7, 8, 9]
+    assert state[0] == 3.0
+
+
 def test_a_base_that_does_not_move_has_no_state():
     with pytest.raises(ValueError, match="does not move"):
         StateLayout(0, {}, {}, {}).base_state(np.zeros(0))
