@@ -26,7 +26,7 @@ from drake_twin.diagram.servo_modes import (
     without_commands,
 )
 from drake_twin.diagram.topics import CommandTopic
-from drake_twin.errors import CommandError, TwinError, described
+from drake_twin.errors import CommandError, InputError, TwinError, described
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.joint_servo import ServoAssignment
@@ -152,7 +152,14 @@ class RobotControl:
             raise CommandError(described(error)) from error
 
     def cancel(self, controller: str) -> None:
-        """Cancel the newest goal of a controller's action."""
+        """Cancel the newest goal of a controller's action.
+
+        Raises:
+            InputError: If the robot has no such controller.
+        """
+        if controller not in self.controllers:
+            text = f"robot {self._plan.name!r} has no controller {controller!r}"
+            raise InputError(text, value=str(controller), valid=self.controllers)
         self._note("cancel", self._plan.name, controller)
         self.controllers[controller].cancel(self.context_of(controller))
 

@@ -25,7 +25,7 @@ from drake_twin.twin.physics import Physics, is_same_robot
 from drake_twin.twin.robot_control import RobotControl
 from drake_twin.twin.schedule import step_at
 from drake_twin.twin.snapshot import Snapshot
-from drake_twin.twin.state import hash_plain
+from drake_twin.twin.state import RobotState, hash_plain, read_robot_state
 from drake_twin.twin.subscriptions import Subscriptions
 from drake_twin.twin.sunk import sunk_robots
 from drake_twin.twin.varied_parameters import SET_AT_START, needs_build
@@ -119,6 +119,19 @@ class Session:
             InputError: If the robot is unknown.
         """
         return self.controls[self.plan(robot).name]
+
+    def robot_state(self, robot: Any, *, with_efforts: bool) -> RobotState:
+        """Return a robot's state.
+
+        Raises:
+            InputError: If the robot is unknown.
+            RunError: If Drake cannot solve the step to come, which efforts are read from.
+        """
+        plan = self.plan(robot)
+        try:
+            return read_robot_state(self.built, self.physics.context, plan, with_efforts=with_efforts)
+        except (RuntimeError, SystemExit) as error:
+            raise self.failure(error) from error
 
     def find_sunk(self, robots: Sequence[str]) -> dict[str, tuple[Finding, ...]]:
         """Return findings about robots that stand in something else."""

@@ -40,7 +40,7 @@ from drake_twin.twin.schedule import meeting_step
 from drake_twin.twin.sensor_reading import SensorReading
 from drake_twin.twin.session import Session
 from drake_twin.twin.snapshot import Snapshot
-from drake_twin.twin.state import RobotState, read_robot_state
+from drake_twin.twin.state import RobotState
 from drake_twin.twin.stepper import Stepper
 from drake_twin.twin.topics import Topics
 from drake_twin.values import is_number
@@ -264,12 +264,7 @@ class Twin:
             InputError: If the robot is unknown.
             RunError: If Drake cannot solve that step.
         """
-        session = self._session
-        plan = session.plan(robot)
-        try:
-            return read_robot_state(session.built, session.physics.context, plan, with_efforts=with_efforts)
-        except (RuntimeError, SystemExit) as error:
-            raise session.failure(error) from error
+        return self._session.robot_state(robot, with_efforts=with_efforts)
 
     def state_layout(self, robot: str) -> StateLayout:
         """Return where joints and base stand in `state_vector`; it lives as long as `diagram`.
@@ -607,11 +602,7 @@ class Twin:
         Raises:
             InputError: If the robot or the controller is unknown.
         """
-        control = self._session.control(robot)
-        if controller not in control.controllers:
-            text = f"robot {robot!r} has no controller {controller!r}"
-            raise InputError(text, value=str(controller), valid=control.controllers)
-        control.cancel(controller)
+        self._session.control(robot).cancel(controller)
 
     # Controllers -----------------------------------------------------------------------------------------------------
 
