@@ -11,6 +11,7 @@ from sweep_files import hinge_scenario
 
 from drake_twin import Twin
 from drake_twin.errors import InputError
+from drake_twin.scenario import CENIC, Robot, Scenario
 from drake_twin.sweeps.variation import Design, Variation, with_value
 
 
@@ -173,6 +174,11 @@ BUILT = {
 }
 
 
+BOX = """<robot name="box" xmlns:xacro="http://ros.org/xacro"><xacro:arg name="width" default="0.3"/>
+<link name="box"><inertial><mass value="3"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry><box size="$(arg width) 0.4 0.3"/></geometry></collision></link></robot>"""
+
+
 @pytest.fixture(scope="module")
 def driving():
     """A scenario of two rovers of which one drives, and a twin of it that all paths are set on, one after the other."""
@@ -183,12 +189,39 @@ def driving():
         yield scenario, twin
 
 
+def assert_set_by_a_reset_is_built_with_it(twin, varied):
+    """A twin that is reset to a scenario, and a new one of it, are equal to the bit after two seconds."""
+    twin.reset(varied)
+    with Twin(varied) as fresh:
+        for one in (twin, fresh):
+            one.advance_to(2.0)
+        assert twin.state_sha256() == fresh.state_sha256()
+        return twin.state_sha256()
+
+
 @pytest.mark.parametrize("path", BUILT)
 def test_every_path_that_needs_a_build_is_set_by_a_reset_to_the_same_bits(driving, path):
     scenario, twin = driving
-    varied = with_value(scenario, path, BUILT[path])
-    twin.reset(varied)
-    twin.advance_to(2.0)
-    with Twin(varied) as fresh:
-        fresh.advance_to(2.0)
-        assert twin.state_sha256() == fresh.state_sha256()
+    assert_set_by_a_reset_is_built_with_it(twin, with_value(scenario, path, BUILT[path]))
+
+
+def test_an_accuracy_is_set_by_a_reset_to_the_same_bits(scenario):
+    scenario = replace(scenario, engine=CENIC)
+    with Twin(scenario) as twin:
+        hashes = [
+            assert_set_by_a_reset_is_built_with_it(twin, with_value(scenario, "accuracy", value))
+            for value in (1e-2, 1e-5, 1e-2)
+        ]
+    assert hashes[0] == hashes[2] != hashes[1]
+
+
+def test_a_xacro_argument_is_set_by_a_reset_to_the_same_bits(tmp_path):
+    file = tmp_path / "box.xacro"
+    file.write_text(BOX)
+    scenario = Scenario((Robot("box", str(file), xyz=(0.0, 0.0, 1.0), rpy=(0.3, 0.1, 0.0)),))
+    with Twin(scenario) as twin:
+        hashes = [
+            assert_set_by_a_reset_is_built_with_it(twin, with_value(scenario, "box.args.width", value))
+            for value in (0.5, 0.7, 0.5)
+        ]
+    assert hashes[0] == hashes[2] != hashes[1]

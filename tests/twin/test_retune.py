@@ -7,6 +7,7 @@ import pytest
 from two_hinges import ROBOT, efforts, hinges, trajectories, velocities
 
 from drake_twin import Twin, replay
+from drake_twin.scenario import CENIC, DISCRETE
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.recording import Recording
 from drake_twin.twin.varied_parameters import needs_build
@@ -85,8 +86,9 @@ def test_a_retuned_twin_is_one_of_the_edited_file_to_the_bit(tmp_path, kind, gra
     assert motion(nominal) != moved
 
 
-def test_set_on_a_built_twin_is_the_same_to_the_bit_as_built_with_it(tmp_path):
-    scenario = scenario_of(tmp_path, "velocities")
+@pytest.mark.parametrize("engine", [DISCRETE, CENIC])
+def test_set_on_a_built_twin_is_the_same_to_the_bit_as_built_with_it(tmp_path, engine):
+    scenario = scenario_of(tmp_path, "velocities", engine=engine)
     plain, varied = replace(scenario, values=VALUES), replace(scenario, values=VALUES, retune=True)
     twin, hashes = Twin(plain), []
     for each in (plain, varied, replace(varied, values={"r.left_link.mass": 8.0}), plain, varied):
