@@ -13,6 +13,7 @@ import os
 import time
 from collections.abc import Iterable, Mapping
 from errno import ENOSPC
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from drake_twin.whole_file import write_whole
 _KEY = "drake_twin_sweep"
 _SYNC = 0.5  # s between two calls of fsync
 _FORMATS = (".parquet", ".csv", ".jsonl")
+_NO_PYARROW = "Parquet needs pyarrow (pip install 'drake-twin[sweep]'): or name a file .csv or .jsonl"
 _LAST = ("outcome", "reason", "simulated", "wall_time", "state_sha256", "version")
 _TEXTS = ("id", "outcome", "reason", "state_sha256", "version")
 _WHOLE = ("episode", "seed")
@@ -38,8 +40,8 @@ def check_format(file: Path) -> None:
         raise InputError(f"--out {file}: unknown format", value=file.suffix, valid=_FORMATS)
     if not file.absolute().parent.is_dir() or file.is_dir():
         raise InputError(f"--out {file}: no file can be written there")
-    if file.suffix == ".parquet":
-        _pyarrow()
+    if file.suffix == ".parquet" and find_spec("pyarrow") is None:  # which is imported when there are rows
+        raise InputError(_NO_PYARROW)
 
 
 class Results:
@@ -236,6 +238,5 @@ def _pyarrow() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        what = "Parquet needs pyarrow (pip install 'drake-twin[sweep]'): or name a file .csv or .jsonl"
-        raise InputError(what) from None
+        raise InputError(_NO_PYARROW) from None
     return pyarrow
