@@ -24,6 +24,8 @@ OFFLINE = ["--disable-background-networking", "--disable-component-update", "--d
 
 _ALSO_PLAYWRIGHT = "; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'"
 
+_SHORT, _LONG = 1000, 30_000  # ms that a look at the page waits for its element: between two frames, and else
+
 BROWSER_TESTS = [
     pytest.mark.browser,
     pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here (on Debian: apt install chromium)"),
@@ -69,6 +71,7 @@ class Shown:
         self.cockpit = self.served.show(self.twin, **options)
         self.tabs = []
         self.faults = []
+        self.late = "nothing was missing on the page"
 
     def tab(self):
         """Opens the page in a new tab and waits until it shows something."""
@@ -83,17 +86,32 @@ class Shown:
         return tab
 
     def frames(self, until, most=900):
-        """Run frame by frame, as the program does, until something holds."""
+        """Run frame by frame, as the program does, until something holds; what is not on the page yet does not."""
+        from playwright.sync_api import TimeoutError as NotThereError
+
         count = 0
+
+        def holds():
+            try:
+                return until()
+            except NotThereError as error:  # it may need a further frame
+                self.late = error
+                return False
 
         def each_frame():
             nonlocal count
             count += 1
             self.cockpit.process_requests()
-            return not until() and count < most
+            return not holds() and count < most
 
-        self.twin.run(each_frame=each_frame)
-        assert until(), f"not within {most} frames"
+        for tab in self.tabs:
+            tab.set_default_timeout(_SHORT)
+        try:
+            self.twin.run(each_frame=each_frame)
+            assert holds(), f"not within {most} frames ({self.late})"
+        finally:
+            for tab in self.tabs:
+                tab.set_default_timeout(_LONG)
 
     def seen(self, locator, text):
         """Runs until an element reads as wanted."""
