@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError, RunError
 from drake_twin.program import ArgumentParser, add_version, leave, run_program, say, stop_signals
+from drake_twin.sweeps.processes import Processes, workers_of_machine
 
 if TYPE_CHECKING:
     from drake_twin.sweeps.dispatch import Dispatcher
@@ -117,8 +118,10 @@ def _program(arguments: Sequence[str]) -> int:
     _check(options)
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):  # a process for each core is enough
         os.environ.setdefault(name, "1")
-    with stop_signals() as stopped:
-        return _sweep(options, arguments, stopped)
+    cores = workers_of_machine()
+    ahead = min(options.workers or cores, cores) if options.engine == "processes" else 0
+    with stop_signals() as stopped, Processes(ahead) as processes:
+        return _sweep(options, arguments, stopped, processes)
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -144,7 +147,7 @@ def _check(options: argparse.Namespace) -> None:
             raise InputError(f"--{name} {value:g}: it must be above zero, and 1e9 at most")
 
 
-def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int]) -> int:
+def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int], processes: Processes) -> int:
     from drake_twin.sweeps.episode import ERROR, trial
     from drake_twin.sweeps.progress_line import ProgressLine
     from drake_twin.sweeps.results import Results, check_format
@@ -160,7 +163,7 @@ def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Seque
         return _finish(results, options, Counter())
     outcomes: Counter[str] = Counter()
     try:
-        with _engine(options, sweep, left) as engine:
+        with _engine(options, sweep, left, processes) as engine:
             trial(sweep)
             episodes = (item for item in sweep.design.episodes() if sweep.id_of(item) not in results.rows)
             with ProgressLine(len(sweep), len(results.rows)) as progress:
@@ -181,16 +184,16 @@ def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Seque
     return 1 if code == 0 and outcomes[ERROR] == len(sweep) else code
 
 
-def _engine(options: argparse.Namespace, sweep: "Sweep", left: int) -> "Dispatcher[Any]":
+def _engine(options: argparse.Namespace, sweep: "Sweep", left: int, processes: Processes) -> "Dispatcher[Any]":
     """Start the engine that the options name, for as many episodes as are left."""
-    from drake_twin.sweeps.engine import Engine, workers_of_machine
+    from drake_twin.sweeps.engine import Engine
 
     if options.engine == "ray":
         from drake_twin.sweeps.ray_engine import RayEngine
 
         cores = left if options.address else workers_of_machine()  # a cluster says itself how many it has
         return RayEngine(sweep, min(options.workers or cores, left), options.timeout, options.address)
-    return Engine(sweep, min(options.workers or workers_of_machine(), left), options.timeout)
+    return Engine(sweep, min(options.workers or workers_of_machine(), left), options.timeout, processes)
 
 
 def _described(options: argparse.Namespace) -> "Sweep":

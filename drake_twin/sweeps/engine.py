@@ -1,37 +1,26 @@
 """The engine of one machine: processes that each keep one built twin and get their episodes through a pipe."""
 
 import contextlib
-import ctypes
-import multiprocessing
-import os
 import signal
-import sys
-from collections.abc import Callable, Collection
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
+from collections.abc import Collection
+from multiprocessing.connection import wait
 
 from drake_twin.sweeps.dispatch import Dispatcher, Worker, WorkerEndedError
-from drake_twin.sweeps.episode import Row, Runner, Sweep
+from drake_twin.sweeps.episode import Row, Sweep
+from drake_twin.sweeps.processes import Processes, Started
 from drake_twin.sweeps.variation import Episode
-
-_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux's prctl
-
-
-def workers_of_machine() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class _Process(Worker):
     """A process at the other end of a pipe."""
 
-    def __init__(self, sweep: Sweep, process: SpawnProcess, connection: Connection):
+    def __init__(self, sweep: Sweep, started: Started):
         super().__init__()
-        self._sweep, self._process, self.connection = sweep, process, connection
+        self._sweep, self._started, self.connection = sweep, started, started.connection
 
     @property
     def process(self) -> int | None:
-        return self._process.pid
+        return self._started.process.pid
 
     def send(self, episode: Episode) -> None:
         with contextlib.suppress(OSError):  # it has died meanwhile, which its connection tells
@@ -41,30 +30,34 @@ class _Process(Worker):
         try:
             row: Row | None = self.connection.recv()
         except (EOFError, OSError):
-            self._process.join()
-            raise WorkerEndedError(f"its process ended{_why(self._process.exitcode)}") from None
+            self._started.process.join()
+            raise WorkerEndedError(f"its process ended{_why(self._started.process.exitcode)}") from None
         if row is None:
             with contextlib.suppress(OSError):
                 self.connection.send(self._sweep)
         return row
 
     def end(self) -> None:
-        self.connection.close()
-        self._process.kill()
-        self._process.join()
+        self._started.end()
 
 
 class Engine(Dispatcher[_Process]):
-    """Runs a sweep's episodes in processes of this machine; see `Dispatcher`."""
+    """Runs a sweep's episodes in processes of this machine; see `Dispatcher`.
+
+    Args:
+        sweep: The sweep.
+        workers: The number of processes.
+        timeout: The longest wall time of an episode (s).
+        processes: Starts the processes; those that it has started ahead and are too many are ended.
+    """
+
+    def __init__(self, sweep: Sweep, workers: int, timeout: float, processes: Processes | None = None):
+        self._starter = processes or Processes()
+        self._starter.keep(workers)
+        super().__init__(sweep, workers, timeout)
 
     def _start(self) -> _Process:
-        context = multiprocessing.get_context("spawn")
-        own, other = context.Pipe()
-        # Without the sweep: a child that is killed while it reads a long argument would block this process for ever.
-        process = context.Process(target=_work, args=(other, os.getpid()), daemon=True)
-        process.start()
-        other.close()
-        return _Process(self._sweep, process, own)
+        return _Process(self._sweep, self._starter.take())
 
     def _heard(self, timeout: float) -> Collection[_Process]:
         connections = wait([worker.connection for worker in self._workers], timeout)
@@ -78,24 +71,3 @@ def _why(code: int | None) -> str:
         return f" by {signal.Signals(-code).name}"
     except ValueError:
         return f" by signal {-code}"
-
-
-def _work(connection: Connection, parent: int) -> None:
-    """Run the episodes of a sweep until the connection ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal
-    _die_with(parent)
-    with contextlib.suppress(EOFError, OSError):
-        connection.send(None)  # an episode that it is given from here on may be the reason if it ends
-        run: Callable[[Episode], Row] = Runner(connection.recv()).run
-        while True:
-            connection.send(run(connection.recv()))
-    sys.stdout.flush()
-    os._exit(0)
-
-
-def _die_with(parent: int) -> None:
-    """Let the system end this process with its parent, also where that is killed."""
-    with contextlib.suppress(OSError, AttributeError):
-        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
-    if os.getppid() != parent:  # it has ended before
-        os._exit(1)

@@ -2,15 +2,18 @@
 
 import os
 import signal
+import subprocess
+import sys
 from math import nan
 
 import pytest
-from sweep_files import hinge_scenario, write_sweep
+from sweep_files import hinge_scenario, runs, write_sweep
 
 from drake_twin import Twin
 from drake_twin.sweeps.engine import Engine
 from drake_twin.sweeps.episode import Runner, Sweep
 from drake_twin.sweeps.metrics import Condition, Metric
+from drake_twin.sweeps.processes import Processes
 from drake_twin.sweeps.variation import Design, Variation
 
 
@@ -67,6 +70,27 @@ def test_a_worker_that_is_killed_loses_no_episode(tmp_path):
             os.kill(engine.processes[count % 2], signal.SIGKILL)
 
     assert rows_of(one, 2, meanwhile=kill) == rows_of(one, 1)
+
+
+def test_processes_that_were_started_ahead_are_the_workers_and_those_that_are_too_many_are_ended(tmp_path):
+    one = sweep(tmp_path, "hinge.arm.mass=1,2,3,4", metrics=())
+    with Processes(3) as processes:
+        ahead = [item.process.pid for item in processes._waiting]
+        with Engine(one, 2, 100.0, processes) as engine:
+            assert engine.processes == ahead[:2]
+            assert not runs(ahead[2])
+            assert len(list(engine.rows(one.design.episodes()))) == 4
+    with Processes(2) as processes:
+        unused = [item.process.pid for item in processes._waiting]
+    assert not any(map(runs, [*ahead, *unused]))
+
+
+def test_the_program_starts_its_processes_before_it_imports_drake():
+    text = (
+        "import sys, drake_twin.sweep; print([name for name in ('pydrake', 'numpy', 'pyarrow') if name in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
 
 
 def test_what_raises_hangs_or_crashes_is_a_row_with_its_reason_and_stops_nothing(tmp_path):

@@ -1,0 +1,98 @@
+"""Processes that run episodes. They can be started before it is known what they run, as importing Drake takes longest.
+
+That is why this module imports nothing of Drake but in these processes.
+"""
+
+import contextlib
+import ctypes
+import multiprocessing
+import os
+import signal
+import sys
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from typing import NamedTuple, Self
+
+_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux's prctl
+
+
+def workers_of_machine() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Started(NamedTuple):
+    """A process that was started.
+
+    It sends None when it is ready, receives the sweep and then episodes, and sends the row of each.
+    """
+
+    process: SpawnProcess
+    connection: Connection
+
+    def end(self) -> None:
+        """End it, whatever it does."""
+        self.connection.close()
+        self.process.kill()
+        self.process.join()
+
+
+class Processes:
+    """Starts processes, some of them ahead; a context manager that ends those that nobody has taken.
+
+    Args:
+        ahead: The number of processes to start at once.
+    """
+
+    def __init__(self, ahead: int = 0):
+        self._waiting: list[Started] = []
+        for _ in range(ahead):
+            self._waiting.append(_start())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.keep(0)
+
+    def keep(self, count: int) -> None:
+        """End those that wait but for so many."""
+        while len(self._waiting) > count:
+            self._waiting.pop().end()
+
+    def take(self) -> Started:
+        """Return a process that waits, or else a new one, which the caller ends."""
+        return self._waiting.pop(0) if self._waiting else _start()
+
+
+def _start() -> Started:
+    context = multiprocessing.get_context("spawn")
+    own, other = context.Pipe()
+    # Without the sweep: a child that is killed while it reads a long argument would block this process for ever.
+    process = context.Process(target=_work, args=(other, os.getpid()), daemon=True)
+    process.start()
+    other.close()
+    return Started(process, own)
+
+
+def _work(connection: Connection, parent: int) -> None:
+    """Run the episodes of a sweep until the connection ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal
+    _die_with(parent)
+    from drake_twin.sweeps.episode import Runner
+
+    with contextlib.suppress(EOFError, OSError):
+        connection.send(None)  # an episode that it is given from here on may be the reason if it ends
+        run = Runner(connection.recv()).run
+        while True:
+            connection.send(run(connection.recv()))
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def _die_with(parent: int) -> None:
+    """Let the system end this process with its parent, also where that is killed."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+    if os.getppid() != parent:  # it has ended before
+        os._exit(1)
