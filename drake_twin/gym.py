@@ -165,14 +165,14 @@ class GoalEnv(TwinEnv):
     def __init__(self, robot: str, reach: float, near: float, **more: Any):
         scenario = demo_scenario(robot, 1, drive=False, time_step=0.01)
         self._robot, self._reach, self._near = robot, reach, near
+        self._name = scenario.robots[0].name
         self._goal = np.zeros(0)
         self._last = 0.0
         super().__init__(scenario, **more)
         EzPickle.__init__(self, robot, reach, near, **more)
 
     def _here(self) -> Array:
-        robot = self.twin.robots[0]
-        reader, state = self._scaled_state.reader(self.twin, robot), self.twin.state_vector(robot)
+        reader, state = self._scaled_state.reader(self.twin, self._name), self.twin.state_vector(self._name)
         here: Array = reader.layout.base_state(state)[0][4:6] if self._robot == "rover" else state[reader.positions]
         return here
 
@@ -191,7 +191,7 @@ class GoalEnv(TwinEnv):
 
     def _observation(self) -> Array:
         goal = self._goal if self._goal.size else self._here()
-        return np.concatenate((super()._observation(), goal), dtype=np.float32)
+        return np.concatenate((self._observe(self.twin), goal), dtype=np.float32)
 
 
 def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str, tuple[Array, Array]]:
@@ -227,17 +227,16 @@ class _Reader:
     def __init__(self, twin: Twin, plan: RobotPlan):
         self.layout = twin.state_layout(plan.name)
         joints = plan.description.movable_joints
-        self.positions = [self.layout.positions[joint.name] for joint in joints]
+        self.positions = np.array([self.layout.positions[joint.name] for joint in joints], dtype=int)
+        velocities = np.array([self.layout.velocities[joint.name] for joint in joints], dtype=int)
         middle, half, fastest = _scales(plan)
-        places, offsets, factors = [*self.positions], [*middle], [*half]
-        places += [self.layout.velocities[joint.name] for joint in joints]
-        offsets += [0.0] * len(joints)
-        factors += [*fastest]
-        self._places, self._offsets, self._factors = np.array(places, dtype=int), np.array(offsets), np.array(factors)
+        self._places = np.concatenate((self.positions, velocities))
+        self._middles = np.concatenate((middle, np.zeros(len(joints))))
+        self._scales = np.concatenate((half, fastest))
 
     def scaled(self, state: Array) -> list[Array]:
         """Return joint positions and velocities, and of a base that moves position, orientation and twist."""
-        joints = (state[self._places] - self._offsets) / self._factors
+        joints = (state[self._places] - self._middles) / self._scales
         if not self.layout.has_moving_base:
             return [joints]
         pose, velocity = self.layout.base_state(state)
