@@ -1,4 +1,4 @@
-"""What the form of a command topic begins with."""
+"""What the form of a topic that something listens to begins with."""
 
 from math import isfinite
 from typing import Any
@@ -7,6 +7,7 @@ import yaml
 
 from drake_twin import messages
 from drake_twin.cockpit.joint_commands import JointCommands
+from drake_twin.messages.interface_types import make
 from drake_twin.messages.text import plain_data
 from drake_twin.twin.twin import Twin
 
@@ -25,9 +26,22 @@ def form_of(twin: Twin, topic: str) -> dict[str, Any]:
         data = commands.message(topic)
     fields = plain_data(messages.message(twin.commanded[topic].type, data))
     short = data if topic in commands.groups else fields
-    text = yaml.safe_dump(short, sort_keys=False, allow_unicode=True, default_flow_style=None, width=60)
     labels = [f"{claim.joint} {claim.name}" for claim in twin.command_limits(topic)]
-    return {"fields": _finite(fields), "labels": labels, "text": str(text)}
+    return {"fields": _finite(fields), "labels": labels, "text": _yaml(short)}
+
+
+def empty_form(type_: str) -> dict[str, Any]:
+    """Return a message of a type with ROS's default values, as `form_of` does.
+
+    Raises:
+        ValueError: If the type is unknown.
+    """
+    fields = plain_data(make(type_, {}))
+    return {"fields": _finite(fields), "labels": [], "text": _yaml(fields)}
+
+
+def _yaml(data: Any) -> str:
+    return str(yaml.safe_dump(data, sort_keys=False, allow_unicode=True, default_flow_style=None, width=60))
 
 
 def _finite(value: Any) -> Any:

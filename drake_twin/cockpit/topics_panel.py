@@ -10,29 +10,27 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from hashlib import sha1
-from math import ceil, isfinite
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from drake_twin import messages
-from drake_twin.cockpit.message_fields import field_rows, number_at
+from drake_twin.cockpit.heard_topic import HeardTopic, TopicRate, all_endpoints, is_of_twin, tap_transforms
+from drake_twin.cockpit.message_fields import field_rows
 from drake_twin.cockpit.panel import panel
 from drake_twin.cockpit.protocol import Lines, read_as
-from drake_twin.cockpit.topic_form import form_of
+from drake_twin.cockpit.topic_form import empty_form, form_of
 from drake_twin.diagram.picture import dot_text, svg_of
 from drake_twin.errors import InputError, RunError
+from drake_twin.messages.interface_types import make
 from drake_twin.messages.transform_tree import TransformTree
 from drake_twin.twin.endpoints import ACTION, COMMANDED, PUBLISHED, Endpoint
 from drake_twin.twin.twin import Twin
 
 _PATIENCE = 60  # snapshots, about 4 s, that a tab is given data for without asking again
-_MOST_A_SECOND = 50.0  # messages of a topic
 _MOST_LOOKS = 20  # of all tabs together
 _MOST_CURVES = 100  # of all tabs together
-_MOST_SAMPLES = 500  # of a curve in one snapshot: the last ones
-_MEASURED = 50  # messages over which a rate is measured
 _MOST_ROWS = 300
 _BATCHES = 4  # snapshots that samples are sent with: a slow browser skips some
 _FRAMES_EVERY = 4  # snapshots
@@ -85,54 +83,6 @@ class Draw:
 _REQUESTS = {kind.__name__: kind for kind in (Look, Plot, Publish, Draw)}
 
 
-class _Heard:
-    """A topic that is listened to."""
-
-    def __init__(self, twin: Twin, endpoint: Endpoint):
-        self.message: Any = None
-        self.time = 0.0
-        self.pending: dict[str, deque[tuple[float, float | None]]] = {}  # field → samples since the last snapshot
-        self.problems: dict[str, str] = {}  # field → why the last message has no number there
-        self._twin = twin
-        rate = endpoint.rate / ceil(endpoint.rate / _MOST_A_SECOND - 1e-9) if endpoint.rate else None
-        self.end: Callable[[], None] = twin.subscribe(endpoint.name, self._note, rate)
-
-    def plot(self, fields: set[str]) -> None:
-        """Take samples of these fields from now on, and of no others."""
-        self.pending = {field: self.pending.get(field, deque(maxlen=_MOST_SAMPLES)) for field in sorted(fields)}
-        self.problems = {field: text for field, text in self.problems.items() if field in fields}
-
-    def _note(self, message: Any) -> None:
-        self.message, self.time = message, self._twin.time
-        for field, samples in self.pending.items():
-            try:
-                value = number_at(message, field)
-            except InputError as error:
-                self.problems[field] = str(error)
-                continue
-            self.problems.pop(field, None)
-            samples.append((round(self.time, 6), round(value, 9) if isfinite(value) else None))
-
-
-class _Rate:
-    """The measured rate of a topic whose messages are shown; no message is made for it."""
-
-    def __init__(self, twin: Twin, topic: str):
-        self._twin = twin
-        self._times: deque[float] = deque(maxlen=_MEASURED)
-        self.end: Callable[[], None] = twin.subscribe_drafts(topic, self._note)
-
-    def _note(self, _draft: object) -> None:
-        if self._times and self._twin.time <= self._times[-1]:  # after a jump back in time
-            self._times.clear()
-        self._times.append(self._twin.time)
-
-    @property
-    def rate(self) -> float | None:
-        """Messages per second of simulation time; None before the second message."""
-        return round((len(self._times) - 1) / (self._times[-1] - self._times[0]), 2) if len(self._times) > 1 else None
-
-
 @panel("topics", Path(__file__).with_name("static") / "topics_panel.js")
 class TopicsPanel:
     """The topics and actions of a twin."""
@@ -142,11 +92,12 @@ class TopicsPanel:
         self._endpoints: tuple[Endpoint, ...] = ()
         self._version = 0
         self._looks: dict[Look | Plot, int] = {}  # → snapshots for which it holds
-        self._heard: dict[str, _Heard] = {}
-        self._rates: dict[str, _Rate] = {}
+        self._heard: dict[str, HeardTopic] = {}
+        self._rates: dict[str, TopicRate] = {}
         self._forms: dict[str, dict[str, Any]] = {}
         self._outcome = {"key": "", "problem": "", "text": ""}
         self._tree = TransformTree()
+        self._untap: Callable[[], None] | None = None  # ends listening to the frames of node programs
         self._snapshots = -1  # since the frames were first shown
         self._batches: deque[dict[str, Any]] = deque(maxlen=_BATCHES)
         self._batch = 0
@@ -209,10 +160,11 @@ class TopicsPanel:
 
     def _listen(self) -> None:
         """Listen to what is looked at, and to nothing else."""
-        if self._endpoints is not self._twin.endpoints:
-            self._endpoints = self._twin.endpoints
+        endpoints = all_endpoints(self._twin, self._endpoints)
+        if self._endpoints is not endpoints:
+            self._endpoints = endpoints
             self._version += 1
-            self._tree = TransformTree()
+            self._forget_frames()
             self._forms.clear()
             self._end({*self._heard})
             self._end_rates({*self._rates})
@@ -223,12 +175,24 @@ class TopicsPanel:
         self._end({name for name in self._heard if name not in wanted})
         for name, endpoint in wanted.items():
             if name not in self._heard:
-                self._heard[name] = _Heard(self._twin, endpoint)
+                self._heard[name] = HeardTopic(self._twin, endpoint)
             self._heard[name].plot({item.field for item in curves if item.topic == name})
         self._end_rates(self._rates.keys() - echoed)
         for name in sorted((echoed & published.keys()) - self._rates.keys()):
-            self._rates[name] = _Rate(self._twin, name)
+            self._rates[name] = TopicRate(self._twin, published[name])
         self._forms = {topic: form for topic, form in self._forms.items() if topic in echoed}
+
+        needs_frames = any(look.frames for look in self._looks if isinstance(look, Look))
+        if needs_frames and self._untap is None:
+            self._untap = tap_transforms(self._twin, self._tree.add)
+        elif not needs_frames:
+            self._forget_frames()
+
+    def _forget_frames(self) -> None:
+        self._tree = TransformTree()
+        if self._untap is not None:
+            self._untap()
+            self._untap = None
 
     def _end(self, names: set[str]) -> None:
         for name in names:
@@ -303,31 +267,51 @@ class TopicsPanel:
             message = heard.message if is_known else self._present(topic)
             echo |= {"time": heard.time if is_known else None, "rate": self._rates[topic].rate, "rows": _rows(message)}
         elif topic in self._twin.commanded:
-            if topic not in self._forms:
-                self._forms[topic] = form_of(self._twin, topic)
-            echo |= {"rows": _rows(self._twin.command(topic)), "form": self._forms[topic]}
+            echo["rows"] = _rows(self._twin.command(topic))
+        if topic not in self._forms and (type_ := self._listeners_type(topic)) is not None:
+            is_twins = topic in self._twin.commanded
+            with contextlib.suppress(ValueError):  # of a type that nobody knows here
+                self._forms[topic] = form_of(self._twin, topic) if is_twins else empty_form(type_)
+        echo["form"] = self._forms.get(topic)
         return echo
+
+    def _listeners_type(self, topic: str) -> str | None:
+        """Return the type of what controllers or node programs listen to on a topic; None if they do not."""
+        return next((item.type for item in self._endpoints if (item.kind, item.name) == (COMMANDED, topic)), None)
 
     def _present(self, topic: str) -> Any:
         """Return a topic's message while time stands still; none of a sensor, which would measure for it."""
         of_sensors = {item.topic for _, plan in self._twin.sensors for item in plan.topics}
-        return self._twin.latest(topic) if self._twin.paused and topic not in of_sensors else None
+        is_there = self._twin.paused and topic not in of_sensors and is_of_twin(self._twin, topic)
+        return self._twin.latest(topic) if is_there else None
 
     def _publish(self, request: Publish) -> None:
         """Publish a message; the outcome for a form is part of the state."""
         twin = self._twin
         if not request.key:
-            twin.publish(request.topic, _message(request))
+            self._send(request)
             return
         self._outcome = {"key": request.key, "problem": "", "text": f"Published at {twin.time:.3f} s."}
         try:
-            twin.publish(request.topic, _message(request))
+            self._send(request)
         except InputError as error:
             self._outcome |= {"problem": str(error), "text": ""}
             return
-        item = twin.commanded[request.topic]
-        if not twin.controller_manager(item.robot).is_active(item.controller):
+        item = twin.commanded.get(request.topic)
+        if item is not None and not twin.controller_manager(item.robot).is_active(item.controller):
             self._outcome["text"] += f" {item.controller} is not active and does not hear it."
+
+    def _send(self, request: Publish) -> None:
+        """Publish a message to a controller, or to the node programs that listen."""
+        twin, topic, data = self._twin, request.topic, _message(request)
+        type_ = self._listeners_type(topic)
+        if topic in twin.commanded or type_ is None or twin.more_topics is None:
+            twin.publish(topic, data)
+            return
+        try:
+            twin.more_topics.hear(topic, make(type_, data))
+        except ValueError as error:
+            raise InputError(f"{topic}: {error}") from None
 
     def _need_frames(self, looks: list[Look]) -> bool:
         self._snapshots = self._snapshots + 1 if any(look.frames for look in looks) else -1
@@ -336,7 +320,7 @@ class TopicsPanel:
     def _frames(self) -> list[dict[str, Any]]:
         """Return each frame with the one above it, its translation (m) and roll, pitch, yaw (rad) in that."""
         tree = self._tree
-        for item in self._endpoints:
+        for item in self._twin.endpoints:
             if item.kind == PUBLISHED and item.type == _TRANSFORMS and (message := self._twin.latest(item.name)):
                 tree.add(message, is_static=item.latched)
         return [

@@ -72,6 +72,7 @@ class Nodes:
         self.graph = Graph(twin, self._turns, services)
         self.actions = ActionGraph(self.graph)
         self.graph.changed = self._look_again
+        twin.more_topics = self.graph
         sys.meta_path.insert(0, self._finder)
         simulated_time.install()
         alarm = twin.alarm
@@ -96,6 +97,7 @@ class Nodes:
         twin.alarm.call, twin.alarm.jumped = (lambda: None), (lambda before: None)
         twin.alarm.set(inf)
         twin.frames.callbacks.remove(self._while_paused)
+        twin.more_topics = None
         if self._uses_inbox:
             twin.inbox.close()
         simulated_time.uninstall()

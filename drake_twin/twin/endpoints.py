@@ -1,6 +1,6 @@
 """What a twin offers to the world outside: topics out and in, actions and services."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -57,6 +57,24 @@ class ServiceEndpoint(Protocol):
     @property
     def answer(self) -> Callable[[Any], Any]:
         """Takes the request; returns the response's fields, or a generator that returns them later."""
+
+
+class MoreTopics(Protocol):
+    """What node programs have between themselves.
+
+    Attributes:
+        publications: Topic → what is published on it: its topic, type and latched messages.
+        taps: Are called with such a publication and each message.
+    """
+
+    publications: dict[str, Any]
+    taps: list[Callable[[Any, Any], None]]
+
+    def endpoints(self) -> Iterator[Endpoint]:
+        """Yield the topics that the twin itself does not have."""
+
+    def hear(self, topic: str, message: Any) -> None:
+        """Take a message from outside."""
 
 
 def endpoints_of(built: TwinDiagram) -> tuple[Endpoint, ...]:

@@ -31,7 +31,7 @@ from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.controller_manager import ControllerManager
 from drake_twin.twin.edits import copy_model, delete, drag, place, push, spawn
-from drake_twin.twin.endpoints import Endpoint, endpoints_of
+from drake_twin.twin.endpoints import Endpoint, MoreTopics, endpoints_of
 from drake_twin.twin.entities import EntityState, entity_state, set_entity_state, set_joint_positions
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.real_time import Frames, run_in_real_time
@@ -89,6 +89,7 @@ class Twin:
         inbox: What other threads ask of the twin.
         more_findings: Findings of what runs beside it, such as node programs.
         companions: What runs beside it, and is closed with it.
+        more_topics: The topics of its node programs; None without any.
 
     Raises:
         InputError: If a file or a value of the scenario cannot be used.
@@ -109,6 +110,7 @@ class Twin:
         self.inbox = Inbox()
         self.more_findings: list[Finding] = []
         self.companions: list[Closable] = []
+        self.more_topics: MoreTopics | None = None
         self._stepper = Stepper(self._session, self._topics.publish, self.inbox)
         self._endpoints: tuple[Diagram | None, tuple[Endpoint, ...]] = (None, ())
         self._real_time_rate = 1.0
