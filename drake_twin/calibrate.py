@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_version, leave, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, add_version, check_figure, leave, run_program, say, stop_signals
 
 if TYPE_CHECKING:
     from drake_twin.calibration.result import Result
@@ -45,6 +45,7 @@ def _parser() -> ArgumentParser:
         description=_DESCRIPTION,
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,  # the command that continues is made from these words
     )
     parser.add_argument("target", nargs="*", metavar="TARGET [name:=value …]", help="the twin, as for drake_twin.run")
     add_version(parser)
@@ -136,10 +137,9 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError(f"--longest-delay {options.longest_delay:g}: it must be from 0 to 10 s")
     if options.out is not None and options.out.suffix not in (".yaml", ".yml"):
         raise InputError(f"--out {options.out}: it must end in .yaml")
-    for name in ("out", "plot"):
-        file = getattr(options, name)
-        if file is not None and not file.absolute().parent.is_dir():
-            raise InputError(f"--{name} {file}: the folder does not exist")
+    if options.out is not None and not options.out.absolute().parent.is_dir():
+        raise InputError(f"--out {options.out}: the folder does not exist")
+    check_figure("--plot", options.plot)
 
 
 def _calibrated(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int]) -> "Result | None":
@@ -206,14 +206,14 @@ def _finish(result: "Result", options: argparse.Namespace) -> int:
     from drake_twin.calibration.report import draw, report, write_fitted
 
     say(report(result))
-    if options.plot is not None:
-        draw(options.plot, result)
-        say(f"wrote {options.plot}", sys.stderr)
     if options.out is not None and (options.force or not result.problems):
         write_fitted(options.out, result)
         say(f"wrote {options.out}", sys.stderr)
     elif options.out is not None:
         say(f"{options.out} is not written (--force writes it)", sys.stderr)
+    if options.plot is not None:
+        draw(options.plot, result)
+        say(f"wrote {options.plot}", sys.stderr)
     return 1 if result.problems else 0
 
 

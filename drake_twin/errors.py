@@ -54,7 +54,7 @@ class InputError(TwinError):
         place = ""
         if self.file is not None:
             place = f"{self.file}: " if self.line is None else f"{self.file}:{self.line}: "
-        text = place + self.message.rstrip(".") + "."
+        text = place + str(self.message).rstrip(".") + "."  # Gymnasium makes an error of an error
         if self.valid is not None:
             close = get_close_matches(str(self.value), self.valid, n=1) if self.value else []
             if close:

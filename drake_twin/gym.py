@@ -21,6 +21,7 @@ from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile
 from drake_twin.sweeps.variation import with_value
 from drake_twin.twin.twin import Twin
+from drake_twin.values import is_number
 
 Array = np.ndarray[Any, Any]
 Bounds = tuple[float, float]
@@ -56,7 +57,7 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
         InputError: If an argument cannot be used.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}  # noqa: RUF012  # Gymnasium's own form
+    metadata = {"render_modes": [], "render_fps": 50}  # noqa: RUF012  # Gymnasium's own form
 
     def __init__(
         self,
@@ -75,16 +76,22 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
             self, scenario, action, observation, reward, control_rate=control_rate, duration=duration, values=values,
             camera=camera, render_mode=render_mode,
         )  # fmt: skip
-        if not (control_rate > 0 and duration > 0):
-            raise InputError(f"control_rate {control_rate:g} Hz and duration {duration:g} s must be above zero")
+        if not (control_rate > 0 and math.isfinite(duration) and duration * control_rate >= 1):
+            what = f"control_rate {control_rate:g} Hz and duration {duration:g} s must be above zero"
+            raise InputError(f"{what}, and the duration a step's at least")
         if render_mode is not None and (render_mode != "rgb_array" or camera is None):
-            raise InputError(f"render_mode {render_mode!r}: it must be 'rgb_array', with the camera (robot, sensor)")
+            raise InputError(f"render_mode {render_mode!r}: only 'rgb_array' is known, with the camera (robot, sensor)")
         self._base = scenario if isinstance(scenario, Scenario) else ScenarioFile.read(scenario).scenario
         self._values = dict(values or {})
+        for path, ends in self._values.items():
+            if not (isinstance(ends, Sequence) and len(ends) == 2 and all(map(is_number, ends)) and ends[0] < ends[1]):
+                raise InputError(f"values: {path}: {ends!r} must be two numbers, the lower one first")
         self._scaled_state = _ScaledState()
         self._observe, self._reward = observation or self._scaled_state, reward
         self._rate, self._steps = control_rate, round(duration * control_rate)
         self._camera, self.render_mode = camera, render_mode
+        if camera is not None:
+            self.metadata = {"render_modes": ["rgb_array"], "render_fps": round(control_rate)}
         self._step_number = 0
         self.twin = Twin(self._scenario(np.array(list(self._values.values())).reshape(-1, 2).mean(axis=1), 0))
         self._bounds = _bounds(self.twin, action)
@@ -112,8 +119,15 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
         return self._observation(), {"values": dict(zip(self._values, drawn.tolist(), strict=True)) | (options or {})}
 
     def step(self, action: Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Apply an action for one period of the control rate."""
-        scaled = np.asarray(action, dtype=float).clip(-1.0, 1.0)
+        """Apply an action for one period of the control rate.
+
+        Raises:
+            InputError: If the action has another shape than those of the action space.
+        """
+        scaled = np.asarray(action, dtype=float)
+        if scaled.shape != self.action_space.shape:
+            raise InputError(f"the action has the shape {scaled.shape}, but it must be {self.action_space.shape}")
+        scaled = scaled.clip(-1.0, 1.0)
         begin, info, terminated = 0, {}, False
         for topic, (low, high) in self._bounds.items():
             share = (scaled[begin : begin + len(low)] + 1.0) / 2.0
@@ -152,7 +166,7 @@ class TwinEnv(gymnasium.Env[Array, Array], EzPickle):
     def _scenario(self, drawn: Array, seed: int, options: Mapping[str, Any] | None = None) -> Scenario:
         scenario = replace(self._base, seed=seed)
         for path, value in {**dict(zip(self._values, drawn.tolist(), strict=True)), **(options or {})}.items():
-            scenario = with_value(scenario, path, value)
+            scenario = with_value(scenario, path, value if isinstance(value, str) else float(value))
         return scenario
 
 
@@ -213,6 +227,8 @@ def _bounds(twin: Twin, action: Mapping[str, Bounds | None] | None) -> dict[str,
         plan, controller = by_topic[topic]
         limits = [given or plan.description.limits_of_command(*claim) for claim in controller.claims]
         low, high = np.array(limits, dtype=float).T
+        if given is not None and not low[0] < high[0]:
+            raise InputError(f"action: the bounds {given} of {topic} must be two numbers, the lower one first")
         if not np.isfinite([low, high]).all() or not (low < high).all():
             raise InputError(
                 f"action: the joints of {topic} have no limits: give bounds, action={{{topic!r}: (low, high)}}"

@@ -9,9 +9,24 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from drake_twin.errors import InputError, TwinError
+
+FIGURES = (".png", ".svg", ".pdf")
+
+
+def check_figure(option: str, file: Path | None) -> None:
+    """Check that a figure can be written to a file, before anything runs.
+
+    Raises:
+        InputError: If its suffix is unknown or its folder does not exist.
+    """
+    if file is not None and file.suffix not in FIGURES:
+        raise InputError(f"{option} {file}: unknown format", value=file.suffix, valid=FIGURES)
+    if file is not None and not file.absolute().parent.is_dir():
+        raise InputError(f"{option} {file}: the folder does not exist")
 
 
 class ArgumentParser(argparse.ArgumentParser):

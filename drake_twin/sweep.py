@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.program import ArgumentParser, add_version, leave, run_program, say, stop_signals
+from drake_twin.program import ArgumentParser, add_version, check_figure, leave, run_program, say, stop_signals
 from drake_twin.sweeps.processes import Processes, workers_of_machine
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def _parser() -> ArgumentParser:
         description=_DESCRIPTION,
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,  # the command that continues is made from these words
     )
     parser.add_argument(
         "target", nargs="*", metavar="TARGET [name:=value …]", help="what to run, as for drake_twin.run"
@@ -112,6 +113,8 @@ def _parser() -> ArgumentParser:
 
 def _program(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(arguments)
+    for name in ("plot", "pairs"):
+        check_figure(f"--{name}", getattr(options, name))
     if options.show is not None:
         _show(options.show, options)
         return 0

@@ -9,7 +9,7 @@ import pytest
 from hinge import write_hinge
 from test_walk import walk
 
-from drake_twin.errors import InputError
+from drake_twin.errors import CommandError, InputError
 from drake_twin.scenario import Robot, Scenario
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 
@@ -46,7 +46,7 @@ def test_gymnasiums_own_checks_pass(name):
     env = gymnasium.make(f"drake_twin/{name}-v0")
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=".*Box observation space .*imum value is .*infinity.*")
-        check_env(env.unwrapped, skip_render_check=True)
+        check_env(env.unwrapped)
 
 
 def test_a_seed_repeats_an_episode_and_the_next_one_differs():
@@ -140,6 +140,26 @@ def test_a_step_makes_few_calls_beside_the_twins_own(name):
     assert len([*own, *(function for function in entered if "state_vector" in function)]) <= 20, "\n".join(entered)
 
 
+@pytest.mark.parametrize("action", [[0.5], [0.0] * 5, 0.5, [[0.0] * 4]])
+def test_an_action_of_another_shape_is_refused(action):
+    env = gymnasium.make("drake_twin/Rover-v0").unwrapped
+    env.reset(seed=0)
+    with pytest.raises(InputError, match=r"but it must be \(4,\)"):
+        env.step(action)
+
+
+def test_an_error_in_another_process_keeps_its_words():
+    vector = gymnasium.make_vec(
+        "drake_twin/Rover-v0", 2, vectorization_mode="async", vector_kwargs={"context": "spawn"}
+    )
+    try:
+        vector.reset(seed=0)
+        with pytest.raises(CommandError, match="not a finite number"):
+            vector.step(np.full((2, 4), np.nan, np.float32))
+    finally:
+        vector.close()
+
+
 def test_functions_and_files_and_values_of_ones_own(scenario, tmp_path):
     (tmp_path / "s.yaml").write_text(scenario_to_yaml(scenario))
     env = TwinEnv(
@@ -161,6 +181,10 @@ def test_functions_and_files_and_values_of_ones_own(scenario, tmp_path):
     [
         ({"action": {"/hinge/velocty/commands": None}}, "Did you mean '/hinge/velocity/commands'"),
         ({"control_rate": 0}, "must be above zero"),
+        ({"duration": 1e-9}, "must be above zero"),
+        ({"values": {"friction": (1, 0.5)}}, "must be two numbers, the lower one first"),
+        ({"values": {"friction": 0.5}}, "must be two numbers, the lower one first"),
+        ({"action": {"/hinge/velocity/commands": (1, 0)}}, "must be two numbers, the lower one first"),
         ({"render_mode": "rgb_array"}, "with the camera"),
         ({"values": {"hinge.arn.mass": (1, 2)}}, "has no link 'arn'"),
     ],

@@ -144,8 +144,10 @@ def _check(scenario: Scenario, fitted: Sequence[Fitted], start: Mapping[str, flo
     paths = [item.path for item in fitted]
     for path in start:
         if path not in paths:
-            raise InputError("--start: this value is not fitted", value=path, valid=paths)
+            raise InputError(f"--start {path}: this value is not fitted", value=path, valid=paths)
     for index, item in enumerate(fitted):
+        if not item.low <= start.get(item.path, item.low) <= item.high:
+            raise InputError(f"--start {item.path}={start[item.path]:g}: it is not from {item.low:g} to {item.high:g}")
         if item.path in paths[:index]:
             raise InputError(f"--fit {item.path} is given twice")
         for value in (item.low, item.high):

@@ -137,7 +137,7 @@ def _least_squares(evaluations: Evaluations, start: Point) -> Evaluation:
         bounds=(0.0, 1.0),
         ftol=_LEAST_GAIN,
         xtol=1e-4,
-        gtol=None,
+        gtol=float(np.finfo(float).eps),  # where nothing has an effect at all
         x_scale=1.0,
         max_nfev=20,
     )

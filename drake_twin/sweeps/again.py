@@ -56,9 +56,10 @@ def episode_again(options: argparse.Namespace) -> EpisodeAgain:
     if not file or not number.isdecimal():
         raise InputError(f"--episode {options.episode}: it must read FILE:ROW, for example results.parquet:17")
     others = (options.target, options.robot, options.world, options.pub, options.load_state, options.replay)
-    if any(others) or options.robots is not None or options.seed is not None or options.time_step is not None:
+    how = (options.robots, options.seed, options.time_step, options.engine, options.accuracy)
+    if any(others) or any(item is not None for item in how):
         raise InputError(
-            "--episode defines what is run: it cannot be combined with other robots, worlds, seeds or steps"
+            "--episode defines what is run: it cannot be combined with other robots, worlds, seeds, steps or engines"
         )
     definition, rows = read_table(Path(file))
     found = [row for row in rows if row["episode"] == int(number)]

@@ -9,7 +9,7 @@ from functools import cached_property
 from math import ceil
 from typing import Any
 
-from drake_twin.errors import TwinError, described
+from drake_twin.errors import InputError, TwinError, described
 from drake_twin.program import version_text
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
@@ -25,6 +25,8 @@ _CHECKS = 20.0  # Hz at which a condition is asked
 
 # What became of an episode: it ran to its end, its base lies on its side, its condition never held, or it failed.
 DONE, FELL, TIMEOUT, ERROR = "done", "fell", "timeout", "error"
+
+COLUMNS = ("episode", "id", "seed", "outcome", "reason", "simulated", "wall_time", "state_sha256", "version")
 
 Row = dict[str, Any]
 
@@ -53,7 +55,12 @@ class Sweep:
 
     @classmethod
     def of(cls, scenario: Scenario, design: Design, duration: float, **more: Any) -> "Sweep":
-        """Return the sweep of a scenario, of this version."""
+        """Return the sweep of a scenario, of this version.
+
+        Raises:
+            InputError: If a metric has the name of another column.
+        """
+        _check_names([item.name for item in more.get("metrics", ())], design.paths)
         return cls(scenario_to_yaml(scenario), design, duration, version=version_text(), **more)
 
     @cached_property
@@ -97,6 +104,15 @@ class Sweep:
 
     def __reduce__(self) -> Any:
         return Sweep, (self.yaml, self.design, self.duration, self.metrics, self.until, self.version, self.launch)
+
+
+def _check_names(metrics: Sequence[str], paths: Sequence[str]) -> None:
+    """Check that each column of the table has a name of its own."""
+    for index, name in enumerate(metrics):
+        if name in metrics[:index]:
+            raise InputError(f"--metric {name} is given twice: name one of them, NAME=FILE.py:FUNCTION")
+        if name in COLUMNS or any(path == name or path.startswith(f"{name}.") for path in paths):
+            raise InputError(f"--metric {name}: the table has a column of this name already: name it otherwise")
 
 
 class Runner:

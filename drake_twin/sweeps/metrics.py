@@ -9,9 +9,11 @@ import hashlib
 import importlib.util
 import inspect
 import itertools
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,8 @@ _FALLEN = 0.5  # the cosine between a base's axis and the same axis at the start
 
 _ODOMETRY = "nav_msgs/msg/Odometry"
 _TRACKING = "control_msgs/msg/JointTrajectoryControllerState"
+
+_NAME = re.compile(r"[\w.-]+")  # of a column
 
 _module_numbers = itertools.count()
 
@@ -61,6 +65,8 @@ class Metric:
                 )
             return cls(text)
         file, function = _file_and_function("--metric", place if equals else text)
+        if equals and not _NAME.fullmatch(name):
+            raise InputError(f"--metric {text}: {name!r} is not the name of a column: letters, digits, '_', '-', '.'")
         metric = cls(name if equals else function, file, function)
         metric.call  # noqa: B018  # raises what is wrong with the file
         return metric
@@ -94,8 +100,8 @@ class Metric:
         known = twin.topics()
         return named + [topic for topic in known if known[topic] in kinds and "ground_truth" not in topic]
 
-    def columns(self, history: RunHistory, messages: Messages) -> dict[str, float]:
-        """Return the metric's columns, and their values in an episode.
+    def columns(self, history: RunHistory, messages: Messages) -> dict[str, float | None]:
+        """Return the metric's columns, and their values in an episode; None for what is not a finite number.
 
         Raises:
             InputError: If the function returns something else than numbers.
@@ -105,11 +111,12 @@ class Metric:
             return {f"{self.name}.{key}": self._number(item) for key, item in value.items()}
         return {self.name: self._number(value)}
 
-    def _number(self, value: Any) -> float:
+    def _number(self, value: Any) -> float | None:
         try:
-            return float(value)
+            number = float(value)
         except (TypeError, ValueError):
             raise InputError(f"the metric {self.name} returns {value!r}, which is not a number") from None
+        return number if isfinite(number) else None
 
 
 @dataclass(frozen=True)
@@ -138,7 +145,9 @@ class Condition:
     @property
     def sha256(self) -> str:
         """The hash of the file; empty for a built-in condition."""
-        return _hash(self.text.rpartition(":")[0])
+        if ".py:" not in self.text:
+            return ""
+        return _hash(_file_and_function("--until", self.text)[0])
 
 
 def has_fallen(twin: Twin) -> bool:

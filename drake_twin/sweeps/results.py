@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.sweeps.episode import Row, Sweep
+from drake_twin.sweeps.episode import COLUMNS, Row, Sweep
 from drake_twin.whole_file import write_whole
 
 _KEY = "drake_twin_sweep"
@@ -38,7 +38,12 @@ def check_format(file: Path) -> None:
     """
     if file.suffix not in _FORMATS:
         raise InputError(f"--out {file}: unknown format", value=file.suffix, valid=_FORMATS)
-    if not file.absolute().parent.is_dir() or file.is_dir():
+    try:
+        is_possible = file.absolute().parent.is_dir() and not file.is_dir()
+        file.with_name(f"{file.name}.journal").exists()
+    except OSError as error:
+        raise InputError(f"--out {file}: no file can be written there ({error.strerror})") from None
+    if not is_possible:
         raise InputError(f"--out {file}: no file can be written there")
     if file.suffix == ".parquet" and find_spec("pyarrow") is None:  # which is imported when there are rows
         raise InputError(_NO_PYARROW)
@@ -63,19 +68,17 @@ class Results:
         self._file, self._sweep = file, sweep
         self._journal_file = file.with_name(f"{file.name}.journal")
         self.rows: dict[str, Row] = {}
-        if not force and file.exists() and file.stat().st_size:
-            definition, rows = read_table(file)
-            self._check(definition, file)
-            self.rows = {row["id"]: row for row in rows}
-        try:
-            self._journal = os.open(self._journal_file, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-            fcntl.flock(self._journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise InputError("another sweep writes this file", file=file) from None
-        except OSError as error:
-            raise InputError(f"the journal cannot be written ({error.strerror})", file=self._journal_file) from None
+        self._journal = self._locked()
         if force:
             os.truncate(self._journal, 0)
+        elif file.exists() and file.stat().st_size:
+            try:
+                definition, rows = read_table(file)
+                self._check(definition, file)
+            except InputError:
+                self._drop_new_journal()
+                raise
+            self.rows = {row["id"]: row for row in rows}
         self._continue()
         self._synced = time.monotonic()
 
@@ -110,6 +113,26 @@ class Results:
         """Remove the journal if no episode is in it."""
         if not self.rows:
             self._journal_file.unlink()
+
+    def _locked(self) -> int:
+        """Open the journal, which nobody else may have open."""
+        try:
+            while True:
+                journal = os.open(self._journal_file, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+                fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if self._journal_file.exists() and os.path.samestat(os.fstat(journal), self._journal_file.stat()):
+                    return journal
+                os.close(journal)  # another sweep has ended meanwhile, and removed it
+        except BlockingIOError:
+            raise InputError("another sweep writes this file", file=self._file) from None
+        except OSError as error:
+            raise InputError(f"the journal cannot be written ({error.strerror})", file=self._journal_file) from None
+
+    def _drop_new_journal(self) -> None:
+        """Remove the journal if nothing is in it yet."""
+        if not os.fstat(self._journal).st_size:
+            self._journal_file.unlink()
+        os.close(self._journal)
 
     def _continue(self) -> None:
         """Read the journal, and cut off a line that was not finished."""
@@ -190,15 +213,13 @@ def read_table(file: Path) -> tuple[dict[str, Any], list[Row]]:
         InputError: If the file cannot be read, or is not a sweep's.
     """
     try:
-        if file.suffix == ".parquet":
-            pa = _pyarrow()
-            table = pa.parquet.read_table(file)
-            return json.loads(table.schema.metadata[_KEY.encode()]), table.to_pylist()
-        first, _, rest = file.read_bytes().decode().partition("\n")
-        definition = json.loads(first.removeprefix("# "))[_KEY]
-        if file.suffix == ".csv":
-            return definition, [_of_text(row, definition) for row in csv.DictReader(io.StringIO(rest, newline=""))]
-        return definition, [json.loads(line) for line in rest.splitlines()]
+        definition, rows = _read(file)
+        for row in rows:
+            if missing := [name for name in (*COLUMNS, *(path for path, _ in definition["vary"])) if name not in row]:
+                raise ValueError(f"a row lacks {', '.join(missing)}")
+        if not isinstance(definition["scenario"], str):
+            raise ValueError("its scenario is missing")
+        return definition, rows
     except InputError:
         raise
     except FileNotFoundError:
@@ -206,6 +227,18 @@ def read_table(file: Path) -> tuple[dict[str, Any], list[Row]]:
     except Exception as error:
         reason = " ".join(str(error).split())
         raise InputError(f"this is not the table of a sweep, or it is damaged ({reason[:200]})", file=file) from None
+
+
+def _read(file: Path) -> tuple[dict[str, Any], list[Row]]:
+    if file.suffix == ".parquet":
+        pa = _pyarrow()
+        table = pa.parquet.read_table(file)
+        return json.loads(table.schema.metadata[_KEY.encode()]), table.to_pylist()
+    first, _, rest = file.read_bytes().decode().partition("\n")
+    definition = json.loads(first.removeprefix("# "))[_KEY]
+    if file.suffix == ".csv":
+        return definition, [_of_text(row, definition) for row in csv.DictReader(io.StringIO(rest, newline=""))]
+    return definition, [json.loads(line) for line in rest.splitlines()]
 
 
 def _columns(rows: Iterable[Row]) -> list[str]:

@@ -37,7 +37,9 @@ LAUNCH = "launch."  # what paths of launch arguments begin with
 _WORLD = ("ground_friction", "gravity", "time_step", "accuracy")
 _POSE = {"x": 0, "y": 1, "z": 2, "roll": 3, "pitch": 4, "yaw": 5}
 _OF_ROBOT = ("friction", "noise", "command_delay", "measurement_delay")
-_NUMBER = r"([-+]?[\d.]+(?:[eE][-+]?\d+)?)"
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_ONE = re.compile(_NUMBER)
+_NOT_FINITE = re.compile(r"[-+]?(nan|inf|infinity)", re.IGNORECASE)
 _RANGE = re.compile(rf"{_NUMBER}:{_NUMBER}:(\d+)$")
 _RANDOM = re.compile(rf"(\w+)\({_NUMBER},{_NUMBER}\)$")
 _DISTRIBUTIONS = ("uniform", "normal", "loguniform")
@@ -157,7 +159,7 @@ class Variation:
                 what = f"--vary {text}: this is not a distribution with two numbers"
                 raise InputError(what, value=name, valid=[f"{item}(a,b)" for item in _DISTRIBUTIONS])
             return cls(path, (), found[1], _checked(text, found[1], _finite(text, found[2]), _finite(text, found[3])))
-        return cls(path, _once(text, tuple(_value(text, item.strip()) for item in spec.split(","))))
+        return cls(path, _once(text, _values(text, path, [word.strip() for word in spec.split(",")])))
 
     def at(self, share: float) -> float:
         """Return the value of a distribution below which a share (0 to 1) of its values lie."""
@@ -190,13 +192,16 @@ def _checked(text: str, name: str, one: float, two: float) -> tuple[float, float
     return one, two
 
 
-def _value(text: str, word: str) -> Value:
-    if not word:
+def _values(text: str, path: str, words: Sequence[str]) -> tuple[Value, ...]:
+    """Return the words of a list as numbers if all are; an argument's only if its file reads the same text."""
+    if not all(words):
         raise InputError(f"--vary {text}: a value is missing")
-    try:
-        return _finite(text, word)
-    except ValueError:
-        return word
+    is_argument = path.startswith(LAUNCH) or ".args." in path
+    if not is_argument and all(_NOT_FINITE.fullmatch(word) or _ONE.fullmatch(word) for word in words):
+        return tuple(_finite(text, word) for word in words)
+    if all(_ONE.fullmatch(word) and isfinite(float(word)) and as_text(float(word)) == word for word in words):
+        return tuple(map(float, words))
+    return tuple(words)
 
 
 def _finite(text: str, word: str) -> float:

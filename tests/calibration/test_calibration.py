@@ -174,3 +174,12 @@ def test_errors_are_told_in_their_units(tmp_path):
     before, after = root_mean_squares(result)[STATE_TOPIC, "position"]
     assert before > 10 * after
     assert after == pytest.approx(NOISE["position"], rel=0.3)
+
+
+@pytest.mark.parametrize("method", ["auto", "least-squares", "sobol"])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_the_only_value_is_not_known_where_it_has_no_effect_at_all(tmp_path, method):
+    log = write_log(tmp_path / "log", messages())
+    result = calibrate(pendulum(tmp_path), [log], [Fitted("pendulum.arm.ixx", 0.01, 0.035)], method=method)
+    assert result.unknown == ("pendulum.arm.ixx",)
+    assert result.problems

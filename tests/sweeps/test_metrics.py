@@ -48,7 +48,7 @@ def test_the_energy_is_the_work_that_actuators_do_to_and_fro():
 
 def test_it_is_settled_at_the_first_sample_after_the_last_motion():
     assert value("settled", history([0, 1, 2, 3], velocities=[1, -0.5, 0.001, 0.0])) == 2
-    assert np.isnan(value("settled", history([0, 1], velocities=[0, 1])))
+    assert value("settled", history([0, 1], velocities=[0, 1])) is None
     assert value("settled", history([0, 1])) == 0
 
 

@@ -1,5 +1,6 @@
 """The table of a sweep: written whole, read again, and continued where it was left."""
 
+import fcntl
 import json
 from math import isnan, nan
 
@@ -117,6 +118,40 @@ def test_a_damaged_journal_is_refused(sweep, tmp_path):
     (tmp_path / "t.csv.journal").write_text("\n".join(lines) + "\n")
     with pytest.raises(InputError, match="the journal is damaged"):
         Results(tmp_path / "t.csv", sweep)
+
+
+@pytest.mark.parametrize(("definition", "row"), [("3", ""), ("{}", ""), (None, "3"), (None, '{"episode": 0}')])
+def test_a_table_whose_lines_are_something_else_is_damaged(sweep, tmp_path, definition, row):
+    text = json.dumps(sweep.definition) if definition is None else definition
+    (tmp_path / "t.jsonl").write_text(f'{{"drake_twin_sweep": {text}}}\n{row}')
+    with pytest.raises(InputError, match="this is not the table of a sweep, or it is damaged"):
+        read_table(tmp_path / "t.jsonl")
+
+
+def test_a_table_without_a_varied_column_is_damaged(sweep, tmp_path):
+    write_table(tmp_path / "t.csv", sweep.definition, done(sweep))
+    first, names, *rows = (tmp_path / "t.csv").read_text().splitlines()
+    path = sweep.design.paths[0]
+    (tmp_path / "t.csv").write_text("\n".join([first, names.replace(path, "other"), *rows]) + "\n")
+    with pytest.raises(InputError, match=f"a row lacks {path}"):
+        read_table(tmp_path / "t.csv")
+
+
+def test_a_journal_that_another_sweep_has_removed_meanwhile_is_opened_again(sweep, tmp_path, monkeypatch):
+    file, flock, removed = tmp_path / "t.csv.journal", fcntl.flock, []
+
+    def ends_meanwhile(journal, how):
+        if not removed:
+            file.unlink()
+            removed.append(file)
+        return flock(journal, how)
+
+    monkeypatch.setattr(fcntl, "flock", ends_meanwhile)
+    results = Results(tmp_path / "t.csv", sweep)
+    for row in done(sweep):
+        results.add(row)
+    results.close()
+    assert len(read_table(tmp_path / "t.csv")[1]) == len(done(sweep))
 
 
 def test_unknown_formats_and_folders_are_refused(tmp_path):

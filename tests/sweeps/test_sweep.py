@@ -107,6 +107,7 @@ def test_a_row_is_run_again_to_the_same_state(folder, undisturbed, monkeypatch, 
         assert run.main(["--headless", "--episode", text]) == 2
         assert message in capsys.readouterr().err
     assert run.main(["--headless", "--episode", "t.jsonl:1", "--seed", "3"]) == 2
+    assert run.main(["--headless", "--episode", "t.jsonl:1", "--engine", "cenic"]) == 2
     assert "cannot be combined" in capsys.readouterr().err
 
 
@@ -173,6 +174,25 @@ def test_the_table_is_shown_and_drawn(folder, monkeypatch, capsys):
         ("hinge.yaml --out t.csv --metric metrics.py:nothing", "has no function 'nothing'"),
         ("hinge.yaml --out t.csv --metric speed", "unknown metric"),
         ("hinge.yaml --out t.csv --until never", "unknown condition"),
+        (
+            "hinge.yaml --out t.csv --metric id=metrics.py:start",
+            "--metric id: the table has a column of this name already",
+        ),
+        (
+            "hinge.yaml --out t.csv --vary friction=1,2 --metric friction=metrics.py:start",
+            "--metric friction: the table has a column of this name already",
+        ),
+        (
+            "hinge.yaml --out t.csv --metric m=metrics.py:start --metric m=metrics.py:text",
+            "--metric m is given twice",
+        ),
+        ("hinge.yaml --out t.csv --metric =metrics.py:start", "'' is not the name of a column"),
+        ("hinge.yaml --out t.csv --vary friction=1.2.3:2:3", "'1.2.3:2:3' is not a number"),
+        ("hinge.yaml --out t.csv --vary friction=uniform(1.2.3,2)", "not a distribution with two numbers"),
+        ("hinge.yaml --out t.csv --plot t.txt", "--plot t.txt: unknown format"),
+        ("hinge.yaml --out t.csv --pairs nowhere/t.png", "the folder does not exist"),
+        (f"hinge.yaml --out {'t' * 300}.csv", "no file can be written there (File name too long)"),
+        ("hinge.yaml --out t.csv --forc", "unrecognized arguments: --forc"),
         ("hinge.yaml --out t.csv --workers 0", "--workers 0: it must be 1 or more"),
         ("hinge.yaml --out t.csv --duration 0", "--duration 0: it must be above zero"),
         ("--show nothing.parquet", "the file does not exist"),

@@ -132,6 +132,23 @@ def test_what_cannot_be_read_is_refused(text, message):
 
 
 @pytest.mark.parametrize(
+    ("spec", "values"),
+    [
+        ("a.args.x=0.6,2", (0.6, 2.0)),  # numbers where the file reads the same text
+        ("a.args.x=007,2", ("007", "2")),
+        ("launch.x=1e3,1.0", ("1e3", "1.0")),
+        ("launch.x=nan", ("nan",)),
+        ("a.args.x=2,b", ("2", "b")),
+        ("a.controller.mode=1,b", ("1", "b")),
+        ("friction=1e-1,2.0", (0.1, 2.0)),
+        ("friction=1_000", ("1_000",)),
+    ],
+)
+def test_the_text_of_arguments_stays(spec, values):
+    assert Variation.parse(spec).values == values
+
+
+@pytest.mark.parametrize(
     ("path", "value", "message"),
     [
         ("frictoin", 1.0, "Did you mean 'friction'"),
