@@ -11,6 +11,7 @@ from drake_twin.scenario.scenario_file import scenario_to_yaml
 from drake_twin.whole_file import write_whole
 
 _CORRELATED = 0.9  # from which on a pair is named
+_UNKNOWN = 10.0  # s; the error of a delay of which a log says nothing
 
 
 def report(result: Result) -> str:
@@ -29,6 +30,9 @@ def report(result: Result) -> str:
     if len(result.fitted) > 1:
         lines += ["correlations", *_correlations(result, width)]
     for topic, delay, error in result.delays:
+        if error > _UNKNOWN:
+            lines.append(f"how late {topic} is cannot be known from these logs: nothing in it changes")
+            continue
         lines.append(f"{topic} is {1e3 * delay:.2f} ± {1e3 * error:.2g} ms late (its clock and all delays together)")
     own, other = result.held_out
     lines.append(

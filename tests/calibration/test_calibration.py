@@ -1,5 +1,7 @@
 """`drake_twin.calibration.calibrate` on logs of a pendulum that SciPy has moved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from pendulum_logs import (
@@ -183,3 +185,11 @@ def test_the_only_value_is_not_known_where_it_has_no_effect_at_all(tmp_path, met
     result = calibrate(pendulum(tmp_path), [log], [Fitted("pendulum.arm.ixx", 0.01, 0.035)], method=method)
     assert result.unknown == ("pendulum.arm.ixx",)
     assert result.problems
+
+
+def test_a_delay_that_the_log_does_not_tell_is_said(tmp_path):
+    log = write_log(tmp_path / "log", messages())
+    result = calibrate(pendulum(tmp_path), [log], FITTED, method="least-squares")
+    assert f"{STATE_TOPIC} is " in report(result)
+    unknown = replace(result, delays=((STATE_TOPIC, -0.09, 2e6),))
+    assert f"how late {STATE_TOPIC} is cannot be known" in report(unknown)
