@@ -23,6 +23,8 @@ from drake_twin.planning.plan_controllers import plan_controllers
 from drake_twin.planning.sensor_plan import SensorPlan, plan_sensors
 from drake_twin.scenario import Robot, ScenarioError
 
+_SAME = 1e-6  # rad or m; positions that differ by less are the same
+
 
 @dataclass(frozen=True)
 class RobotPlan:
@@ -383,4 +385,9 @@ def _start_positions(
         if clamped != value:
             warnings.append(f"joint {name} starts at its limit {clamped:g} instead of {value:g}")
         positions[name] = clamped
-    return description.with_followers(positions), warnings
+    found = description.with_followers(positions)
+    for name, value in robot.initial_positions.items():
+        mimic = joints[name].mimic
+        if mimic is not None and abs(found[name] - value) > _SAME:
+            warnings.append(f"joint {name} follows {mimic.joint}: it starts at {found[name]:g} instead of {value:g}")
+    return found, warnings

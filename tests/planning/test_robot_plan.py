@@ -173,6 +173,13 @@ def test_a_start_beyond_the_limits_is_clamped_and_said():
     assert "joint joint_4 starts at its limit 0.8 instead of 2" in plan.warnings[0]
 
 
+def test_a_start_of_a_joint_that_follows_another_is_said():
+    plan = plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 0.3, "joint_5": 0.1}), PACKAGES)
+    assert plan.start_positions["joint_5"] == -0.3
+    assert plan.warnings == ("arm: joint joint_5 follows joint_4: it starts at -0.3 instead of 0.1",)
+    assert not plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 0.3, "joint_5": -0.3}), PACKAGES).warnings
+
+
 def test_link_names_that_carry_the_robots_name_need_no_frame_prefix():
     assert plan_robot(Robot("robot_1", ROVER), PACKAGES).frame_prefix == ""
     assert plan_robot(Robot("robot_1", ARM), PACKAGES).frame_prefix == "robot_1/"
