@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import starmap
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -337,7 +337,14 @@ class Physics:
     @property
     def is_discarded(self) -> bool:
         """Whether the diagram was released."""
-        return not hasattr(self, "simulator")
+        return "simulator" not in self.__dict__
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:  # of what is not there: `discard` has deleted it
+            if self.is_discarded and not name.startswith("__"):
+                raise RunError("the twin is closed")
+            raise AttributeError(f"Physics has no attribute {name!r}")
 
     def discard(self) -> None:
         """Release the diagram, so that its memory can be freed."""

@@ -7,7 +7,7 @@ from conftest import ARM, ROVER, rovers
 from pydrake.systems.framework import LeafSystem
 
 from drake_twin import TwinBuilder, messages
-from drake_twin.errors import CommandError, InputError
+from drake_twin.errors import CommandError, InputError, RunError
 
 WHEELS_1 = "/robot_1/forward_velocity_controller/commands"
 WHEELS_2 = "/robot_2/forward_velocity_controller/commands"
@@ -651,6 +651,25 @@ def test_a_twin_may_be_closed_twice():
     twin = rovers(1).build()
     twin.close()
     twin.close()
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        lambda twin: twin.advance_to(1.0),
+        lambda twin: twin.step(),
+        lambda twin: twin.robot_state("robot_1"),
+        lambda twin: twin.publish("/robot_1/forward_velocity_controller/commands", [1.0, 1.0, 1.0, 1.0]),
+        lambda twin: twin.reset(),
+        lambda twin: twin.topics(),
+        lambda twin: twin.plant,
+    ],
+)
+def test_a_closed_twin_says_that_it_is_closed(use):
+    twin = rovers(1).build()
+    twin.close()
+    with pytest.raises(RunError, match="the twin is closed"):
+        use(twin)
 
 
 def test_a_closed_twin_is_freed():
