@@ -25,7 +25,7 @@ from math import exp, isfinite, log, prod
 from typing import Any
 
 from drake_twin.errors import InputError
-from drake_twin.scenario import GROUND_FRICTION, Robot, Scenario, ScenarioError
+from drake_twin.scenario import CENIC, GROUND_FRICTION, Robot, Scenario, ScenarioError
 from drake_twin.twin.varied_parameters import JOINT_VALUES, LINK_VALUES
 
 Value = float | str
@@ -83,6 +83,8 @@ def _in_world(scenario: Scenario, name: str, number: float) -> Scenario:
         return replace(scenario, world=replace(scenario.world, ground_friction=number))
     if name == "gravity":
         return replace(scenario, world=replace(scenario.world, gravity=(0.0, 0.0, -number)))
+    if name == "accuracy" and scenario.engine != CENIC:
+        raise InputError(f"accuracy: the engine {scenario.engine} has none: it is of --engine {CENIC}")
     return replace(scenario, **{name: number})  # type: ignore[arg-type]
 
 

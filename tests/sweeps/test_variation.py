@@ -157,6 +157,7 @@ def test_the_text_of_arguments_stays(spec, values):
         ("hinge.arm.mass", "heavy", "'heavy' is not a number"),
         ("time_step", -1.0, "-1 s is not positive"),
         ("hinge.friction", -1.0, "-1 is below zero"),
+        ("accuracy", 1e-4, "the engine discrete has none"),
     ],
 )
 def test_a_path_or_a_value_that_does_not_fit_is_refused(scenario, path, value, message):
