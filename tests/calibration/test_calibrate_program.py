@@ -141,7 +141,7 @@ def of_another_type():
         (messages, f"--without {STATE_TOPIC}", "--without leaves nothing to compare"),
         (messages, "--map /a=/b", "--map: the bag lacks this topic"),
         (messages, f"--map {STATE_TOPIC}=/joint_state", "--map: the twin lacks this topic"),
-        (messages, "--start pendulum.arm.ixx=1", "--start: this value is not fitted"),
+        (messages, "--start pendulum.arm.ixx=1", "--start pendulum.arm.ixx: this value is not fitted"),
         (messages, "--start pendulum.arm.mass=x", "it must read PATH=VALUE"),
         (messages, "--episodes 5", "5 episodes are too few to fit 2 values"),
         (messages, "--longest-delay -1", "--longest-delay -1: it must be from 0 to 10 s"),

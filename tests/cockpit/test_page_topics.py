@@ -191,7 +191,8 @@ def test_plots_zoom_by_mouse_and_by_buttons(driving):
     it.twin.publish(COMMANDS, [-1.0, -1.0, -1.0, -1.0])
     it.frames(lambda: value(tab) == pytest.approx(-1, abs=0.01))
     it.twin.pause()
-    it.for_frames(6)
+    heard = it.cockpit._panels["topics"]._heard[STATES]
+    it.frames(lambda: tab.evaluate(SCALE)[1] == pytest.approx(heard.time, abs=1e-5))  # all is there
     first, last = tab.evaluate(SCALE)
     width = last - first
 

@@ -45,7 +45,7 @@ def test_a_state_for_which_no_step_can_be_solved_is_a_failure_of_the_run(monkeyp
     twin = rovers(1).build()
     twin.subscribe("/robot_1/joint_states", lambda message: None)
     monkeypatch.setattr(Reading, "with_efforts", property(raise_error))
-    monkeypatch.setattr("drake_twin.twin.twin.read_robot_state", lambda built, *_, **__: raise_error(built, None))
+    monkeypatch.setattr("drake_twin.twin.session.read_robot_state", lambda built, *_, **__: raise_error(built, None))
     for ask in (lambda: twin.advance_to(0.1), lambda: twin.robot_state("robot_1")):
         with pytest.raises(RunError, match=r"the simulation failed after 0 s: .*the solver did not converge"):
             ask()

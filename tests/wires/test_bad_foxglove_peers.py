@@ -235,6 +235,9 @@ def test_what_is_closed_leaves_no_thread_no_port_and_no_request_that_waits():
                 assert [server.name for server in waiting] == [SWITCH]
                 seam.close()
                 peer.first("close")
+                for _ in range(1000):
+                    if waiting[0]._waiting:  # each is taken out in its own thread
+                        twin.inbox.wait(0.01)
                 assert waiting[0]._waiting == set()
         with socket.create_server(("127.0.0.1", wire._server.port)):
             pass
