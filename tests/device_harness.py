@@ -9,6 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import Joint, RobotDescription
+from drake_twin.systems.no_message import make_value, or_none
 from drake_twin.systems.state_layout import StateLayout
 
 JOINTS = ("finger", "thumb")
@@ -51,9 +52,7 @@ class Running:
         if isinstance(value, np.ndarray | list):
             self.diagram.GetInputPort(port).FixValue(self.root, np.array(value, dtype=float))
         else:
-            from pydrake.common.value import AbstractValue
-
-            self.diagram.GetInputPort(port).FixValue(self.root, AbstractValue.Make(value))
+            self.diagram.GetInputPort(port).FixValue(self.root, make_value(value))
 
     def send(self, topic: str, message: Any) -> Any:
         """Publishes a message, or sends a goal, and gives what went onto the port."""
@@ -74,7 +73,7 @@ class Running:
 
     def output(self, port: str) -> Any:
         """What stands on one of its output ports."""
-        return self.controller.GetOutputPort(port).Eval(self.context)
+        return or_none(self.controller.GetOutputPort(port).Eval(self.context))
 
 
 __all__ = ["JOINTS", "LAYOUT", "ROBOT", "Interface", "Running", "setup_of"]

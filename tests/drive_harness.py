@@ -1,7 +1,6 @@
 """A drive's controller with joints that do exactly what they are told, so that its numbers can be checked by hand."""
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
@@ -11,6 +10,7 @@ from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
+from drake_twin.systems.no_message import make_value, or_none
 from drake_twin.systems.state_layout import StateLayout
 
 STEP = 0.001  # s, of the joints
@@ -79,7 +79,7 @@ class Driven:
         self.controller.activate(self.context)
 
     def put(self, topic, value):
-        self.controller.GetInputPort(topic).FixValue(self.context, AbstractValue.Make(value))
+        self.controller.GetInputPort(topic).FixValue(self.context, make_value(value))
 
     def send(self, x=0.0, y=0.0, z=0.0, stamp=0.0):
         (topic,) = self.controller.subscribed
@@ -97,7 +97,7 @@ class Driven:
         return self.controller.get_command_interfaces_output_port().Eval(self.context).tolist()
 
     def message(self, port):
-        return self.controller.GetOutputPort(port).Eval(self.context)
+        return or_none(self.controller.GetOutputPort(port).Eval(self.context))
 
     @property
     def odometry(self):

@@ -21,6 +21,7 @@ from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
+from drake_twin.systems.no_message import set_value
 
 
 @saved("AdmittanceReference")
@@ -255,7 +256,7 @@ class AdmittanceController(SensorReader, PeriodicController):
 
     def _calc_status(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)
-        output.set_value(self._status(sample.memory, sample.time) if sample.active and sample.memory else None)
+        set_value(output, self._status(sample.memory, sample.time) if sample.active and sample.memory else None)
 
     def _status(self, memory: AdmittanceMemory, time: float) -> Any:
         parameters: AdmittanceParameters = self.setup.parameters

@@ -11,6 +11,7 @@ from drake_twin.controllers.goal_state import GoalState
 from drake_twin.controllers.interface import Interface
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.draft import Drafter
+from drake_twin.systems.no_message import empty_value, or_none
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
@@ -212,7 +213,7 @@ class Controller(WitnesslessSystem):
 
     def received(self, port: InputPort, context: Context) -> Any:
         """Return the value on the port of a topic or action; None if it has no value, as in a bare Simulator."""
-        return port.Eval(context) if port.HasValue(context) else None
+        return or_none(port.Eval(context)) if port.HasValue(context) else None
 
     def get_command_interfaces_output_port(self) -> OutputPort:
         """Return the port ``command_interfaces``."""
@@ -221,19 +222,19 @@ class Controller(WitnesslessSystem):
     def declare_topic_input(self, topic: str, kind: str) -> InputPort:
         """Declare an input port that holds what `read` made of a topic's last message; None before the first."""
         self.subscribed[topic] = kind
-        return self.DeclareAbstractInputPort(topic, AbstractValue.Make(None))
+        return self.DeclareAbstractInputPort(topic, empty_value())
 
     def declare_action_input(self, action: str, kind: str) -> InputPort:
         """Declare an input port that holds what `read` made of an action's last goal; None before the first."""
         self.actions[action] = kind
-        return self.DeclareAbstractInputPort(action, AbstractValue.Make(None))
+        return self.DeclareAbstractInputPort(action, empty_value())
 
     def declare_topic_output(
         self, topic: str, kind: str, calc: Callable[[Context, AbstractValue], None], prerequisites: Collection[Any]
     ) -> OutputPort:
         """Declare an output port that holds a message or None, as set by ``calc(context, output)``."""
         self.published[topic] = kind
-        return self.DeclareAbstractOutputPort(topic, lambda: AbstractValue.Make(None), weakly(calc), set(prerequisites))
+        return self.DeclareAbstractOutputPort(topic, empty_value, weakly(calc), set(prerequisites))
 
     def declare_vector_input(self, name: str, size: int) -> InputPort:
         """Declare a vector input port that the root diagram has as ``<robot>/<controller>/<name>``."""

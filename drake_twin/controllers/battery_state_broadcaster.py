@@ -14,6 +14,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster
 from drake_twin.controllers.registry import controller
 from drake_twin.description.parameters import ParameterError
+from drake_twin.systems.no_message import set_value
 
 _TECHNOLOGY = {"lower": 0, "upper": 8}
 
@@ -196,11 +197,11 @@ class BatteryStateBroadcaster(HardwareSensorBroadcaster):
 
     def _calc_raw_battery_states(self, context: Context, output: AbstractValue) -> None:
         states = self._states(context)
-        output.set_value(messages.BatteryStateArray(states) if self.sample(context).active else None)
+        set_value(output, messages.BatteryStateArray(states) if self.sample(context).active else None)
 
     def _calc_battery_state(self, context: Context, output: AbstractValue) -> None:
         if not self.sample(context).active:
-            output.set_value(None)
+            set_value(output, None)
             return
         parameters: BatteryStateBroadcasterParameters = self.setup.parameters
         header = messages.header(context.get_time())

@@ -23,6 +23,7 @@ from drake_twin.controllers.registry import controller
 from drake_twin.controllers.speed_limits import LimitsX, LimitsZ
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.no_message import set_value
 
 _ZEROS = (0.0,) * 6
 
@@ -200,7 +201,7 @@ class DiffDriveController(DriveController):
         sample = self.sample(context)
         memory: DriveMemory | None = sample.memory
         if memory is None or memory.limited is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         linear, angular = memory.limited
         output.set_value(

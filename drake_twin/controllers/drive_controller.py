@@ -16,6 +16,7 @@ from drake_twin.controllers.periodic_controller import PeriodicController
 from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
+from drake_twin.systems.no_message import set_value
 
 _NANOSECONDS = 1e9
 
@@ -287,7 +288,7 @@ class DriveController(PeriodicController):
     def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
         odometry = self._seen_odometry(context)
         if odometry is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         seen = odometry if self._with_pose else odometry.reset()
         pose_covariance, twist_covariance = self._covariances
@@ -308,7 +309,7 @@ class DriveController(PeriodicController):
     def _calc_tf_odometry(self, context: Context, output: AbstractValue) -> None:
         odometry = self._seen_odometry(context)
         if odometry is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         odom_frame, base_frame = self._frames
         transform = messages.TransformStamped(

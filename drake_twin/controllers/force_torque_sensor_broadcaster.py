@@ -16,6 +16,7 @@ from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
 from drake_twin.errors import InputError, described
 from drake_twin.saved import saved
+from drake_twin.systems.no_message import set_value
 from drake_twin.systems.weak_callback import weakly
 
 _AXES = tuple((vector, axis) for vector in ("force", "torque") for axis in "xyz")
@@ -264,12 +265,12 @@ class ForceTorqueSensorBroadcaster(SensorBroadcaster):
 
     def _calc_wrench(self, context: Context, output: AbstractValue) -> None:
         is_active = self.sample(context).active
-        output.set_value(self._message(self._wrench(context), context.get_time()) if is_active else None)
+        set_value(output, self._message(self._wrench(context), context.get_time()) if is_active else None)
 
     def _calc_wrench_filtered(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)
         is_there = sample.active and sample.memory is not None
-        output.set_value(self._message(np.array(sample.memory.wrench), sample.time) if is_there else None)
+        set_value(output, self._message(np.array(sample.memory.wrench), sample.time) if is_there else None)
 
     def _message(self, wrench: np.ndarray, time: float) -> Any:
         fx, fy, fz, tx, ty, tz = wrench.tolist()

@@ -13,6 +13,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import check_covariances
+from drake_twin.systems.no_message import set_value
 
 _INTERFACES = ("status", "service", "latitude", "longitude", "altitude")
 _COVARIANCES = ("latitude_covariance", "longitude_covariance", "altitude_covariance")
@@ -82,7 +83,7 @@ class GPSSensorBroadcaster(HardwareSensorBroadcaster):
 
     def _calc_fix(self, context: Context, output: AbstractValue) -> None:
         if not self.sample(context).active:
-            output.set_value(None)
+            set_value(output, None)
             return
         parameters: GPSSensorBroadcasterParameters = self.setup.parameters
         status, service, latitude, longitude, altitude, *variances = self._sensor.Eval(context).tolist()

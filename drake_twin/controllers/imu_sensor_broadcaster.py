@@ -11,6 +11,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster, check_covariances
+from drake_twin.systems.no_message import set_value
 
 _UNKNOWN_SPREAD = (0.0,) * 9
 _INTERFACES = (
@@ -85,7 +86,7 @@ class IMUSensorBroadcaster(SensorBroadcaster):
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         if not self.sample(context).active:
-            output.set_value(None)
+            set_value(output, None)
             return
         qw, qx, qy, qz, wx, wy, wz, ax, ay, az = self._sensor.Eval(context).tolist()
         spreads = [np.array(getattr(self.setup.parameters, name)) for name in _COVARIANCES]

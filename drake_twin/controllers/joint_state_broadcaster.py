@@ -14,6 +14,7 @@ from drake_twin.controllers.base_controller import Controller, ControllerSetup
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.draft import Drafter
+from drake_twin.systems.no_message import set_value
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 
@@ -207,10 +208,10 @@ class JointStateBroadcaster(Controller):
         return Drafter(read, lambda values: values[indices], make, len(indices))
 
     def _calc_joint_states(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._joint_states(context.get_time(), self._values(context)))
+        set_value(output, self._joint_states(context.get_time(), self._values(context)))
 
     def _calc_dynamic_joint_states(self, context: Context, output: AbstractValue) -> None:
-        output.set_value(self._dynamic_joint_states(context.get_time(), self._values(context)))
+        set_value(output, self._dynamic_joint_states(context.get_time(), self._values(context)))
 
     def _joint_states(self, time: float, values: np.ndarray) -> Any:
         of_joints = values[self._gather]

@@ -33,6 +33,7 @@ from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
+from drake_twin.systems.no_message import set_value
 
 _log = logging.getLogger(__name__)
 
@@ -244,4 +245,4 @@ class JointTrajectoryController(ActionController):
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)
         has_commanded = sample.active and sample.memory.output != TrajectoryPoint()
-        output.set_value(state_message(self._joints, sample.time, sample.memory) if has_commanded else None)
+        set_value(output, state_message(self._joints, sample.time, sample.memory) if has_commanded else None)

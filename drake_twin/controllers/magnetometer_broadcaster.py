@@ -12,6 +12,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.sensor_broadcaster import check_covariances
+from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class MagnetometerBroadcaster(HardwareSensorBroadcaster):
 
     def _calc_magnetic_field(self, context: Context, output: AbstractValue) -> None:
         if not self.sample(context).active:
-            output.set_value(None)
+            set_value(output, None)
             return
         parameters: MagnetometerBroadcasterParameters = self.setup.parameters
         output.set_value(

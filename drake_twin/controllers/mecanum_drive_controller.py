@@ -24,6 +24,7 @@ from drake_twin.controllers.registry import controller
 from drake_twin.controllers.speed_limits import LimitsXY, LimitsZ
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.no_message import set_value
 
 _ZEROS = (0.0,) * 6
 _TENTHS = (0.1,) * 6
@@ -329,7 +330,7 @@ class MecanumDriveController(DriveController):
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)
         if sample.memory is None or not sample.memory.state:
-            output.set_value(None)
+            set_value(output, None)
             return
         front_left, front_right, rear_right, rear_left, *reference = sample.memory.state
         output.set_value(

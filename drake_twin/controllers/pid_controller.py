@@ -18,6 +18,7 @@ from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError, InputError
 from drake_twin.saved import saved
+from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True)
@@ -299,7 +300,7 @@ class PidController(PeriodicController):
         sample = self.sample(context)
         memory: PidControllerMemory | None = sample.memory
         if memory is None or not sample.active:
-            output.set_value(None)
+            set_value(output, None)
             return
         with_derivative = len(self._interfaces) == 2
         states = [

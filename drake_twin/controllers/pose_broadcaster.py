@@ -15,6 +15,7 @@ from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBro
 from drake_twin.controllers.registry import controller
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.sensors.pose_sensor import PoseSensor
+from drake_twin.systems.no_message import set_value
 
 _INTERFACES = (*(f"position.{axis}" for axis in "xyz"), *(f"orientation.{axis}" for axis in "xyzw"))
 _LENGTH_TOLERANCE = 0.01  # of a quaternion's squared length: upstream's 10e-3
@@ -131,7 +132,7 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
 
     def _calc_pose(self, context: Context, output: AbstractValue) -> None:
         if not self.sample(context).active:
-            output.set_value(None)
+            set_value(output, None)
             return
         x, y, z, *quaternion = self._sensor.Eval(context).tolist()
         output.set_value(
@@ -144,7 +145,7 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
     def _calc_tf(self, context: Context, output: AbstractValue) -> None:
         values = self._sensor.Eval(context).tolist()
         if not self.sample(context).active or not _is_pose(values) or self.odometry_frames is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         x, y, z, *quaternion = values
         parent, child = self.odometry_frames

@@ -10,6 +10,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
 from drake_twin.controllers.registry import controller
+from drake_twin.systems.no_message import set_value
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class RangeSensorBroadcaster(HardwareSensorBroadcaster):
 
     def _calc_range(self, context: Context, output: AbstractValue) -> None:
         if not self.sample(context).active:
-            output.set_value(None)
+            set_value(output, None)
             return
         parameters: RangeSensorBroadcasterParameters = self.setup.parameters
         output.set_value(

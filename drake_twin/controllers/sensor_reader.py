@@ -1,18 +1,22 @@
 """The base of controllers that read a sensor of ``<ros2_control>``."""
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import InputPort
 
-from drake_twin.controllers.base_controller import Controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.sensors.plant_reader import PlantReader
 
+if TYPE_CHECKING:
+    from drake_twin.controllers.base_controller import Controller as _Controller
+else:
+    _Controller = object  # a class may have one base of nanobind at most
 
-class SensorReader(Controller):
+
+class SensorReader(_Controller):
     """Read the state interfaces of a sensor on one vector input port.
 
     A simulated sensor of the same name sets them, as in gz_ros2_control. Without one they keep their

@@ -18,6 +18,7 @@ from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.speed_limits import LimitsX, LimitsZ
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.no_message import set_value
 
 _UPSTREAMS_COVARIANCE = (0.0, 7.0, 14.0, 21.0, 28.0, 35.0)
 _NAMES = (
@@ -237,7 +238,7 @@ class SteeringController(DriveController):
     def _calc_controller_state(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)
         if sample.memory is None or not sample.memory.state:
-            output.set_value(None)
+            set_value(output, None)
             return
         driven = self._drive.driven
         wheels, nothing = np.array(sample.memory.state[:driven]), np.array([])

@@ -22,6 +22,7 @@ from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.systems.no_message import set_value
 
 _ZEROS = (0.0,) * 6
 
@@ -221,7 +222,7 @@ class TricycleController(DriveController):
     def _calc_cmd_ackermann(self, context: Context, output: AbstractValue) -> None:
         memory: DriveMemory | None = self.sample(context).memory
         if memory is None or memory.limited is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         speed, angle = memory.limited
         output.set_value(

@@ -23,6 +23,7 @@ from drake_twin.sensors.noise import SILENT, Noise, NoiseChannel
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
+from drake_twin.systems.no_message import set_value
 
 if TYPE_CHECKING:
     from drake_twin.sensors.cameras.scene import SeenScene
@@ -163,7 +164,7 @@ class AnyCamera(SensorSystem):
         output.set_value(setup.renderer.get().ask(name, scene, view, np.concatenate([scene.poses(poses), X_WC])))
 
     def _calc(self, own: str, context: Context, output: AbstractValue) -> None:
-        output.set_value(self.ask(own, context)())
+        set_value(output, self.ask(own, context)())
 
 
 @sensor("camera")

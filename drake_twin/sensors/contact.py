@@ -23,6 +23,7 @@ from drake_twin.sensors.collision_names import (
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
+from drake_twin.systems.no_message import set_value
 
 _STATIC = ("world", "static_world::static_world")  # frames of the shapes of static models
 _COLLISION = 5  # ros_gz_interfaces/msg/Entity
@@ -213,7 +214,7 @@ class ContactSensor(SensorSystem):
                 }
             )
         message = messages.message(self.message_type, {"header": header, "contacts": list(contacts.values())})
-        output.set_value(message if contacts else None)
+        set_value(output, message if contacts else None)
 
     def _calc_state(self, context: Context, output: AbstractValue) -> None:
         states: dict[tuple[str, str], list[Touch]] = {}

@@ -18,6 +18,7 @@ from drake_twin.sensors.point_motion import PointMotion
 from drake_twin.sensors.registry import sensor
 from drake_twin.sensors.sensor_setup import SensorSetup
 from drake_twin.sensors.sensor_system import SensorSystem, SensorTopic
+from drake_twin.systems.no_message import set_value
 
 _A, _F = 6378137.0, 1 / 298.257223563  # WGS 84: semi-major axis (m), flattening
 _B, _E2 = _A * (1 - _F), _F * (2 - _F)
@@ -148,7 +149,7 @@ class NavSat(SensorSystem):
 
     def _calc(self, context: Context, output: AbstractValue) -> None:
         if self._tangent is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         position, time = self._motion.position(context), context.get_time()
         is_classic = self.setup.settings.is_classic
@@ -174,7 +175,7 @@ class NavSat(SensorSystem):
 
     def _calc_velocity(self, context: Context, output: AbstractValue) -> None:
         if self._tangent is None:
-            output.set_value(None)
+            set_value(output, None)
             return
         velocity, time = self._tangent.east_north_up(self._motion.velocity(context)), context.get_time()
         east, north = self.noisy("horizontal_velocity", velocity[:2], time).tolist()

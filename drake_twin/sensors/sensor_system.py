@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import BasicVector, CacheEntry, Context, InputPort, OutputPort, ValueProducer
 
 from drake_twin import messages
@@ -13,6 +12,7 @@ from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.noise import SILENT, Noise
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_setup import SensorSetup
+from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.weak_callback import weakly
 
 
@@ -168,7 +168,7 @@ class SensorSystem:
 
         Its value is any Python object: ``entry.Eval(context)``.
         """
-        producer = ValueProducer(allocate=lambda: AbstractValue.Make(None), calc=weakly(calc, *first))
+        producer = ValueProducer(allocate=empty_value, calc=weakly(calc, *first))
         return self.host.DeclareCacheEntry(self.port_name(name), producer, self.measurement_tickets())
 
     def declare_message_output(self, calc: Callable[..., None], own: str = "message", *first: Any) -> OutputPort:
@@ -181,7 +181,7 @@ class SensorSystem:
         """
         return self.host.DeclareAbstractOutputPort(
             self.port_name(own),
-            lambda: AbstractValue.Make(None),
+            empty_value,
             weakly(calc, *first),
             {*self.measurement_tickets(), self.host.time_ticket()},
         )

@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, OutputPort
 
 from drake_twin import messages
 from drake_twin.systems.draft import Drafter
+from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -29,7 +30,7 @@ class ClockPublisher(WitnesslessSystem):
     def __init__(self) -> None:
         super().__init__()
         self._clock = self.DeclareAbstractOutputPort(
-            "clock", lambda: AbstractValue.Make(None), weakly(self._calc_clock), {self.time_ticket()}
+            "clock", empty_value, weakly(self._calc_clock), {self.time_ticket()}
         )
 
     def get_clock_output_port(self) -> OutputPort:

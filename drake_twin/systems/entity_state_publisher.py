@@ -9,6 +9,7 @@ from pydrake.multibody.math import SpatialVelocity
 from pydrake.systems.framework import Context, InputPort, OutputPort
 
 from drake_twin import messages
+from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -46,10 +47,10 @@ class EntityStatePublisher(WitnesslessSystem):
         self._velocities = self.DeclareAbstractInputPort("body_spatial_velocities", Value[list[SpatialVelocity]]())
         tickets = {self.input_port_ticket(port.get_index()) for port in (self._poses, self._velocities)}
         self._model_states = self.DeclareAbstractOutputPort(
-            "model_states", lambda: AbstractValue.Make(None), weakly(self._calc_model_states), tickets
+            "model_states", empty_value, weakly(self._calc_model_states), tickets
         )
         self._link_states = self.DeclareAbstractOutputPort(
-            "link_states", lambda: AbstractValue.Make(None), weakly(self._calc_link_states), tickets
+            "link_states", empty_value, weakly(self._calc_link_states), tickets
         )
 
     def get_body_poses_input_port(self) -> InputPort:

@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context, InputPort, OutputPort
 from drake_twin import messages
 from drake_twin.description.robot_description import Pose
 from drake_twin.systems.draft import Drafter
+from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.rotations import quaternion_from_rpy
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
@@ -85,7 +86,7 @@ class GroundTruthPublisher(WitnesslessSystem):
         for base in bases:
             self.DeclareAbstractOutputPort(
                 f"{base.robot}/ground_truth/odom",
-                lambda: AbstractValue.Make(None),
+                empty_value,
                 weakly(self._calc_odom, base),
                 prerequisites,
             )

@@ -16,6 +16,7 @@ from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.systems.draft import Draft, Drafter, LaterDraft, Reading
 from drake_twin.systems.joint_frames import JointFrames
+from drake_twin.systems.no_message import empty_value, or_none
 from drake_twin.systems.state_layout import StateLayout
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
@@ -135,7 +136,7 @@ class RobotStatePublisher(WitnesslessSystem):
             [("", Joint(frame.child, "fixed", frame.parent, frame.child, frame.pose)) for frame in static_transforms]
         )
         self._state = self.DeclareVectorInputPort("state", size)
-        self._odometry = [self.DeclareAbstractInputPort(name, AbstractValue.Make(None)) for name in odometry]
+        self._odometry = [self.DeclareAbstractInputPort(name, empty_value()) for name in odometry]
         self._links = tuple(links)
         self._poses = []
         if links:
@@ -161,7 +162,7 @@ class RobotStatePublisher(WitnesslessSystem):
         return self._tf_static
 
     def _declare_output(self, name: str, calc: Callable[..., None], prerequisites: set[Any]) -> OutputPort:
-        return self.DeclareAbstractOutputPort(name, lambda: AbstractValue.Make(None), calc, prerequisites)
+        return self.DeclareAbstractOutputPort(name, empty_value, calc, prerequisites)
 
     def tf_drafter(self) -> Callable[[Reading], Draft]:
         """Return what drafts the messages of ``tf``. It refers to this system, which must not keep it."""
@@ -181,7 +182,7 @@ class RobotStatePublisher(WitnesslessSystem):
 
     def _others(self, context: Context) -> tuple[list[Any], list[Any]]:
         """Return the transforms that do not follow from the state: those of drives, and those of links."""
-        drives = [port.Eval(context) for port in self._odometry]
+        drives = [or_none(port.Eval(context)) for port in self._odometry]
         poses = [port.Eval(context) for port in self._poses]
         stamp = messages.time_message(context.get_time())
         return (

@@ -7,7 +7,6 @@ from math import isfinite
 from operator import attrgetter
 from typing import Any
 
-from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, FixedInputPortValue
 
 from drake_twin.controllers.base_controller import Controller
@@ -15,6 +14,7 @@ from drake_twin.diagram.topics import CommandTopic
 from drake_twin.errors import CommandError
 from drake_twin.messages import Numbers, shortened
 from drake_twin.scenario import Command
+from drake_twin.systems.no_message import empty_value, set_value
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
@@ -79,9 +79,7 @@ class Commands:
         self.expiries.clear()
         self.queue, self.delayed = [], []
         self.schedule = [ScheduledCommand(command) for command in commands]
-        self._fixed = {
-            topic: item.port.FixValue(self._context, AbstractValue.Make(None)) for topic, item in self._ports.items()
-        }
+        self._fixed = {topic: item.port.FixValue(self._context, empty_value()) for topic, item in self._ports.items()}
 
     def last(self, topic: str) -> Any:
         """Return the value published last on a topic, pending or valid; None without one."""
@@ -177,7 +175,7 @@ class Commands:
             control.follow_commands()
 
     def _put(self, topic: str, item: CommandTopic, controller: Controller, value: Any, time: float) -> None:
-        self._fixed[topic].GetMutableData().set_value(value)  # without the copy that FixValue makes
+        set_value(self._fixed[topic].GetMutableData(), value)  # without the copy that FixValue makes
         self.expiries.pop(topic, None)
         if value is None:
             return
@@ -283,7 +281,7 @@ class Commands:
         return value
 
     def _fix(self, topic: str, value: Any) -> None:
-        self._fixed[topic].GetMutableData().set_value(value)
+        set_value(self._fixed[topic].GetMutableData(), value)
 
 
 def _is_of(item: CommandTopic, robot: str, controller: str) -> bool:

@@ -10,6 +10,7 @@ from pydrake.systems.framework import Diagram
 from drake_twin.errors import InputError
 from drake_twin.sensors.sensor_host import SensorHost
 from drake_twin.sensors.sensor_system import SensorSystem
+from drake_twin.systems.no_message import or_none
 from drake_twin.twin.session import Session
 
 
@@ -79,7 +80,7 @@ class SensorReading:
         ]
         if own not in valid:
             raise InputError(f"sensor {self._name!r} of {self._robot!r} has no {own!r}", value=own, valid=valid)
-        return system.output(own).Eval(system.host.GetMyContextFromRoot(self._session.physics.context))
+        return or_none(system.output(own).Eval(system.host.GetMyContextFromRoot(self._session.physics.context)))
 
     def _pixels(self, own: str) -> np.ndarray | None:
         from drake_twin.sensors.cameras.picture_messages import pixels

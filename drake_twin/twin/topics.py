@@ -13,6 +13,7 @@ from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages import Numbers, float64_multi_array, message
 from drake_twin.systems.draft import Draft, LaterDraft, Reading
+from drake_twin.systems.no_message import or_none
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.session import Session
 from drake_twin.twin.subscriptions import Subscription
@@ -226,7 +227,7 @@ class Topics:
             RunError: If it needs the step to come, and Drake cannot solve it.
         """
         try:
-            return port.Eval(context)
+            return or_none(port.Eval(context))
         except (RuntimeError, SystemExit) as error:
             raise self._session.failure(error) from error
 

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
@@ -16,6 +15,7 @@ from drake_twin.controllers.position_controllers import JointGroupPositionContro
 from drake_twin.controllers.velocity_controllers import JointGroupVelocityController
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.errors import CommandError
+from drake_twin.systems.no_message import empty_value, make_value
 from drake_twin.systems.state_layout import StateLayout
 
 ROBOT = RobotDescription("robot", ("base", "link"), (Joint("left", "continuous", "base", "link"),))
@@ -29,13 +29,13 @@ def make_dut(kind=ForwardCommandController, parameters=None):
 
 def publish(dut, context, data):
     value = dut.read("commands", messages.float64_multi_array(data), context)
-    dut.get_commands_input_port().FixValue(context, AbstractValue.Make(value))
+    dut.get_commands_input_port().FixValue(context, make_value(value))
 
 
 def evaluate(dut, data):
     context = dut.CreateDefaultContext()
     if data is None:
-        dut.get_commands_input_port().FixValue(context, AbstractValue.Make(None))
+        dut.get_commands_input_port().FixValue(context, empty_value())
     else:
         publish(dut, context, data)
     return dut.get_command_interfaces_output_port().Eval(context)

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
@@ -20,6 +19,7 @@ from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.errors import CommandError, InputError
+from drake_twin.systems.no_message import make_value
 from drake_twin.systems.state_layout import StateLayout
 
 PERIOD = 0.01
@@ -85,7 +85,7 @@ class Harness:
     def publish(self, command):
         message = messages.message("control_msgs/msg/DynamicInterfaceGroupValues", command)
         value = self.dut.read("commands", message, self.context)
-        self.dut.get_commands_input_port().FixValue(self.context, AbstractValue.Make(value))
+        self.dut.get_commands_input_port().FixValue(self.context, make_value(value))
 
     def update(self):
         self.simulator.AdvanceTo((self.updates + 0.5) * PERIOD)

@@ -4,7 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import PdControllerGains
@@ -29,6 +28,7 @@ from drake_twin.description.controllers_yaml import ControllerParameters, read_c
 from drake_twin.description.parameters import parameter_names, read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.errors import CommandError, InputError
+from drake_twin.systems.no_message import empty_value, make_value, or_none
 from drake_twin.systems.state_layout import StateLayout
 
 PERIOD = 0.01
@@ -61,7 +61,7 @@ class Rig:
             self.dut.activate(self.context)
 
     def fix(self, topic, value):
-        self.dut.GetInputPort(topic).FixValue(self.context, AbstractValue.Make(value))
+        self.dut.GetInputPort(topic).FixValue(self.context, make_value(value))
 
     def put(self, state):
         self.dut.get_state_input_port().FixValue(self.context, np.array(state, dtype=float))
@@ -84,7 +84,7 @@ class Rig:
 
     @property
     def state(self):
-        return self.dut.GetOutputPort("controller_state").Eval(self.context)
+        return or_none(self.dut.GetOutputPort("controller_state").Eval(self.context))
 
     @property
     def goal(self):
@@ -901,10 +901,10 @@ def tracking_error(step, duration=2.0):
     simulator = Simulator(builder.Build())
     context = dut.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     point = {"positions": (1.5, -1.0), "velocities": (0.0, 0.0)}
-    dut.GetInputPort(ACTION).FixValue(context, AbstractValue.Make(None))
+    dut.GetInputPort(ACTION).FixValue(context, empty_value())
     dut.activate(context)
     value = dut.read(TOPIC, message([point], [duration]), context)
-    dut.get_joint_trajectory_input_port().FixValue(context, AbstractValue.Make(value))
+    dut.get_joint_trajectory_input_port().FixValue(context, make_value(value))
     spline = CubicHermiteSpline([0.0, duration], [(0.0, 0.0), (1.5, -1.0)], np.zeros((2, 2)))
     worst = 0.0
     for k in range(1, round((duration + 0.5) / PERIOD)):

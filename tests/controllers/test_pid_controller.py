@@ -4,7 +4,6 @@ from math import exp, isnan, pi
 import numpy as np
 import pytest
 from device_harness import ROBOT, Running, setup_of
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.systems.analysis import Simulator
@@ -15,6 +14,7 @@ from drake_twin.controllers.base_controller import ControllerSetup, Upstream
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.pid_controller import PidController, PidControllerGains, PidControllerParameters
 from drake_twin.errors import CommandError, InputError
+from drake_twin.systems.no_message import empty_value, make_value
 from drake_twin.systems.state_layout import StateLayout
 
 POSITION = ("position",)
@@ -222,10 +222,10 @@ def test_a_mass_on_a_critically_damped_pid_follows_the_closed_form():
     simulator = Simulator(diagram)
     root = simulator.get_mutable_context()
     context = controller.GetMyMutableContextFromRoot(root)
-    diagram.GetInputPort("reference").FixValue(root, AbstractValue.Make(None))
+    diagram.GetInputPort("reference").FixValue(root, empty_value())
     controller.activate(context)
     value = controller.read("reference", reference([1.0], [0.0]), context)
-    diagram.GetInputPort("reference").FixValue(root, AbstractValue.Make(value))
+    diagram.GetInputPort("reference").FixValue(root, make_value(value))
     for time in (0.1, 0.2, 0.4, 1.0):
         simulator.AdvanceTo(time)
         expected = 1.0 - (1.0 + omega * time) * exp(-omega * time)

@@ -4,6 +4,7 @@ from pydrake.common.value import AbstractValue
 
 from drake_twin import messages
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
+from drake_twin.systems.no_message import empty_value
 from drake_twin.systems.robot_state_publisher import FixedFrame, RobotFrames, RobotStatePublisher
 from drake_twin.systems.state_layout import StateLayout
 
@@ -127,7 +128,7 @@ def test_odometry_comes_before_the_joints_and_only_when_there_is_some():
     context = dut.CreateDefaultContext()
     dut.get_state_input_port().FixValue(context, [0.0] * 4)
     odometry = dut.GetInputPort("r/drive/tf_odometry")
-    odometry.FixValue(context, AbstractValue.Make(None))
+    odometry.FixValue(context, empty_value())
     assert children(dut.get_tf_output_port().Eval(context)) == ["arm", "hand"]
     place = messages.Transform(messages.Vector3(1.0, 0.0, 0.0), messages.Quaternion(0.0, 0.0, 0.0, 1.0))
     driven = messages.TransformStamped(messages.header(0.0, "odom"), "base", place)

@@ -2,14 +2,13 @@
 
 from typing import Any
 
-from pydrake.common.value import AbstractValue
-
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerParameters
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import Joint, RobotDescription
+from drake_twin.systems.no_message import empty_value, make_value
 from drake_twin.systems.state_layout import StateLayout
 
 JOINTS = ["joint1", "joint2", "joint3"]
@@ -35,11 +34,11 @@ class Forwarding:
         return [str(claim) for claim in self.dut.claims]
 
     def clear(self) -> None:
-        self.dut.get_commands_input_port().FixValue(self.context, AbstractValue.Make(None))
+        self.dut.get_commands_input_port().FixValue(self.context, empty_value())
 
     def send(self, *values: float) -> None:
         value = self.dut.read("commands", messages.float64_multi_array(values), self.context)
-        self.dut.get_commands_input_port().FixValue(self.context, AbstractValue.Make(value))
+        self.dut.get_commands_input_port().FixValue(self.context, make_value(value))
 
     def deactivate(self) -> None:
         """Deactivate it, and clear its topic, as the twin does."""
