@@ -1,7 +1,7 @@
 """Forward and inverse kinematics of wheeled bases."""
 
 from dataclasses import dataclass
-from math import atan, atan2, cos, inf, pi, sin, tan
+from math import atan, atan2, cos, fsum, inf, pi, sin, tan
 
 Twist = tuple[float, float, float]
 
@@ -97,9 +97,9 @@ class OmniWheelDrive:
         For wheels at equal angles the least squares solution is a mean over each wheel's share.
         """
         rims = [self.wheel_radius * wheel / self.count for wheel in wheels]
-        x = 2.0 * sum(rim * sin(angle) for rim, angle in zip(rims, self._angles(), strict=True))
-        y = -2.0 * sum(rim * cos(angle) for rim, angle in zip(rims, self._angles(), strict=True))
-        return x, y, -sum(rims) / self.robot_radius
+        x = 2.0 * fsum(rim * sin(angle) for rim, angle in zip(rims, self._angles(), strict=True))
+        y = -2.0 * fsum(rim * cos(angle) for rim, angle in zip(rims, self._angles(), strict=True))
+        return x, y, -fsum(rims) / self.robot_radius
 
     def _angles(self) -> list[float]:
         return [self.offset + 2.0 * pi * index / self.count for index in range(self.count)]

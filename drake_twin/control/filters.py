@@ -5,6 +5,7 @@ keeps of this one.
 """
 
 from dataclasses import dataclass
+from math import fsum
 from typing import Protocol
 
 import numpy as np
@@ -35,7 +36,7 @@ class MeanFilter:
     def update(self, value: float, memory: FilterMemory) -> tuple[float, FilterMemory]:
         """Return the mean."""
         values = (*memory, value)[-self.count :]
-        return sum(values) / len(values), values
+        return fsum(values) / len(values), values
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Odometry from the motion of wheels."""
 
 from dataclasses import dataclass, replace
-from math import cos, sin
+from math import cos, fsum, sin
 
 from drake_twin.saved import saved
 
@@ -52,7 +52,7 @@ class WheelOdometry:
         step = time - self.time
         x, y, heading = integrate_exactly(self.x, self.y, self.heading, linear * step, angular * step)
         samples = (*self.samples, (linear, angular))[-max(window, 1) :]
-        mean_linear, mean_angular = (sum(values) / len(samples) for values in zip(*samples, strict=True))
+        mean_linear, mean_angular = (fsum(values) / len(samples) for values in zip(*samples, strict=True))
         return WheelOdometry(x, y, heading, mean_linear, 0.0, mean_angular, time, samples)
 
     def moved_open_loop(self, linear: float, angular: float, time: float) -> "WheelOdometry":

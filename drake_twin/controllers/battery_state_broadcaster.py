@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
-from math import isfinite, isnan, nan
+from math import fsum, isfinite, isnan, nan
 from typing import Any, ClassVar
 
 import numpy as np
@@ -240,9 +240,9 @@ class BatteryStateBroadcaster(HardwareSensorBroadcaster):
                 voltage=_mean(state.voltage for state in states),
                 temperature=_mean(read("temperature")),
                 current=_mean(read("current")),
-                charge=sum(read("charge")) if read("charge") else nan,
-                capacity=sum(state.capacity for state in states),
-                design_capacity=sum(state.design_capacity for state in states),
+                charge=fsum(read("charge")) if read("charge") else nan,
+                capacity=fsum(state.capacity for state in states),
+                design_capacity=fsum(state.design_capacity for state in states),
                 percentage=_mean([*read("percentage"), *from_voltage]),
                 power_supply_status=max(state.power_supply_status for state in states),
                 power_supply_health=max(state.power_supply_health for state in states),
@@ -304,7 +304,7 @@ def _battery_state(**given: Any) -> Any:
 
 def _mean(values: Iterable[float]) -> float:
     items = list(values)
-    return sum(items) / len(items) if items else nan
+    return fsum(items) / len(items) if items else nan
 
 
 def _number(value: float) -> int:

@@ -1,6 +1,7 @@
 """Differential drive: a base with driven wheels on its left and right side."""
 
 from dataclasses import dataclass, field, replace
+from math import fsum
 from typing import Any, ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -195,7 +196,7 @@ class DiffDriveController(DriveController):
 
     def _base_velocity(self, wheels: tuple[float, ...]) -> tuple[float, float]:
         per_side = len(wheels) // 2
-        return self._drive.base_velocity(sum(wheels[:per_side]) / per_side, sum(wheels[per_side:]) / per_side)
+        return self._drive.base_velocity(fsum(wheels[:per_side]) / per_side, fsum(wheels[per_side:]) / per_side)
 
     def _calc_cmd_vel_out(self, context: Context, output: AbstractValue) -> None:
         sample = self.sample(context)

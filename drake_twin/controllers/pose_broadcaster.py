@@ -1,7 +1,7 @@
 """The pose of a link as messages and as a transform, as ros2_controllers' pose_broadcaster publishes it."""
 
 from dataclasses import dataclass, field
-from math import isfinite
+from math import fsum, isfinite
 from typing import ClassVar
 
 from pydrake.common.value import AbstractValue
@@ -164,5 +164,5 @@ def _link(setup: ControllerSetup) -> str | None:
 
 
 def _is_pose(values: list[float]) -> bool:
-    length_squared: float = sum(value * value for value in values[3:])
+    length_squared: float = fsum(value * value for value in values[3:])
     return all(map(isfinite, values)) and abs(length_squared - 1.0) <= _LENGTH_TOLERANCE

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import fsum, sqrt
 
 from pydrake.geometry import Capsule, Convex, Ellipsoid, GeometryId, Mesh, Shape, Sphere
 from pydrake.math import RigidTransform
@@ -95,7 +95,7 @@ class ShapeReader:
         wheel = None if is_static else self._wheels.wheel(body, shape, X_BG)
         if wheel is not None:
             shape, X_BG = wheel
-        own = sum(item.default_mass() for item in self._plant.GetBodiesWeldedTo(body))
+        own = fsum(item.default_mass() for item in self._plant.GetBodiesWeldedTo(body))
         total = own if model is None else self._masses[model.name]
         group = None
         if model is not None:
@@ -124,4 +124,4 @@ class ShapeReader:
 
     def _mass_of(self, model: ContactModel) -> float:
         bodies = (index for instance in model.instances for index in self._plant.GetBodyIndices(instance))
-        return float(sum(self._plant.get_body(index).default_mass() for index in bodies))
+        return float(fsum(self._plant.get_body(index).default_mass() for index in bodies))

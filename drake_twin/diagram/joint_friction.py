@@ -9,7 +9,7 @@ point.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import sqrt
+from math import fsum, sqrt
 
 from pydrake.geometry import (
     AddContactMaterial,
@@ -111,7 +111,7 @@ def is_brake(inspector: SceneGraphInspector, geometry: GeometryId) -> bool:
 def _lever(joint: Joint, friction: float) -> float:
     """Return the distance of the shoe from the axis at which the brake creeps as slowly as it should (m)."""
     masses = [body.default_mass() for body in (joint.child_body(), joint.parent_body())]
-    mobility = sum(1 / mass for mass in masses if mass > 0)
+    mobility = fsum(1 / mass for mass in masses if mass > 0)
     return max(_LEAST_LEVER, sqrt(_SLIP * friction * LONGEST_STEP * mobility / CREEP))
 
 

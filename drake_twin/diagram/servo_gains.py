@@ -6,6 +6,7 @@ never depend on another's. The command interface that drives a joint decides whi
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import fsum
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -251,7 +252,7 @@ def _joint_loads(
 
 
 def _friction(plan: RobotPlan, actuator: JointActuator) -> float:
-    return sum(joint.friction for joint in plan.friction_joints if joint.name == actuator.joint().name())
+    return fsum(joint.friction for joint in plan.friction_joints if joint.name == actuator.joint().name())
 
 
 def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
@@ -270,7 +271,7 @@ def _contact_load(
     lever = 1.0
     if joint.type_name() == "revolute":
         outboard = plant.GetBodiesKinematicallyAffectedBy([joint.index()])
-        mass = sum(plant.get_body(index).get_mass(context) for index in outboard)
+        mass = fsum(plant.get_body(index).get_mass(context) for index in outboard)
         lever = float(np.sqrt(inertia / mass)) if mass > 0 else 0.0
     return min(weight * lever, float(actuator.effort_limit()))
 

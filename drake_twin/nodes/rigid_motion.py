@@ -1,6 +1,6 @@
 """Rotations and translations as tf2 computes with them: quaternions (x, y, z, w) and vectors as tuples of numbers."""
 
-from math import acos, sin, sqrt
+from math import acos, fsum, sin, sqrt
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -55,7 +55,7 @@ def normalized(rotation: Quaternion) -> Quaternion:
 
 def interpolated(one: Quaternion, other: Quaternion, ratio: float) -> Quaternion:
     """Return the rotation between two others on the shortest path; zero is the first, one the second."""
-    cosine = sum(a * b for a, b in zip(one, other, strict=True))
+    cosine = fsum(a * b for a, b in zip(one, other, strict=True))
     if cosine < 0:
         other, cosine = (-other[0], -other[1], -other[2], -other[3]), -cosine
     angle = acos(min(cosine, 1.0))

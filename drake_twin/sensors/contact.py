@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import fsum
 from typing import Any
 
 import numpy as np
@@ -270,7 +271,7 @@ def _depth(surface: ContactSurface, normal: np.ndarray) -> float:
         element = mesh.element(face)
         corners = range(3 if surface.is_triangle() else element.num_vertices())
         highest = max(field.EvaluateAtVertex(element.vertex(corner)) for corner in corners)
-        deepest = max(deepest, sum(highest / rise for rise in rises if rise > 0.0))
+        deepest = max(deepest, fsum(highest / rise for rise in rises if rise > 0.0))
     return deepest
 
 

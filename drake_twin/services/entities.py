@@ -2,7 +2,7 @@
 
 import re
 from itertools import count
-from math import isfinite, sqrt
+from math import fsum, isfinite, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +84,7 @@ def pose_of(pose: Any) -> tuple[tuple[float, float, float], tuple[float, float, 
     xyz, wxyz = (at.x, at.y, at.z), (turn.w, turn.x, turn.y, turn.z)
     if not all(map(isfinite, (*xyz, *wxyz))):
         raise PoseError("the pose has a number that is not finite")
-    length = sqrt(sum(part * part for part in wxyz))
+    length = sqrt(fsum(part * part for part in wxyz))
     w, x, y, z = (part / length for part in wxyz) if 0 < length < float("inf") else (1.0, 0.0, 0.0, 0.0)
     return xyz, (w, x, y, z)
 

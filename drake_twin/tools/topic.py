@@ -143,8 +143,8 @@ def _hz(client: "Client", options: argparse.Namespace) -> int:
 
 def rate_text(periods: Sequence[int]) -> str:
     """Return what ``ros2 topic hz`` prints for the periods (ns) between messages."""
-    mean = sum(periods) / len(periods)
-    deviation = math.sqrt(sum((period - mean) ** 2 for period in periods) / len(periods))
+    mean = math.fsum(periods) / len(periods)
+    deviation = math.sqrt(math.fsum((period - mean) ** 2 for period in periods) / len(periods))
     rate = 1e9 / mean if mean > 0 else 0.0
     shortest, longest = min(periods) * 1e-9, max(periods) * 1e-9
     return (

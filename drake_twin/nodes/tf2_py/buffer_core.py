@@ -1,6 +1,6 @@
 """``tf2_py.BufferCore``: frames, their transforms over time, and lookups between any two of them."""
 
-from math import inf, isnan
+from math import fsum, inf, isnan
 from typing import Any
 
 from drake_twin.nodes.interfaces import message_class
@@ -330,6 +330,6 @@ def _wrong(parent: str, child: str, translation: Vector, rotation: Quaternion, a
     if any(map(isnan, (*translation, *rotation))):
         moved = " ".join(f"{value:f}" for value in translation)
         return f"TF_NAN_INPUT: {start} a nan value in the transform ({moved}) ({turned})"
-    if not abs(sum(value * value for value in rotation) - 1) < _NORMALIZATION_TOLERANCE:
+    if not abs(fsum(value * value for value in rotation) - 1) < _NORMALIZATION_TOLERANCE:
         return f"TF_DENORMALIZED_QUATERNION: {start} an invalid quaternion in the transform ({turned})"
     return ""
