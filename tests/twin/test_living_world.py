@@ -1,11 +1,11 @@
 """Robots come and go, and the step changes, while all else goes on as it was."""
 
-import gc
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import ARM, ROVER, rovers
+from living import living
 from pydrake.systems.framework import LeafSystem
 
 from drake_twin.errors import InputError
@@ -140,15 +140,11 @@ def test_two_hundred_spawns_and_deletes_leave_nothing_behind():
     rng = np.random.default_rng(3)
     twin = rovers(2).build()
 
-    def systems():
-        gc.collect()
-        return sum(isinstance(item, LeafSystem) for item in gc.get_objects())
-
     def resident():
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1])
 
-    alone, others, sizes = systems(), 0, []
+    alone, others, sizes = living(LeafSystem), 0, []
     count = 0
     for turn in range(200):
         if others < 3 and (others == 0 or rng.random() < 0.5):
@@ -162,7 +158,7 @@ def test_two_hundred_spawns_and_deletes_leave_nothing_behind():
             sizes.append(resident())
     for robot in twin.robots[2:]:
         twin.delete(robot)
-    assert systems() == alone
+    assert living(LeafSystem) == alone
     assert max(sizes[-20:]) < 1.1 * max(sizes[:20])
 
 
@@ -249,15 +245,11 @@ def test_a_robot_with_values_of_another_kind_is_refused_and_nothing_changes(twin
 
 
 def test_a_refused_spawn_leaves_nothing_behind(twin):
-    def systems():
-        gc.collect()
-        return sum(isinstance(item, LeafSystem) for item in gc.get_objects())
-
-    before = systems()
+    before = living(LeafSystem)
     for _ in range(3):
         with pytest.raises(InputError, match="would both publish the frame"):
             twin.spawn(Robot("new", ROVER, xacro_args={"robot_name": "robot_1"}, frame_prefix=""))
-    assert systems() == before
+    assert living(LeafSystem) == before
     twin.step(10)
 
 

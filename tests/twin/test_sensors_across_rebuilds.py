@@ -1,9 +1,8 @@
 """What sensors measure does not depend on whether the plant is a new one, which has made no step yet."""
 
-import gc
-
 import pytest
 from conftest import ROVER
+from living import living
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
@@ -131,16 +130,12 @@ def test_a_rebuild_leaves_nothing_of_the_diagram_before(tmp_path):
     twin = twin.robot("r", tmp_path / "r.urdf", xyz=(3, 0, 0.1)).build()
     twin.subscribe("/r/l/scan", lambda message: None)
 
-    def alive():
-        gc.collect()
-        kinds = (MultibodyPlant, SceneGraph, DiagramBuilder, Diagram, SensorHost, SensorSystem)
-        return [sum(isinstance(item, kind) for item in gc.get_objects()) for kind in kinds]
-
+    kinds = (MultibodyPlant, SceneGraph, DiagramBuilder, Diagram, SensorHost, SensorSystem)
     found = []
     for _ in range(4):
         twin.spawn(Robot("other", ROVER, xyz=(-3, 0, 0.13)))
         twin.step()
         twin.delete("other")
         twin.step()
-        found.append(alive())
+        found.append(living(*kinds))
     assert found[-1] == found[0]

@@ -1,9 +1,9 @@
-import gc
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from conftest import ARM, ROVER, rovers
+from living import living
 from pydrake.systems.framework import LeafSystem
 
 from drake_twin import TwinBuilder, messages
@@ -673,13 +673,9 @@ def test_a_closed_twin_says_that_it_is_closed(use):
 
 
 def test_a_closed_twin_is_freed():
-    def systems():
-        gc.collect()
-        return sum(isinstance(item, LeafSystem) for item in gc.get_objects())
-
-    before = systems()
+    before = living(LeafSystem)
     for _ in range(3):
         with rovers(1).build() as twin:
             twin.advance_to(0.01)
         del twin
-    assert systems() == before
+    assert living(LeafSystem) == before
