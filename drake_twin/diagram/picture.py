@@ -4,7 +4,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import groupby, zip_longest
 from pathlib import Path
 
 from pydrake.systems.framework import Diagram
@@ -13,15 +13,57 @@ from drake_twin.errors import InputError, RunError
 from drake_twin.whole_file import write_whole
 
 _IDENTIFIER = re.compile(r'(?<![\w">])(_|s|clusters?)(\d+)')
+_SYSTEM = re.compile(
+    r"^(s\d+(?:in|out)?)( \[.*\n<TABLE .*\n<TR><TD .*\n.*\n.*\n</TD></TR>\n)((?:.*\n)*?)</TABLE>", re.MULTILINE
+)
+_PORT = re.compile(r'<TD PORT="([uy])(\d+)"[^>]*>(.+)</TD>')
+_END = re.compile(r"\b(s\d+(?:in|out)?):([uy])(\d+):(?=[we]\b)")
+_NOTHING = '<TD BORDER="1" COLOR="grey"{} SIDES="BLR"></TD>'
 _DOT_IN_SVG = re.compile(r"<metadata><!\[CDATA\[(.*?)\]\]></metadata>", re.DOTALL)
 
 
 def dot_text(diagram: Diagram) -> str:
-    """Return the diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs."""
+    """Return the diagram and its robots' sub-diagrams as Graphviz DOT, without anything that differs between runs.
+
+    Only connected ports are drawn: Drake's plant has many more, and they differ between its versions.
+    """
     text = diagram.GetGraphvizString(max_depth=2, options={"plant/split": "I/O"})
     numbers: dict[str, str] = {}  # Drake numbers systems by the number created before in the process
     text = _IDENTIFIER.sub(lambda match: match[1] + numbers.setdefault(match[2], str(len(numbers))), text)
-    return "\n".join(_with_sorted_edges(text.splitlines())) + "\n"
+    return "\n".join(_with_sorted_edges(_with_connected_ports(text).splitlines())) + "\n"
+
+
+def _with_connected_ports(text: str) -> str:
+    """Draw only ports with an edge, numbered in their order."""
+    connected = {end.groups() for end in _END.finditer(text)}
+    numbers: dict[tuple[str, str, str], int] = {}
+
+    def draw(match: re.Match[str]) -> str:
+        system, head, body = match.groups()
+        sides = {}
+        for side in "uy":
+            ports = [
+                item for item in _PORT.finditer(body) if item[1] == side and (system, *item.groups()[:2]) in connected
+            ]
+            numbers.update({(system, side, port[2]): index for index, port in enumerate(ports)})
+            sides[side] = [
+                f'<TD PORT="{side}{index}" BORDER="1"{{}}>{port[3]}</TD>' for index, port in enumerate(ports)
+            ]
+        return f"{system}{head}{_rows(sides['u'], sides['y'])}</TABLE>"
+
+    text = _SYSTEM.sub(draw, text)
+    return _END.sub(lambda end: f"{end[1]}:{end[2]}{numbers[end.groups()]}:", text)
+
+
+def _rows(left: list[str], right: list[str]) -> str:
+    """Return the rows of a table of two columns, the last cell of the shorter one as high as the rows that it lacks."""
+    columns = [column or [_NOTHING] for column in (left, right)]
+    count = max(map(len, columns))
+    for column in columns:
+        span = count + 1 - len(column)
+        column[-1] = column[-1].format(f' ROWSPAN="{span}"' if span > 1 else "")
+    rows = zip_longest(*([*(cell.format("") for cell in column[:-1]), column[-1]] for column in columns))
+    return "".join("\n".join(("<TR>", *filter(None, row), "</TR>\n")) for row in rows)
 
 
 def write_picture(diagram: Diagram, file: Path) -> None:
