@@ -35,7 +35,7 @@ class Wave(PeriodicController):
         self.amplitude = self.declare_topic_input("amplitude", "std_msgs/msg/Float64MultiArray")
 
     def update(self, context, time, memory):
-        message = self.amplitude.Eval(context)  # None before the first
+        message = self.received(self.amplitude, context)  # None before the first
         amplitude = self.setup.parameters.amplitude if message is None else message.data[0]
         rate = 2 * pi * self.setup.parameters.frequency
         return Update(memory, [amplitude * rate * cos(rate * time)])

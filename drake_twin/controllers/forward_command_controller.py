@@ -12,7 +12,7 @@ from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import CommandError
-from drake_twin.systems.no_message import or_none
+from drake_twin.systems.no_message import NO_MESSAGE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,8 +129,8 @@ class ForwardCommandController(Controller):
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         # Not `received`: this call is on the shortest path from a message to a joint.
-        numbers = or_none(self._commands.Eval(context)) if self._commands.HasValue(context) else None
-        output.SetFromVector([nan] * len(self.claims) if numbers is None else numbers.data)
+        numbers = self._commands.Eval(context) if self._commands.HasValue(context) else NO_MESSAGE
+        output.SetFromVector([nan] * len(self.claims) if numbers is NO_MESSAGE else numbers.data)
 
 
 @controller("forward_command_controller/MultiInterfaceForwardCommandController")

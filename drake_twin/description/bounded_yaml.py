@@ -7,6 +7,7 @@ import yaml
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 DEEPEST = 100
 
+_PYYAMLS_OWN_BOUND = "exceeded maximum nesting depth"  # since 6.0.4, at 1,000 levels, which the scanner may meet first
 _OPENING = (yaml.SequenceStartEvent, yaml.MappingStartEvent)
 _CLOSING = (yaml.SequenceEndEvent, yaml.MappingEndEvent)
 
@@ -33,12 +34,19 @@ def compose_yaml(text: str) -> yaml.Node | None:
 
 def _check_depth(text: str) -> None:
     depth = 0
-    for event in yaml.parse(text, Loader=LOADER):
-        if isinstance(event, _OPENING):
-            depth += 1
-            if depth > DEEPEST:
-                problem = f"the values nest more than {DEEPEST} deep"
-                mark: Any = event.start_mark
-                raise yaml.composer.ComposerError(None, None, problem, mark)
-        elif isinstance(event, _CLOSING):
-            depth -= 1
+    try:
+        for event in yaml.parse(text, Loader=LOADER):
+            if isinstance(event, _OPENING):
+                depth += 1
+                if depth > DEEPEST:
+                    raise _too_deep(event.start_mark)
+            elif isinstance(event, _CLOSING):
+                depth -= 1
+    except yaml.MarkedYAMLError as error:
+        if error.problem == _PYYAMLS_OWN_BOUND:
+            raise _too_deep(error.problem_mark) from None
+        raise
+
+
+def _too_deep(mark: Any) -> yaml.YAMLError:
+    return yaml.composer.ComposerError(None, None, f"the values nest more than {DEEPEST} deep", mark)

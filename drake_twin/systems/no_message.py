@@ -16,6 +16,11 @@ class _NoMessage(Enum):  # a copy or a pickle of an enum's member is the member 
     def __bool__(self) -> bool:
         return False
 
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(
+            f"there is no message yet, so no {name!r}: a controller's received(port, context) is None then"
+        )
+
 
 NO_MESSAGE: Final = _NoMessage.NO_MESSAGE
 """What an abstract port holds before the first message; false in a condition, as None is."""

@@ -14,7 +14,7 @@ from drake_twin.diagram.topics import CommandTopic
 from drake_twin.errors import CommandError
 from drake_twin.messages import Numbers, shortened
 from drake_twin.scenario import Command
-from drake_twin.systems.no_message import empty_value, set_value
+from drake_twin.systems.no_message import NO_MESSAGE, empty_value, set_value
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.physics import Physics
 from drake_twin.twin.plain_data import from_plain, to_plain
@@ -175,7 +175,8 @@ class Commands:
             control.follow_commands()
 
     def _put(self, topic: str, item: CommandTopic, controller: Controller, value: Any, time: float) -> None:
-        set_value(self._fixed[topic].GetMutableData(), value)  # without the copy that FixValue makes
+        # Not `set_value`: this call is on the shortest path from a message to a joint. FixValue would make a copy.
+        self._fixed[topic].GetMutableData().set_value(NO_MESSAGE if value is None else value)
         self.expiries.pop(topic, None)
         if value is None:
             return

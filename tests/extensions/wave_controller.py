@@ -59,6 +59,6 @@ class Wave(PeriodicController):
     def update(self, context, time, memory):
         """Return the wave around the offset."""
         p = self.setup.parameters
-        message = self._offset.Eval(context) if self._offset.HasValue(context) else None
+        message = self.received(self._offset, context)
         offset = 0.0 if message is None else message.data[0]
         return Update(memory, [offset + p.amplitude * sin(2 * pi * p.frequency * (time - memory.start))])

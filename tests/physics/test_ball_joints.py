@@ -11,13 +11,16 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from drake_twin import TwinBuilder
+from drake_twin.diagram import ball_joints
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
 from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor, ForceTorqueSettings
 from drake_twin.sensors.sensor_setup import SensorSetup
 
-discrete_engines = pytest.mark.parametrize("engine", ["1ms", "10ms"])
+# What this Drake's engines can: CENIC has such constraints since 1.56.
+WITH_BALLS = [engine for engine in ENGINES if engine != "cenic" or ball_joints.cenic_has_ball_constraints()]
+engines_with_balls = pytest.mark.parametrize("engine", WITH_BALLS)
 
 MASS, MOMENTS = 2.0, np.array([0.02, 0.03, 0.04])  # about the centre of mass
 CENTER = np.array([0.1, -0.05, 0.4])  # of the ball joint, in the bob's frame (m)
@@ -91,7 +94,7 @@ def swung(seconds):
     return [Rotation.from_quat(state[:4]) for state in found.y.T]
 
 
-@discrete_engines
+@engines_with_balls
 @pytest.mark.parametrize("where", ["robot", "world"])
 def test_a_pendulum_on_a_ball_joint_swings_as_scipy_has_it(tmp_path, engine, where):
     if where == "robot":
@@ -148,8 +151,8 @@ def turn(folder, engine, kind, seconds):
     return twin
 
 
-KINDS = [(kind, engine) for kind in ("ball", "universal", "screw") for engine in ENGINES]
-KINDS.remove(("ball", "cenic"))
+KINDS = [(kind, engine) for kind in ("universal", "screw") for engine in ENGINES]
+KINDS += [("ball", engine) for engine in WITH_BALLS]
 KINDS_AND_ENGINES = pytest.mark.parametrize(("kind", "engine"), KINDS)
 
 
@@ -166,7 +169,7 @@ def test_a_joint_of_sdf_turns_for_an_hour(tmp_path, kind, engine):
     turn(tmp_path, engine, kind, 3600.0)
 
 
-@pytest.mark.parametrize("engine", ["1ms", "10ms"])
+@engines_with_balls
 def test_a_quaternion_stays_short_and_the_run_goes_on_to_the_same_bit_whoever_looks(tmp_path, engine):
     """Drake makes a quaternion longer with each step; until then a ball that turned at 8 rad/s ended after 103 s."""
     sdf = on_post(link("bob", "0 0 1 0 0 0") + joint("ball", ""))
@@ -202,26 +205,34 @@ def test_tf_has_the_child_links_of_sdf_joints(tmp_path, kind):
     assert [q.w, q.x, q.y, q.z] == pytest.approx(expected.orientation)
 
 
+@pytest.fixture
+def older_cenic(monkeypatch):
+    monkeypatch.setattr(ball_joints, "cenic_has_ball_constraints", lambda: False)
+
+
+@pytest.mark.usefixtures("older_cenic")
 def test_cenic_refuses_a_robot_with_a_ball_joint_in_words(tmp_path):
     with pytest.raises(InputError) as raised:
         twin_of(tmp_path, "cenic", on_post(f"\n{pendulum()}"))
     assert str(raised.value) == (
-        f"{tmp_path / 'm.sdf'}:4: robot 'm': the engine cenic does not support the ball joint 'joint': use the"
-        " engine discrete, or make the joint fixed, revolute or universal."
+        f"{tmp_path / 'm.sdf'}:4: robot 'm': the engine cenic of this Drake does not support the ball joint 'joint'"
+        " (Drake 1.56 and later do): use the engine discrete, or make the joint fixed, revolute or universal."
     )
 
 
+@pytest.mark.usefixtures("older_cenic")
 def test_cenic_leaves_out_a_model_of_the_world_with_a_ball_joint(tmp_path):
     twin = twin_in_world(tmp_path, "cenic", pendulum("world"))
     (finding,) = twin.findings
     assert finding.kind is Kind.IGNORED
     assert finding.what == (
-        "m: the model is left out, because Drake refuses it (the engine cenic does not support the ball joint 'joint':"
-        " use the engine discrete, or make the joint fixed, revolute or universal)"
+        "m: the model is left out, because Drake refuses it (the engine cenic of this Drake does not support the ball"
+        " joint 'joint' (Drake 1.56 and later do): use the engine discrete, or make the joint fixed, revolute or"
+        " universal)"
     )
 
 
-@discrete_engines
+@engines_with_balls
 def test_damping_brakes_a_ball_joint(tmp_path, engine):
     damping = "<axis><xyz>0 0 1</xyz><dynamics><damping>0.02</damping></dynamics></axis>"
     twin = twin_of(tmp_path, engine, on_post(link("bob") + joint("ball", damping)), gravity=(0, 0, 0))

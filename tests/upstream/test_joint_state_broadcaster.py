@@ -18,6 +18,7 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
+from drake_twin.systems.no_message import or_none
 from drake_twin.systems.state_layout import StateLayout
 from upstream.suite import Suite
 
@@ -62,8 +63,8 @@ class Broadcast:
         dut.get_state_input_port().FixValue(context, VALUES * 2)
         dut.get_net_actuation_input_port().FixValue(context, VALUES)
         self.claims = list(dut.claims)
-        self.joint_states = dut.get_joint_states_output_port().Eval(context)
-        self.dynamic = dut.get_dynamic_joint_states_output_port().Eval(context)
+        self.joint_states = or_none(dut.get_joint_states_output_port().Eval(context))
+        self.dynamic = or_none(dut.get_dynamic_joint_states_output_port().Eval(context))
 
     def __getitem__(self, what):
         """The value of one of the names below, or ``interfaces 0`` of the dynamic message."""
