@@ -9,7 +9,7 @@ from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tes
 
 from drake_twin.builder.twin_builder import TwinBuilder
 
-# Hundreds of processes start: without this, each compiles every module again where the environment forbids to keep them.
+# Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 

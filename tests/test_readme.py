@@ -55,8 +55,10 @@ def test_the_readme_links_to_every_page():
 def test_the_ci_calls_the_readmes_commands():
     ci = (ROOT / ".ci" / "run").read_text()
     first, second = re.findall(r"```sh\n(.*?)\n```", README, re.DOTALL)[:2]
-    assert first.replace("install .", "install -q .") in ci
-    assert second.replace("install '", "install -q '") in ci
+    assert first.replace("python3 -m", '"$python" -m').replace("install .", 'install -q "$what"') in ci
+    assert second.replace("install '.[test]'", 'install -q "$what[test]"') in ci
+    assert "readme \"$oldest\" .\n" in ci
+    assert 'readme "$newest" "$wheel"' in ci
 
 
 def test_the_top_level_is_what_it_is_meant_to_be():
