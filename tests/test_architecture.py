@@ -39,7 +39,7 @@ ROOMS = [
     ["scenario"],
     ["description"],
     ["messages"],
-    ["program", "progress", "whole_file"],
+    ["program", "progress", "python_process", "whole_file"],
     ["findings"],
     ["values", "extensions", "frozen", "saved"],
     ["errors"],
