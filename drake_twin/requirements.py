@@ -90,9 +90,10 @@ def missing(what: str, *modules: str, otherwise: str = "") -> RequirementError:
     requirements = [(BASE | OPTIONAL)[module] for module in absent or modules]
     packages = [requirement.partition(">")[0] for requirement in requirements]
     listed = " and ".join(filter(None, (", ".join(packages[:-1]), packages[-1])))
-    state = f"{'is' if len(packages) == 1 else 'are'} not installed"
-    if not absent:
-        state = f"cannot be imported ({' '.join(str(sys.exception()).split())})"
+    error = sys.exception()
+    state = "is not installed" if len(packages) == 1 else "are not installed"
+    if error is not None and not absent:
+        state = f"cannot be imported ({' '.join(str(error).split())})"
         requirements.insert(0, "--force-reinstall")
     return RequirementError(f"{what} {listed}, which {state}: `{_pip(*requirements)}`{otherwise}")
 
