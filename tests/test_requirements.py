@@ -47,7 +47,7 @@ def requirements(extra):
             for other in own[1].split(","):
                 yield from requirements(other)
         else:
-            yield requirement
+            yield requirement.partition(";")[0]
 
 
 def python(*arguments, folder, **environment):

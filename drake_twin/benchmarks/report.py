@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import date
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 Cell = str | float | int | None
@@ -40,7 +41,7 @@ def machine() -> dict[str, str]:
     if file.exists():
         names = [line.partition(":")[2].strip() for line in file.read_text().splitlines() if "model name" in line]
         processor = f"{len(names)} x {names[0]}" if names else processor
-    packages = ("drake", "mujoco", "pybullet", "numpy")
+    packages = ["drake", "mujoco", "numpy"] + (["pybullet"] if find_spec("pybullet") else [])
     return {
         "date": date.today().isoformat(),
         "processor": processor,

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from time import perf_counter
@@ -157,7 +158,7 @@ def robots(size: Size) -> list[Table]:
         Setting("bare plant", 0.001),
         Setting("MuJoCo", 0.001),
         Setting("MuJoCo", 0.0002),
-        Setting("PyBullet", 0.001),
+        *([Setting("PyBullet", 0.001)] if find_spec("pybullet") else ()),
     )
     tables = []
     for workload in WORKLOADS.values():

@@ -52,7 +52,7 @@ def _with_connected_ports(text: str) -> str:
         return f"{system}{head}{_rows(sides['u'], sides['y'])}</TABLE>"
 
     text = _SYSTEM.sub(draw, text)
-    return _END.sub(lambda end: f"{end[1]}:{end[2]}{numbers[end.groups()]}:", text)
+    return _END.sub(lambda end: f"{end[1]}:{end[2]}{numbers[end[1], end[2], end[3]]}:", text)
 
 
 def _rows(left: list[str], right: list[str]) -> str:
