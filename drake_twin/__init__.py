@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from drake_twin.twin.state import RobotState
     from drake_twin.twin.twin import Twin
 
+__version__ = "0.2.0"  # the one place: pyproject.toml reads it here, .github/RELEASING.md says when it changes
+
 _HOMES = {
     "builder.twin_builder": ("TwinBuilder",),
     "errors": ("CommandError", "InputError", "RunError", "TwinError"),
@@ -64,13 +66,6 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            return version("drake_twin")
-        except PackageNotFoundError:  # it is imported from its source folder
-            return "0+unknown"
     from importlib import import_module
 
     for module, names in _HOMES.items():
