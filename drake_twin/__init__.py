@@ -64,11 +64,12 @@ __all__ = [
     "show",
 ]
 
+if not TYPE_CHECKING:  # else every name that is not there would have the type Any
 
-def __getattr__(name: str) -> Any:
-    from importlib import import_module
+    def __getattr__(name: str) -> Any:
+        from importlib import import_module
 
-    for module, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(f"drake_twin.{module}"), name)
-    raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
+        for module, names in _HOMES.items():
+            if name in names:
+                return getattr(import_module(f"drake_twin.{module}"), name)
+        raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
