@@ -5,7 +5,22 @@ The public names, imported when they are first used::
     from drake_twin import TwinBuilder, Scenario, Twin
 """
 
+import sys
 from typing import TYPE_CHECKING, Any
+
+if sys.version_info < (3, 11):  # noqa: UP036  # before another module is read, whose syntax an older Python may lack
+    import os
+    import shlex
+
+    _folder = shlex.quote(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    _refusal = (
+        f"drake_twin needs Python 3.11 or newer, and {sys.executable} is {sys.version.split()[0]}:"
+        f" `python3.11 -m venv .venv && .venv/bin/python -m pip install {_folder}`."
+    )
+    if sys.argv[:1] == ["-m"]:
+        print(f"error: {_refusal}", file=sys.stderr)
+        sys.exit(2)
+    raise ImportError(_refusal)
 
 if TYPE_CHECKING:
     from drake_twin.builder.twin_builder import TwinBuilder
@@ -69,7 +84,28 @@ if not TYPE_CHECKING:  # else every name that is not there would have the type A
     def __getattr__(name: str) -> Any:
         from importlib import import_module
 
+        from drake_twin.requirements import imports_explained
+
         for module, names in _HOMES.items():
             if name in names:
-                return getattr(import_module(f"drake_twin.{module}"), name)
+                with imports_explained():
+                    return getattr(import_module(f"drake_twin.{module}"), name)
         raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
+
+
+def _refuse(kind: type[BaseException], error: BaseException, traceback: Any) -> None:
+    """End a program whose modules cannot be imported with one paragraph and the exit code 2."""
+    from drake_twin.program import leave, say
+    from drake_twin.requirements import explanation
+
+    explained = None if "--debug" in sys.argv else explanation(error)
+    if explained is None:
+        sys.__excepthook__(kind, error, traceback)
+    else:
+        say(f"error: {explained}", sys.stderr)
+        leave(explained.exit_code)
+
+
+# `python -m drake_twin.PROGRAM` imports this first, when Python has not yet put the program's file there.
+if sys.argv[:1] == ["-m"]:
+    sys.excepthook = _refuse

@@ -9,9 +9,10 @@ if __name__ == "__main__":  # until the program can end by itself, Ctrl-C ends i
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 import sys
+from collections.abc import Sequence
 from importlib import import_module
 
-from drake_twin.program import leave, version_text
+from drake_twin.program import leave, run_program, version_text
 
 PROGRAMS = {
     "run": "run robots in one simulation, with a page in the browser",
@@ -36,10 +37,7 @@ def main() -> int:
     if name in PROGRAMS or name in TOOLS:
         del sys.argv[1]
         sys.argv[0] = f"drake-twin {name}"
-        module = import_module(f"drake_twin.tools.{name}" if name in TOOLS else f"drake_twin.{name}")
-        if hasattr(module, "__path__"):  # a package keeps its program in __main__
-            module = import_module(f"drake_twin.{name}.__main__")
-        return int(module.main())
+        return run_program(lambda arguments: _run(name, arguments), None)
     lines = [f"  {program:11} {what}" for program, what in (PROGRAMS | TOOLS).items()]
     usage = "\n".join(["usage: drake-twin PROGRAM …   (drake-twin PROGRAM --help explains it)", "", *lines])
     if name in ("-h", "--help"):
@@ -50,6 +48,13 @@ def main() -> int:
         return 0
     print(f"drake-twin: unknown program {name!r}.\n{usage}", file=sys.stderr)
     return 2
+
+
+def _run(name: str, arguments: Sequence[str]) -> int:
+    module = import_module(f"drake_twin.tools.{name}" if name in TOOLS else f"drake_twin.{name}")
+    if hasattr(module, "__path__"):  # a package keeps its program in __main__
+        module = import_module(f"drake_twin.{name}.__main__")
+    return int(module.main(arguments))
 
 
 if __name__ == "__main__":

@@ -9,19 +9,24 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.utils import EzPickle
 
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.errors import InputError, RunError
 from drake_twin.planning.controller_plan import ACTIVE
 from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.requirements import missing
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile
 from drake_twin.sweeps.variation import with_value
 from drake_twin.twin.twin import Twin
 from drake_twin.values import is_number
+
+try:
+    import gymnasium
+    from gymnasium.utils import EzPickle
+except ImportError:
+    raise missing("drake_twin.gym needs", "gymnasium") from None
 
 Array = np.ndarray[Any, Any]
 Bounds = tuple[float, float]

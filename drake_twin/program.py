@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from drake_twin.errors import InputError, TwinError
+from drake_twin.requirements import imports_explained
 
 FIGURES = (".png", ".svg", ".pdf")
 
@@ -102,7 +103,8 @@ def run_program(program: Callable[[Sequence[str]], int], arguments: Sequence[str
         log.addHandler(_LogHandler(logging.WARNING))
         logging.getLogger().addHandler(_OthersLogHandler(logging.WARNING))
     try:
-        return program(arguments)
+        with imports_explained():
+            return program(arguments)
     except TwinError as error:
         if "--debug" in arguments:
             raise

@@ -1,11 +1,17 @@
 """What several rooms' tests share: the rover and arm as data, and other people's robots where they are present."""
 
+import os
+import sys
 from pathlib import Path
 
 import pytest
 from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tests in physics
 
 from drake_twin.builder.twin_builder import TwinBuilder
+
+# Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"

@@ -39,9 +39,9 @@ ROOMS = [
     ["scenario"],
     ["description"],
     ["messages"],
-    ["program", "progress", "whole_file"],
+    ["program", "progress", "python_process", "whole_file"],
     ["findings"],
-    ["values", "extensions", "frozen", "saved"],
+    ["values", "extensions", "frozen", "requirements", "saved"],
     ["errors"],
 ]
 RANKS = {room: rank for rank, rooms in enumerate(ROOMS) for room in rooms}

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-pytest.importorskip("mujoco", reason="mujoco is not installed: pip install 'drake-twin[benchmarks]'")
-pytest.importorskip("pybullet", reason="pybullet is not installed: pip install 'drake-twin[benchmarks]'")
+pytest.importorskip("mujoco", reason="mujoco is not installed: pip install '.[benchmarks]'")
+pytest.importorskip("pybullet", reason="pybullet is not installed: pip install '.[benchmarks]'")
 
 from drake_twin.benchmarks.__main__ import main
 from drake_twin.benchmarks.engine import Setting, drive

@@ -25,9 +25,7 @@ DATA = SHARE / "example-robot-data" / "robots"
 BODY = pinocchio.FrameType.BODY
 URDFS = sorted(DATA.glob("**/*.urdf"))
 
-needs_data = pytest.mark.skipif(
-    not URDFS, reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'"
-)
+needs_data = pytest.mark.skipif(not URDFS, reason="example-robot-data is not installed: pip install '.[corpus]'")
 
 
 def twin_of(file):

@@ -16,7 +16,7 @@ from drake_twin.errors import CommandError
 SHARE = Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix" / "share"
 DATA = SHARE / "example-robot-data" / "robots"
 needs_data = pytest.mark.skipif(
-    not DATA.is_dir(), reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'"
+    not DATA.is_dir(), reason="example-robot-data is not installed: pip install '.[corpus]'"
 )
 
 ARM_CONTROLLERS = """controller_manager:

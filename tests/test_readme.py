@@ -55,8 +55,10 @@ def test_the_readme_links_to_every_page():
 def test_the_ci_calls_the_readmes_commands():
     ci = (ROOT / ".ci" / "run").read_text()
     first, second = re.findall(r"```sh\n(.*?)\n```", README, re.DOTALL)[:2]
-    assert first.replace("install .", "install -q .") in ci
-    assert second.replace("install '", "install -q '") in ci
+    assert first.replace("python3 -m", '"$python" -m').replace("install .", 'install -q "$what"') in ci
+    assert second.replace("install '.[test]'", 'install -q "$what[test]"') in ci
+    assert 'readme "$oldest" .\n' in ci
+    assert 'readme "$newest" "$wheel"' in ci
 
 
 def test_the_top_level_is_what_it_is_meant_to_be():
@@ -67,3 +69,34 @@ def test_the_top_level_is_what_it_is_meant_to_be():
     assert {name for name in top if not name.startswith(".")} == {
         "LICENSE", "README.md", "diagrams", "drake_twin", "models", "pyproject.toml", "tests"
     }  # fmt: skip
+
+
+def test_mujoco_adds_and_deletes_robots_and_keeps_the_state_of_the_others():
+    """The row of the table: equal to the bit at the edit; their motion afterwards differs by rounding."""
+    mujoco = pytest.importorskip("mujoco")
+    spec = mujoco.MjSpec()
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[10, 10, 0.1])
+
+    def add(name, x):
+        body = spec.worldbody.add_body(name=name, pos=[x, 0, 0.3])
+        body.add_freejoint()
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.2, 0.1, 0.05], mass=1)
+
+    add("a", 0.0)
+    add("b", 2.0)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qvel[4] = 1.0
+    for _ in range(300):
+        mujoco.mj_step(model, data)
+    before = data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy(), data.time
+    add("c", 4.0)
+    model, data = spec.recompile(model, data)
+    assert (data.qpos[:14] == before[0]).all()
+    assert (data.qvel[:12] == before[1]).all()
+    assert (data.qacc_warmstart[:12] == before[2]).all()
+    assert data.time == before[3]
+    spec.delete(spec.body("b"))
+    model, data = spec.recompile(model, data)
+    assert (data.qpos[:7] == before[0][:7]).all()
+    assert (data.qpos[7:10] == [4.0, 0.0, 0.3]).all()

@@ -12,6 +12,7 @@ from drake_twin.benchmarks.report import Table, save
 from drake_twin.benchmarks.sections import SECTIONS, Size
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_version, run_program, say
+from drake_twin.requirements import EXTRAS, missing
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -33,10 +34,9 @@ def _parser() -> ArgumentParser:
 
 def _main(arguments: Sequence[str]) -> int:
     options = _parser().parse_args(list(arguments))
-    absent = [name for name in ("mujoco", "pybullet", "matplotlib") if find_spec(name) is None]
+    absent = [name for name in EXTRAS["benchmarks"].modules if find_spec(name) is None]
     if absent:
-        packages = ", ".join(absent)
-        raise InputError(f"the benchmarks need {packages}: pip install 'drake-twin[benchmarks]'")
+        raise missing("the benchmarks need", *absent)
     for section in options.sections:
         if section not in SECTIONS:
             raise InputError(f"unknown section {section!r}", value=section, valid=SECTIONS)

@@ -12,6 +12,7 @@ from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
+from drake_twin.requirements import imports_explained
 from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, NodeProgram, Robot, Scenario, StaticTransform, World
 
 if TYPE_CHECKING:
@@ -315,8 +316,9 @@ class TwinBuilder:
         Raises:
             InputError: As `scenario`, or if a file cannot be used.
         """
-        from drake_twin.services.node_programs import start_nodes
-        from drake_twin.twin.twin import Twin
+        with imports_explained():
+            from drake_twin.services.node_programs import start_nodes
+            from drake_twin.twin.twin import Twin
 
         twin = Twin(self.scenario(), meshcat, self._plans, self._extensions)
         start_nodes(twin)

@@ -6,7 +6,8 @@ import numpy as np
 
 from drake_twin.calibration.measured import UNITS, kind_of
 from drake_twin.calibration.result import Curve, Result
-from drake_twin.errors import InputError, RunError
+from drake_twin.errors import RunError
+from drake_twin.requirements import missing
 from drake_twin.scenario.scenario_file import scenario_to_yaml
 from drake_twin.whole_file import write_whole
 
@@ -89,7 +90,7 @@ def draw(file: Path, result: Result) -> None:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise InputError("--plot needs Matplotlib: pip install 'drake-twin[plot]'") from None
+        raise missing("--plot needs", "matplotlib") from None
     rows = max(1, len(result.curves))
     columns = 1 if rows <= 4 else 3
     figure = Figure(figsize=(5.0 * columns + 1, 2.2 * -(-rows // columns) + 0.6), layout="constrained")

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.requirements import missing
 from drake_twin.whole_file import write_whole
 
 if TYPE_CHECKING:  # the history needs Drake; checking a name does not
@@ -46,10 +47,7 @@ def check_plot_file(file: Path) -> None:
             f"--plot {file}: the name must end in one of the formats of a plot", value=file.suffix, valid=SUFFIXES
         )
     if find_spec("matplotlib") is None:
-        raise InputError(
-            f"--plot {file}: plots need Matplotlib, which is not installed:"
-            " python -m pip install 'drake-twin[plot]' installs it"
-        )
+        raise missing(f"--plot {file} needs", "matplotlib")
 
 
 def write_plot(history: RunHistory, file: Path) -> None:

@@ -1,9 +1,10 @@
 """A program that runs in a process of its own, with a time limit, while the twin continues."""
 
 import subprocess
-import sys
 import tempfile
 import time
+
+from drake_twin.python_process import python_command
 
 
 class LimitedProcess:
@@ -20,7 +21,7 @@ class LimitedProcess:
         self._what, self._longest = what, longest
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 (a pipe would be full before the process has ended)
         self._process = subprocess.Popen(
-            [sys.executable, "-m", module, *arguments],
+            [*python_command(module), *arguments],
             stdin=subprocess.DEVNULL,
             stdout=self._output,
             stderr=subprocess.PIPE,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import check_regular
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place
@@ -275,6 +276,7 @@ def merge_nested(parameters: dict[str, Any], later: Mapping[str, Any]) -> None:
 
 def _read_document(file: Path, placeholders: Mapping[str, str]) -> YamlDocument:
     try:
+        check_regular(file)
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"the parameters file cannot be read ({error})", file=file) from None

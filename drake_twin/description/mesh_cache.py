@@ -4,6 +4,7 @@ import contextlib
 import hashlib
 import os
 import re
+import stat
 import tempfile
 from collections.abc import Callable, Iterator
 from functools import lru_cache
@@ -28,7 +29,8 @@ def mesh_cache_folder() -> Path:
 def cache_folder(name: str) -> Path:
     """Return ``$XDG_CACHE_HOME/drake_twin/NAME``, or ``~/.cache/drake_twin/NAME``.
 
-    Where neither can be written, it is a folder in the system's temporary folder that belongs to this user.
+    Where neither can be written, it is ``drake_twin_UID/NAME`` in the system's temporary folder, if that belongs to
+    this user alone, or else a new folder there.
     """
     base = Path(os.environ.get("XDG_CACHE_HOME", ""))
     with contextlib.suppress(OSError, RuntimeError):  # RuntimeError: a user without a home
@@ -43,6 +45,15 @@ def cache_folder(name: str) -> Path:
 
 @lru_cache(maxsize=8)
 def _temporary_folder(name: str) -> Path:
+    base = Path(tempfile.gettempdir(), f"drake_twin_{os.getuid()}")
+    with contextlib.suppress(OSError):
+        base.mkdir(mode=0o700, exist_ok=True)
+        status = base.lstat()  # of a link that another user has put there, too
+        if stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid() and not status.st_mode & 0o077:
+            folder = base / name
+            folder.mkdir(exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
     return Path(tempfile.mkdtemp(prefix=f"drake_twin_{name}_"))
 
 

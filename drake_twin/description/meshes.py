@@ -18,6 +18,7 @@ from drake_twin.description.mesh_cache import cached
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
+from drake_twin.requirements import missing
 
 _READ_BY_DRAKE = (".obj", ".gltf")
 _READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
@@ -288,9 +289,7 @@ def _pieces_json(file: Path) -> bytes:
     try:
         import coacd
     except ImportError:
-        raise InputError(
-            "collision: decomposition needs the package coacd: pip install 'drake-twin[decomposition]'"
-        ) from None
+        raise missing("collision: decomposition needs", "coacd") from None
     mesh = _single_mesh(file)
     coacd.set_log_level("error")
     pieces = coacd.run_coacd(coacd.Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces)))

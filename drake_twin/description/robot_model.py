@@ -20,6 +20,8 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place
 
+_EXPANDED = "<!-- drake_twin: expanded -->"
+
 
 @dataclass(frozen=True)
 class RobotModel:
@@ -165,8 +167,15 @@ def _outermost_tag(text: str) -> str | None:
     return None if match is None else match[1]
 
 
+def as_expanded(text: str) -> str:
+    """Mark a description that came in a message or a bag, so that xacro never expands it: its expressions are code."""
+    return f"{text.rstrip()}\n{_EXPANDED}\n"
+
+
 def is_xacro_text(text: str) -> bool:
     """Tell whether a robot file, of any suffix, needs xacro: it declares its namespace or uses its substitutions."""
+    if text.rstrip().endswith(_EXPANDED):
+        return False
     return "ros.org/wiki/xacro" in text or "wiki.ros.org/xacro" in text or any(mark in text for mark in ("$(", "${"))
 
 

@@ -70,7 +70,7 @@ def why_not_started(process: LaunchedProcess) -> str:
     elif known is not None:
         reason = known[process.executable] or reason
     if reason is None and process.package is None:
-        reason = "the twin runs no programs"
+        reason = "of programs, the twin starts only Python nodes"
     return f"{what} ({reason or _NO_PYTHON})"
 
 

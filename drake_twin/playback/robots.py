@@ -3,6 +3,7 @@
 from xml.etree import ElementTree
 
 from drake_twin.description.lasting_files import lasting_file
+from drake_twin.description.robot_model import as_expanded
 from drake_twin.errors import InputError
 from drake_twin.playback.bag import Bag
 from drake_twin.playback.recorded_frames import RecordedFrames, RecordedRobot, is_frames
@@ -40,7 +41,8 @@ def recorded_scenario(bag: Bag, package_paths: tuple[str, ...] = ()) -> tuple[Sc
         if any(item.name == robot.name for item in robots):
             raise InputError(f"{topic}: there is a robot {robot.name!r} already")
         file = lasting_file(
-            f"{robot.name}.{'sdf' if root.tag == 'sdf' else 'urdf'}", ElementTree.tostring(root, encoding="unicode")
+            f"{robot.name}.{'sdf' if root.tag == 'sdf' else 'urdf'}",
+            as_expanded(ElementTree.tostring(root, encoding="unicode")),
         )
         found = fixed.in_root(robot)
         if found is None:

@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from drake_twin.description.package_index import absolute_path
+from drake_twin.description.source_file import check_regular
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError
@@ -54,6 +55,7 @@ class ScenarioFile:
             InputError: If the file cannot be read, or a value in it cannot be used.
         """
         try:
+            check_regular(Path(file))
             return cls(Path(file).read_text(encoding="utf-8"), file)
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"the scenario cannot be read ({error})", file=file) from None

@@ -14,6 +14,7 @@ from pydrake.systems.framework import Context
 from drake_twin.description.gazebo_plugins import plugin_kind
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
+from drake_twin.requirements import missing
 from drake_twin.sensors.classic import classic_frame, classic_plugin, classic_topic
 from drake_twin.sensors.noise import SILENT, Noise, read_noise
 from drake_twin.sensors.ray_caster import RayCaster
@@ -115,8 +116,7 @@ class Lidar(SensorSystem):
     @classmethod
     def problem(cls, settings: LidarSettings) -> str | None:
         """Return why there are no lidars: Embree has no package for every platform."""
-        is_there = find_spec("embreex") is not None
-        return None if is_there else "lidars need the package embreex, which is not installed: pip install embreex"
+        return None if find_spec("embreex") is not None else str(missing("lidars need", "embreex")).rstrip(".")
 
     @classmethod
     def topics(cls, sensor: Sensor, settings: LidarSettings, base: str) -> Iterable[SensorTopic]:

@@ -19,6 +19,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from drake_twin.description.mesh_triangles import mesh_triangles
 from drake_twin.errors import InputError
+from drake_twin.requirements import missing
 from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, sizes_of
 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
@@ -283,7 +284,5 @@ def _embree() -> tuple[Any, Any]:
     try:
         from embreex import mesh_construction, rtcore_scene
     except ImportError as error:
-        raise InputError(
-            f"lidars need the package embreex, which this platform does not have ({error}): pip install embreex"
-        ) from error
+        raise missing("lidars need", "embreex") from error
     return rtcore_scene, mesh_construction

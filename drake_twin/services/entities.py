@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.description.lasting_files import lasting_file
+from drake_twin.description.robot_model import as_expanded
 from drake_twin.errors import InputError
 from drake_twin.scenario import Robot
 from drake_twin.services.registry import Fields
@@ -48,7 +49,7 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
         twin: The twin.
         name: The robot's name.
         uri: The address of its file; or
-        text: its URDF or SDF.
+        text: its URDF or SDF, which xacro does not expand: a message must not run code.
         namespace: The namespace of its topics; its name by default.
         pose: A ``geometry_msgs/msg/Pose``.
         frame: The entity in whose frame the pose is.
@@ -69,7 +70,7 @@ def spawn(twin: Twin, name: str, *, uri: str = "", text: str = "", namespace: st
         raise PoseError(f"a robot's start pose is in the world, not in {frame!r}")
     xyz, wxyz = pose_of(pose)
     kind = "sdf" if re.search(r"<sdf\b", text) else "urdf"
-    model = uri.removeprefix("file://") or str(lasting_file(f"{name}.{kind}", text))
+    model = uri.removeprefix("file://") or str(lasting_file(f"{name}.{kind}", as_expanded(text)))
     twin.spawn(Robot(name, model, xyz=xyz, rpy=_rpy(wxyz), namespace=namespace or None))
     return name
 

@@ -13,6 +13,8 @@ from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from typing import NamedTuple, Self
 
+from drake_twin.python_process import end_module_search, same_module_search
+
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux's prctl
 
 
@@ -70,7 +72,8 @@ def _start() -> Started:
     own, other = context.Pipe()
     # Without the sweep: a child that is killed while it reads a long argument would block this process for ever.
     process = context.Process(target=_work, args=(other, os.getpid()), daemon=True)
-    process.start()
+    with same_module_search():
+        process.start()
     other.close()
     return Started(process, own)
 
@@ -79,6 +82,7 @@ def _work(connection: Connection, parent: int) -> None:
     """Run the episodes of a sweep until the connection ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal
     _die_with(parent)
+    end_module_search()
     from drake_twin.sweeps.episode import Runner
 
     with contextlib.suppress(EOFError, OSError):

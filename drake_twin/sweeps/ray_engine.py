@@ -21,6 +21,7 @@ from typing import Any
 
 from drake_twin.errors import InputError, RunError, TwinError, described
 from drake_twin.program import say, version_text
+from drake_twin.requirements import missing
 from drake_twin.sweeps.dispatch import Dispatcher, Worker, WorkerEndedError
 from drake_twin.sweeps.episode import Row, Runner, Sweep
 from drake_twin.sweeps.listening import Port, family, ports_of
@@ -225,7 +226,7 @@ def _imported(*, alone: bool) -> Any:
     except ImportError:
         os.environ.clear()
         os.environ.update(before)
-        raise InputError("--engine ray needs Ray, which is not installed: pip install 'drake-twin[ray]'") from None
+        raise missing("--engine ray needs", "ray") from None
     # A paragraph on standard output for each worker that dies, also with log_to_driver=False. The table has the reason.
     import_module("ray._private.worker").print_to_stdstream = lambda *_, **__: None  # type: ignore[attr-defined]
     return ray

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.requirements import missing
 from drake_twin.sweeps.episode import ERROR, Row
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ def _drawn(
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise InputError(f"{option} needs Matplotlib: pip install 'drake-twin[sweep]'") from None
+        raise missing(f"{option} needs", "matplotlib") from None
     metrics = metric_names(definition, rows)
     paths = [path for path, _ in definition["vary"] if all(_is_number(row.get(path)) for row in rows)]
     if not metrics or len(paths) < least:

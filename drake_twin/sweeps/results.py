@@ -18,13 +18,13 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.errors import InputError, RunError
+from drake_twin.requirements import RequirementError, missing
 from drake_twin.sweeps.episode import COLUMNS, Row, Sweep
 from drake_twin.whole_file import write_whole
 
 _KEY = "drake_twin_sweep"
 _SYNC = 0.5  # s between two calls of fsync
 _FORMATS = (".parquet", ".csv", ".jsonl")
-_NO_PYARROW = "Parquet needs pyarrow (pip install 'drake-twin[sweep]'): or name a file .csv or .jsonl"
 _LAST = ("outcome", "reason", "simulated", "wall_time", "state_sha256", "version")
 _TEXTS = ("id", "outcome", "reason", "state_sha256", "version")
 _WHOLE = ("episode", "seed")
@@ -46,7 +46,7 @@ def check_format(file: Path) -> None:
     if not is_possible:
         raise InputError(f"--out {file}: no file can be written there")
     if file.suffix == ".parquet" and find_spec("pyarrow") is None:  # which is imported when there are rows
-        raise InputError(_NO_PYARROW)
+        raise _without_pyarrow()
 
 
 class Results:
@@ -271,5 +271,9 @@ def _pyarrow() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise InputError(_NO_PYARROW) from None
+        raise _without_pyarrow() from None
     return pyarrow
+
+
+def _without_pyarrow() -> RequirementError:
+    return missing("Parquet needs", "pyarrow", otherwise=", or name a file .csv or .jsonl")

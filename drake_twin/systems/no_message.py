@@ -18,7 +18,7 @@ class _NoMessage(Enum):  # a copy or a pickle of an enum's member is the member 
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(
-            f"there is no message yet, so no {name!r}: a controller's received(port, context) is None then"
+            f"no message has arrived, so it has no field {name!r}: a controller's received(port, context) is None then"
         )
 
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError, RunError
 from drake_twin.whole_file import write_whole
 
@@ -38,6 +39,7 @@ def read_saved(
         InputError: If the file cannot be read, or holds something else, or an unknown version of it.
     """
     try:
+        check_regular(Path(file))
         data = json.loads(Path(file).read_text(encoding="utf-8"))
     except (OSError, TypeError, UnicodeDecodeError, ValueError) as error:
         raise InputError(f"cannot read a {kind} ({error})", file=str(file)) from None

@@ -4,11 +4,11 @@ import itertools
 import json
 import logging
 import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from drake_twin.errors import InputError
+from drake_twin.python_process import python_command
 from drake_twin.wires.bag_writer import HEAD, MESSAGE, TOPIC
 from drake_twin.wires.wire import Closable, Reply, WireEndpoint
 
@@ -39,7 +39,7 @@ class BagWire:
         self._topics = frozenset(topics)
         self._numbers = itertools.count(1)
         self._process: subprocess.Popen[bytes] | None = subprocess.Popen(
-            [sys.executable, "-m", "drake_twin.wires.bag_writer", str(folder)], stdin=subprocess.PIPE
+            [*python_command("drake_twin.wires.bag_writer"), str(folder)], stdin=subprocess.PIPE
         )
 
     def advertise(self, topic: WireEndpoint, listened: Callable[[bool], None]) -> "_BagSender":

@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.requirements import missing
 from drake_twin.wires.rmw_dds_format import (
     GRAPH_TOPIC,
     GRAPH_TYPE,
@@ -48,9 +49,7 @@ class DdsWire:
             from cyclonedds.core import DDSException, Policy, Qos, WaitSet
             from cyclonedds.domain import Domain, DomainParticipant
         except ImportError:
-            raise InputError(
-                "the ROS 2 graph over DDS needs CycloneDDS, which is not installed: pip install 'drake-twin[dds]'"
-            ) from None
+            raise missing("the ROS 2 graph over DDS needs", "cyclonedds") from None
         self.domain = domain_of_environment() if domain is None else domain
         is_local = host == LOOPBACK
         self.place = f"open on {host}, {'without' if is_local else 'with'} multicast"

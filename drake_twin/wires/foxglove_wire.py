@@ -12,6 +12,7 @@ from uuid import uuid4
 
 from drake_twin.errors import InputError
 from drake_twin.messages.interface_types import definition, make, serialize
+from drake_twin.requirements import missing
 from drake_twin.wires.foxglove_log import log_causes_once
 from drake_twin.wires.foxglove_service import FoxgloveService
 from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, WireEndpoint
@@ -25,7 +26,6 @@ _LONGEST_CLOSE = 2.0  # s of wall time
 _MOST_LINES = 100  # of the log
 _MOST_CHANNELS = 1000  # that clients may offer at the same time
 _CDR, _JSON = "cdr", "json"
-_INSTALL = "--foxglove needs foxglove-sdk, which is not installed: pip install 'drake-twin[foxglove]'"
 
 
 class FoxgloveWire:
@@ -59,7 +59,7 @@ class FoxgloveWire:
             import foxglove
             from foxglove.websocket import Capability
         except ImportError:
-            raise InputError(_INSTALL) from None
+            raise missing("--foxglove needs", "foxglove") from None
         capabilities = [Capability.Time, *((Capability.ClientPublish, Capability.Services) if control else ())]
         self._context = foxglove.Context()
         self._clients = _Clients(self._join)

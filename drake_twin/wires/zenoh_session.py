@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drake_twin.errors import InputError
+from drake_twin.requirements import missing
 
 ROUTER_PORT = 7447  # rmw_zenoh's nodes connect to it on their own machine (DEFAULT_RMW_ZENOH_SESSION_CONFIG.json5)
 _PATIENCE = 3000  # ms for a router to answer
@@ -42,11 +43,10 @@ def open_session(host: str = "127.0.0.1", port: int = ROUTER_PORT, router: str |
             answers.
     """
     try:
+        import xxhash  # noqa: F401  # which names the graph's endpoints
         import zenoh
     except ImportError:
-        raise InputError(
-            "the ROS 2 graph needs Zenoh, which is not installed: pip install 'drake-twin[zenoh]'"
-        ) from None
+        raise missing("the ROS 2 graph needs", "zenoh", "xxhash") from None
     zenoh.try_init_log_from_env()  # type: ignore[no-untyped-call]  # with RUST_LOG only: its errors about what leaves are no news to a user
     if router is not None:
         return _connect(zenoh, _with_port(router, port))

@@ -43,7 +43,7 @@ def pendulum(folder: Path, **options) -> Scenario:
     (folder / "controllers.yaml").write_text(CONTROLLERS)
     (folder / "pendulum.urdf").write_text(URDF.replace("CONTROLLERS", str(folder / "controllers.yaml")))
     robot = Robot("pendulum", str(folder / "pendulum.urdf"))
-    return Scenario((robot,), engine="cenic", time_step=0.01, accuracy=1e-6, world=World(ground=False), **options)
+    return Scenario((robot,), engine="cenic", time_step=0.01, accuracy=1e-5, world=World(ground=False), **options)
 
 
 def motion(duration=1.0, *, friction=0.0):

@@ -60,7 +60,7 @@ def test_a_taken_port_is_refused(capsys):
 
 def test_without_the_sdk_the_command_that_installs_it_is_named(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "foxglove", None)
-    assert "pip install 'drake-twin[foxglove]'" in refused(capsys, *RUN, "--foxglove")
+    assert "pip install 'foxglove-sdk>=" in refused(capsys, *RUN, "--foxglove")
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -127,7 +127,7 @@ def test_what_is_refused(capsys, monkeypatch):
 
 def test_zenoh_that_is_not_installed(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "zenoh", None)
-    assert "pip install 'drake-twin[zenoh]'" in refused(capsys, "--robots", 1, "--ros", "zenoh")
+    assert "pip install 'eclipse-zenoh>=" in refused(capsys, "--robots", 1, "--ros", "zenoh")
 
 
 def test_lockstep():

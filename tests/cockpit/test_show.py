@@ -10,7 +10,7 @@ import threading
 import urllib.error
 import urllib.request
 from http.server import BaseHTTPRequestHandler, HTTPServer
-from time import sleep
+from itertools import count
 
 import pytest
 from browser import BROWSER_TESTS, browser, orange_bodies, picture
@@ -74,14 +74,18 @@ def test_an_each_frame_of_the_programs_own_is_called_too(twin, page):
     assert twin.command(WHEELS_1).data[0] == 3.0
 
 
-def test_an_advance_of_the_programs_own_processes_what_a_callback_can(twin, page):
+@pytest.fixture
+def frames_are_due(monkeypatch):
+    """Each reading of the clock is a frame and more after the last one."""
+    monkeypatch.setattr("drake_twin.show.perf_counter", count(step=0.05).__next__)
+
+
+def test_an_advance_of_the_programs_own_processes_what_a_callback_can(twin, frames_are_due, page):
     ask(page, protocol.MoveJoint(WHEELS_1, 0, 3.0))
-    sleep(0.05)
     twin.advance_to(0.1)
     assert twin.command(WHEELS_1).data[0] == 3.0
     for request in (protocol.Reset(), protocol.Step(1), protocol.RunTo(9.0), protocol.Delete("robot_1")):
         ask(page, request)
-        sleep(0.05)
         time = twin.time + 0.1
         assert twin.advance_to(time) == pytest.approx(time)
         (*_, last) = page._cockpit._log.as_plain()
@@ -90,30 +94,23 @@ def test_an_advance_of_the_programs_own_processes_what_a_callback_can(twin, page
         )
 
 
-def test_a_pause_on_the_page_holds_an_advance_of_the_programs_own_until_play(twin, page):
+def test_a_pause_on_the_page_holds_an_advance_of_the_programs_own_until_play(twin, frames_are_due, page, monkeypatch):
     ask(page, protocol.Pause())
-    sleep(0.05)
     seen = []
 
-    def play():
-        while not twin.paused:
-            sleep(0.01)
-        seen.append(twin.time)
-        sleep(0.1)
-        seen.append(twin.time)
-        ask(page, protocol.Play())
+    def sleep(duration):
+        seen.append((twin.time, twin.paused))
+        if len(seen) == 3:
+            ask(page, protocol.Play())
 
-    thread = threading.Thread(target=play)
-    thread.start()
+    monkeypatch.setattr("drake_twin.show.sleep", sleep)
     assert twin.advance_to(0.5) == pytest.approx(0.5)
-    thread.join()
-    assert seen == [0, 0]
+    assert seen[:3] == [(0, True)] * 3
     assert not twin.paused
 
 
-def test_a_pause_of_the_programs_own_ends_its_advance(twin, page):
+def test_a_pause_of_the_programs_own_ends_its_advance(twin, frames_are_due, page):
     twin.subscribe("/clock", lambda _: twin.time >= 0.2 and twin.pause(), rate=100)
-    sleep(0.05)
     assert twin.advance_to(0.5) == pytest.approx(0.2)
 
 
@@ -146,16 +143,19 @@ def test_a_deleted_twin_takes_its_page_with_it(capsys):
         urllib.request.urlopen(url)
 
 
-def test_an_idle_asyncio_loop_processes_requests(twin, capsys):
+def test_an_idle_asyncio_loop_processes_requests(twin, capsys, monkeypatch):
+    monkeypatch.setattr("drake_twin.show._FRAME", 1e-9)  # so that it does so whenever the cells give way to it
+
+    async def give_way():
+        for _ in range(20):
+            await asyncio.sleep(0)
+
     async def cells():
         page = drake_twin.show(twin)
         ask(page, protocol.Step(3))
-        for _ in range(100):
-            await asyncio.sleep(0.01)
-            if twin.step_count:
-                break
+        await give_way()
         page.close()
-        await asyncio.sleep(0.1)
+        await give_way()
 
     asyncio.run(cells())
     assert twin.step_count == 3

@@ -3,13 +3,13 @@
 import base64
 import io
 import json
-import time
 
 import numpy as np
 import pytest
 from conftest import ARM, ROVER, rovers
 from fake_page import FakePage
 from PIL import Image
+from waiting import until
 
 from drake_twin.cockpit import protocol, spawn_panel
 from drake_twin.cockpit.robot_files import robot_files
@@ -53,9 +53,7 @@ class Dialog:
 
     def outcome(self):
         """The last spawn's, once it has one."""
-        while (state := self.look())["status"] == "reading":
-            time.sleep(0.01)
-        return state
+        return until(lambda: (state := self.look())["status"] != "reading" and state)
 
 
 @pytest.fixture
@@ -88,8 +86,7 @@ def test_robot_files_are_those_that_name_a_robot_in_every_package_once(tmp_path)
 def test_the_dialog_lists_robots_and_a_files_arguments_while_it_is_open(dialog, tmp_path):
     assert dialog.page.state["panels"]["spawn"] is None
     file = xacro(tmp_path / "r.xacro", '<xacro:arg name="wheels" default="4"/><xacro:arg name="prefix"/>')
-    while (state := dialog.look(str(file)))["files"] is None:
-        time.sleep(0.01)
+    state = until(lambda: (state := dialog.look(str(file)))["files"] is not None and state)
     assert ROVER in state["files"]
     assert state["here"] == [ROVER]
     assert state["arguments"] == {"wheels": "4", "prefix": ""}
@@ -149,8 +146,7 @@ def test_a_file_that_takes_too_long_is_ended_and_the_twin_goes_on_meanwhile(dial
     assert dialog.page.state["panels"]["spawn"]["status"] == "reading"
     dialog.spawn(ROVER, name="impatient")
     assert "another robot is being spawned" in dialog.page.state["panels"]["spawn"]["message"]
-    while dialog.look()["status"] != "refused" or "xacro" not in dialog.look()["message"]:
-        time.sleep(0.02)
+    until(lambda: dialog.look()["status"] == "refused" and "xacro" in dialog.look()["message"])
     assert "xacro takes longer than 1 s to expand the file" in dialog.look()["message"]
     monkeypatch.undo()
     dialog.spawn(ROVER, name="after")
@@ -162,9 +158,12 @@ def test_a_robot_is_drawn_before_it_is_spawned_and_what_is_wrong_with_it_is_said
 
     def previewed(key, **fields):
         dialog.ask(do="Preview", key=key, **fields)
-        while (shown := dialog.look(fields["file"])["preview"]) is None or shown["key"] != key:
-            time.sleep(0.01)
-        return shown
+
+        def drawn():
+            shown = dialog.look(fields["file"])["preview"]
+            return shown if shown is not None and shown["key"] == key else None
+
+        return until(drawn)
 
     pictures = {}
     for color in ("0", "1"):

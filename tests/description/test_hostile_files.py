@@ -9,6 +9,8 @@ from drake_twin import TwinBuilder
 from drake_twin.description import xacro_expressions
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
+from drake_twin.scenario.scenario_file import ScenarioFile
+from drake_twin.twin.snapshot import Snapshot
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -64,6 +66,19 @@ def test_a_mesh_that_is_a_device_or_a_pipe_is_left_out(tmp_path, name):
     said = [finding.what for finding in twin.findings if finding.kind is Kind.MENDED]
     assert len(said) == 2
     assert all("a device or a pipe" in text for text in said)
+
+
+def test_a_scenario_a_parameters_file_and_a_state_that_are_devices_are_refused(tmp_path):
+    (tmp_path / "endless").symlink_to("/dev/zero")
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r"><link name="a">{INERTIAL}</link></robot>')
+    builder = TwinBuilder().robot("r", tmp_path / "robot.urdf", controllers=[tmp_path / "endless"])
+    for read in (
+        builder.build,
+        lambda: ScenarioFile.read(tmp_path / "endless"),
+        lambda: Snapshot.load(tmp_path / "endless"),
+    ):
+        with pytest.raises(InputError, match="a device or a pipe"):
+            read()
 
 
 def test_a_mesh_that_counts_further_than_it_goes_is_left_out(tmp_path):

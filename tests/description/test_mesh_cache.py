@@ -1,5 +1,6 @@
 import multiprocessing
 import os
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -128,6 +129,42 @@ def test_a_cache_folder_that_cannot_be_written_falls_back_to_a_temporary_one(cac
     cache.mkdir(parents=True)
     monkeypatch.setattr(os, "access", lambda path, mode: False)  # file modes do not bind root, who may run the tests
     assert cache not in cached(source("a.stl"), ".obj", ten_bytes).parents
+
+
+@pytest.fixture
+def no_cache(tmp_path, cache, monkeypatch):
+    """A cache folder that cannot be made; the temporary folder."""
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
+    mesh_cache._temporary_folder.cache_clear()
+    yield tmp_path / "tmp"
+    mesh_cache._temporary_folder.cache_clear()
+
+
+def test_the_temporary_folder_is_the_users_own_and_the_same_in_every_run(no_cache):
+    folder = mesh_cache.cache_folder("meshes")
+    assert folder == no_cache / f"drake_twin_{os.getuid()}" / "meshes"
+    assert folder.parent.stat().st_mode & 0o777 == 0o700
+    mesh_cache._temporary_folder.cache_clear()  # as in another process
+    assert mesh_cache.cache_folder("meshes") == folder
+
+
+@pytest.mark.parametrize("place", ["link", "open to others", "file"])
+def test_a_temporary_folder_that_others_may_have_made_is_not_used(no_cache, place):
+    shared = no_cache / f"drake_twin_{os.getuid()}"
+    match place:
+        case "link":
+            (no_cache / "of_another").mkdir(mode=0o700)
+            shared.symlink_to(no_cache / "of_another")
+        case "open to others":
+            shared.mkdir()
+            shared.chmod(0o770)
+        case "file":
+            shared.touch()
+    folder = mesh_cache.cache_folder("meshes")
+    assert folder.name.startswith("drake_twin_meshes_")
+    assert folder.stat().st_mode & 0o777 == 0o700
 
 
 def test_a_disk_that_is_full_is_named_and_no_part_is_left(cache, source, monkeypatch):

@@ -103,7 +103,7 @@ def command(line: str, place: str) -> None:
     if text.startswith("python -m pytest") and Path(words[-1]).is_file():
         import pytest
 
-        assert pytest.main(["-q", "-p", "no:cacheprovider", *words[3:]]) == 0, f"{place}: {line}"
+        assert pytest.main(["-q", "-n0", "-p", "no:cacheprovider", *words[3:]]) == 0, f"{place}: {line}"
         return
     if text.startswith(TOO_LONG):
         return

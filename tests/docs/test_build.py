@@ -9,10 +9,13 @@ from pathlib import Path
 import pytest
 
 DOCS = Path(__file__).resolve().parents[2] / "drake_twin" / "docs"
-pytestmark = pytest.mark.skipif(
-    any(find_spec(name) is None for name in ("sphinx", "myst_parser", "furo")),
-    reason="Sphinx is not installed: pip install '.[docs]'",
-)
+pytestmark = [
+    pytest.mark.slow,  # it builds all pages
+    pytest.mark.skipif(
+        any(find_spec(name) is None for name in ("sphinx", "myst_parser", "furo")),
+        reason="Sphinx is not installed: pip install '.[docs]'",
+    ),
+]
 
 
 def build(source: Path, target: Path, *options: str) -> subprocess.CompletedProcess[str]:

@@ -258,7 +258,7 @@ def test_what_the_twin_does_not_do_is_listed_once_with_its_reason(tmp_path):
         "foo/bar (it is not a Python program of the workspace: publish its messages by --pub, or run a node by --node)",
         "joint_state_publisher/joint_state_publisher (joint states come from the simulation)",
         "slam_toolbox/async_slam_toolbox_node (mapping is not a part of the twin)",
-        "ls (the twin runs no programs)",
+        "ls (of programs, the twin starts only Python nodes)",
     )
 
 

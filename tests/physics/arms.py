@@ -116,7 +116,7 @@ def _robot(folder: Path, name: str) -> tuple[str | Path, list[str]]:
     if name == "arduinobot":
         return ARM, ["joint_1", "joint_2", "joint_3", "joint_4"]
     if not _FILES[name].exists():
-        pytest.skip("example-robot-data is not installed: pip install 'drake-twin[corpus]'")
+        pytest.skip("example-robot-data is not installed: pip install '.[corpus]'")
     text = _FILES[name].read_text()
     text = re.sub(r'<transmission.*?</transmission>|<collision.*?</collision>| friction="[^"]*"', "", text, flags=re.S)
     joints = re.findall(r'<joint name="([^"]+)" type="revolute"', text)

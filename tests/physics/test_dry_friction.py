@@ -296,7 +296,7 @@ def arm_along_a_trajectory(folder, name, engine):
     return np.array(found), np.array(goal)
 
 
-@pytest.mark.skipif(not DATA.is_dir(), reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'")
+@pytest.mark.skipif(not DATA.is_dir(), reason="example-robot-data is not installed: pip install '.[corpus]'")
 @pytest.mark.parametrize("name", ARMS)
 def test_an_arm_with_friction_moves_in_cenic_as_in_the_discrete_engine(tmp_path, name):
     expected, goal = arm_along_a_trajectory(tmp_path, name, "1ms")

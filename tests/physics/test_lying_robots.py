@@ -102,7 +102,7 @@ def resisted(twin, plan):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not DATA.is_dir(), reason="example-robot-data is not installed: pip install 'drake-twin[corpus]'")
+@pytest.mark.skipif(not DATA.is_dir(), reason="example-robot-data is not installed: pip install '.[corpus]'")
 @every_engine
 @pytest.mark.parametrize("file", sorted(DATA.glob("**/*.urdf")), ids=lambda file: file.stem)
 def test_robots_that_nobody_here_wrote_lie_still(figure, file, engine):

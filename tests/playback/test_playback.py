@@ -170,6 +170,12 @@ def test_the_program(tmp_path, capsys):
     assert main([str(next(folder.glob("*.db3"))), "--no-browser", "--end", "--rate", "20"]) == 0
 
 
+def test_descriptions_are_not_expanded_for_expressions_are_code(tmp_path, played):
+    folder = write(tmp_path / "bag", cart_messages(text=CART.replace('"mast"', '"${1 + 1}"')))
+    _, twin = played(folder)
+    assert "${1 + 1}" in twin.plans[0].description.links
+
+
 def refused(capsys, *arguments):
     assert main([*map(str, arguments), "--no-browser"]) == 2
     captured = capsys.readouterr()

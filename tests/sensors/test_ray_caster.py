@@ -167,7 +167,7 @@ def test_ten_thousand_rays_in_a_hundred_scenes_against_closed_forms(seed):
 
 
 def test_a_mesh_is_met_where_mujoco_meets_it(tmp_path):
-    mujoco = pytest.importorskip("mujoco", reason="mujoco is not installed: pip install 'drake-twin[benchmarks]'")
+    mujoco = pytest.importorskip("mujoco", reason="mujoco is not installed: pip install '.[benchmarks]'")
     import trimesh
 
     mesh = trimesh.creation.torus(0.6, 0.2, 40, 24)
@@ -263,5 +263,5 @@ def test_without_embree_one_paragraph_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, "embreex", None)
     scene = Scene()
     scene.add(Sphere(0.5), RigidTransform(), moves=False)
-    with pytest.raises(InputError, match="pip install embreex"):
+    with pytest.raises(InputError, match="pip install 'embreex>=4'"):
         scene.caster()

@@ -176,6 +176,12 @@ def test_a_robot_is_spawned_from_its_text(twin):
     assert twin.plans[2].description.links == ("base_link",)
 
 
+def test_a_text_is_not_expanded_for_expressions_are_code(twin):
+    text = BOX.replace("base_link", "${1 + 1}").replace("<robot", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    assert spawn(twin, uri="", resource_string=text)["result"] == RESULT
+    assert twin.plans[2].description.links == ("${1 + 1}",)
+
+
 @pytest.mark.parametrize(
     ("request_", "code", "words"),
     [

@@ -15,6 +15,7 @@ import zmq
 from conftest import ARM, rovers
 from meshcat_server import MeshcatServer, free_address
 from PIL import Image
+from waiting import until
 
 from drake_twin import TwinBuilder
 from drake_twin.errors import InputError
@@ -282,9 +283,13 @@ def test_a_person_sees_the_robots_of_both_twins(server, viewers, tmp_path):
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE_RENDERING)
         page = browser.new_page(viewport={"width": 800, "height": 600})
         page.goto(server.page)
-        page.wait_for_timeout(1500)  # the page draws when the browser gets to it, and says nothing about it
-        picture = page.screenshot(path=tmp_path / "page.png")
+
+        def both_are_seen():  # the page draws when the browser gets to it, and says nothing about it
+            picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+            red, green, blue = np.moveaxis(np.asarray(picture).astype(int)[200:], 2, 0)
+            orange = (red > 130) & (red > 1.6 * green) & (green > 1.5 * blue)  # the rover's
+            blueish = (blue > 90) & (blue > 1.6 * green) & (green > 1.5 * red)  # the arm's
+            return orange.sum() > 100 and blueish.sum() > 100
+
+        until(both_are_seen)
         browser.close()
-    red, green, blue = np.moveaxis(np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)[200:], 2, 0)
-    assert ((red > 130) & (red > 1.6 * green) & (green > 1.5 * blue)).sum() > 100  # the rover's orange
-    assert ((blue > 90) & (blue > 1.6 * green) & (green > 1.5 * red)).sum() > 100  # the arm's blue

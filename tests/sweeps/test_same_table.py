@@ -84,7 +84,7 @@ def test_interrupted_killed_and_resumed(folder):
     assert digest(folder / "stopped.parquet") == digest(folder / "one.parquet")
 
 
-@pytest.mark.skipif(find_spec("ray") is None, reason="needs Ray: pip install 'drake-twin[ray]'")
+@pytest.mark.skipif(find_spec("ray") is None, reason="needs Ray: pip install '.[ray]'")
 def test_with_ray(folder):
     root = str(Path(__file__).resolve().parents[2])
     command = (*COMMAND, "--workers", "2", "--engine", "ray", "--out", "ray.parquet")

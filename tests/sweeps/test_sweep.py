@@ -3,10 +3,10 @@
 import os
 import resource
 import signal
-import time
 
 import pytest
 from sweep_files import children, finished, program, runs, write_sweep
+from waiting import until
 
 from drake_twin import run, sweep
 from drake_twin.sweeps.results import read_table
@@ -36,13 +36,6 @@ def without_folder(row):
     return {key: value for key, value in row.items() if key != "id"}  # the hinge's file is in another folder
 
 
-def wait_for(condition, process):
-    end = time.monotonic() + 120
-    while not condition() and process.poll() is None and time.monotonic() < end:
-        time.sleep(0.01)
-    assert condition(), process.communicate()
-
-
 def journal_lines(folder, least):
     file = folder / "t.csv.journal"
     return lambda: file.exists() and file.read_bytes().count(b"\n") > least
@@ -50,7 +43,7 @@ def journal_lines(folder, least):
 
 def test_ctrl_c_writes_what_is_done_and_names_the_command_that_continues(folder, undisturbed):
     run = program(folder, *GRID, "--out", "t.csv", "--workers", "2")
-    wait_for(journal_lines(folder, 8), run)
+    until(journal_lines(folder, 8), run)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)
     assert run.returncode == 130, err
@@ -65,15 +58,12 @@ def test_ctrl_c_writes_what_is_done_and_names_the_command_that_continues(folder,
 def test_a_sweep_that_is_killed_leaves_no_process_and_continues_without_a_row_too_many(folder, undisturbed):
     for least in (5, 30):
         run = program(folder, *GRID, "--out", "t.csv", "--workers", "2")
-        wait_for(journal_lines(folder, least), run)
+        until(journal_lines(folder, least), run)
         workers = children(run)
         run.kill()
         run.communicate()
         assert len(workers) >= 2
-        end = time.monotonic() + 60
-        while any(map(runs, workers)) and time.monotonic() < end:
-            time.sleep(0.01)
-        assert not any(map(runs, workers))
+        until(lambda workers=workers: not any(map(runs, workers)))
         assert not (folder / "t.csv").exists()
     last = finished(folder, *GRID, "--out", "t.csv")
     assert last.returncode == 0, last.stderr

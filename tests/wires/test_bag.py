@@ -13,8 +13,8 @@ from conftest import rovers
 from mcap.exceptions import EndOfFile
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
-from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
+from wires.mcap_peer import decoded_messages
 
 from drake_twin import InputError, Robot, Twin
 from drake_twin.run import main
@@ -54,9 +54,9 @@ def test_two_readers_find_the_same_messages(tmp_path):
     assert counts["/tf"] == 20
     assert counts["/robot_1/robot_description"] == 1
     assert "/model_states" not in counts
-    other = [item for item in read_ros2_messages(tmp_path / "bag" / "bag.mcap") if item.channel.topic == STATES]
-    assert [list(item.ros_msg.position) for item in other] == positions
-    assert sum(1 for _ in read_ros2_messages(tmp_path / "bag" / "bag.mcap")) == sum(counts.values())
+    other = [item for item in decoded_messages(tmp_path / "bag" / "bag.mcap") if item.channel.topic == STATES]
+    assert [list(item.decoded_message.position) for item in other] == positions
+    assert sum(1 for _ in decoded_messages(tmp_path / "bag" / "bag.mcap")) == sum(counts.values())
 
 
 def test_only_the_topics_that_are_asked_for(tmp_path):

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 from conftest import rovers
-from mcap_ros2.reader import read_ros2_messages
 from rosbags.highlevel import AnyReader
 from wires.foxglove_peer import npm_modules
+from wires.mcap_peer import decoded_messages
 
 from drake_twin.wires.bag_wire import BagWire
 from drake_twin.wires.seam import Seam
@@ -51,11 +51,11 @@ def test_rosbags_reads_what_the_twin_published(bag, by_rosbags):
 
 
 def test_mcap_ros2_support_reads_the_same(bag, by_rosbags):
-    found = list(read_ros2_messages(bag[0] / "bag.mcap"))
+    found = list(decoded_messages(bag[0] / "bag.mcap"))
     states = [item for item in found if item.channel.topic == STATES]
     assert Counter(item.channel.topic for item in found) == by_rosbags["counts"]
-    assert [item.log_time_ns for item in states] == by_rosbags["times"]
-    assert [list(item.ros_msg.position) for item in states] == by_rosbags["positions"]
+    assert [item.message.log_time for item in states] == by_rosbags["times"]
+    assert [list(item.decoded_message.position) for item in states] == by_rosbags["positions"]
 
 
 def test_mcap_core_reads_the_same(bag, by_rosbags):

@@ -81,6 +81,5 @@ def test_zenoh_that_is_not_installed(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "zenoh", None)
     with pytest.raises(InputError) as caught:
         open_session()
-    assert str(caught.value) == (
-        "the ROS 2 graph needs Zenoh, which is not installed: pip install 'drake-twin[zenoh]'."
-    )
+    assert str(caught.value).startswith("the ROS 2 graph needs eclipse-zenoh, which is not installed: `")
+    assert str(caught.value).endswith(" -m pip install 'eclipse-zenoh>=1.2'`.")

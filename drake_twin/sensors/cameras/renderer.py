@@ -5,7 +5,6 @@ import mmap
 import os
 import signal
 import subprocess
-import sys
 import weakref
 from collections import defaultdict
 from multiprocessing import Pipe
@@ -15,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from drake_twin.findings import Finding, Kind
+from drake_twin.python_process import python_command
 from drake_twin.sensors.cameras.picture import COLOR, DEPTH, NO_OPENGL, NO_SCENE, View
 from drake_twin.sensors.cameras.scene import SeenScene
 
@@ -59,7 +59,7 @@ class Renderer:
         process: The process; None before the first picture.
     """
 
-    command: ClassVar[tuple[str, ...]] = (sys.executable, "-m", "drake_twin.sensors.cameras.render_process")
+    command: ClassVar[tuple[str, ...]] = python_command("drake_twin.sensors.cameras.render_process")
 
     def __init__(self) -> None:
         self.problem = ""
