@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from drake_twin.twin.state import RobotState
     from drake_twin.twin.twin import Twin
 
+__version__ = "0.2.0"  # the one place: pyproject.toml reads it here, .github/RELEASING.md says when it changes
+
 _HOMES = {
     "builder.twin_builder": ("TwinBuilder",),
     "errors": ("CommandError", "InputError", "RunError", "TwinError"),
@@ -77,24 +79,18 @@ __all__ = [
     "show",
 ]
 
+if not TYPE_CHECKING:  # else every name that is not there would have the type Any
 
-def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import PackageNotFoundError, version
+    def __getattr__(name: str) -> Any:
+        from importlib import import_module
 
-        try:
-            return version("drake_twin")
-        except PackageNotFoundError:  # it is imported from its source folder
-            return "0+unknown"
-    from importlib import import_module
+        from drake_twin.requirements import imports_explained
 
-    from drake_twin.requirements import imports_explained
-
-    for module, names in _HOMES.items():
-        if name in names:
-            with imports_explained():
-                return getattr(import_module(f"drake_twin.{module}"), name)
-    raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
+        for module, names in _HOMES.items():
+            if name in names:
+                with imports_explained():
+                    return getattr(import_module(f"drake_twin.{module}"), name)
+        raise AttributeError(f"module 'drake_twin' has no attribute {name!r}")
 
 
 def _refuse(kind: type[BaseException], error: BaseException, traceback: Any) -> None:

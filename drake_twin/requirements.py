@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from drake_twin.errors import InputError, TwinError
 
-DRAKE = (1, 51)  # the oldest version
+DRAKE = (1, 51, 1)  # the oldest version
 
 # Module → requirement.
 BASE = {
@@ -23,8 +23,8 @@ BASE = {
     "lxml": "lxml>=5",
     "meshcat": "meshcat>=0.3.2",
     "numpy": "numpy>=1.26",
-    "pydrake": "drake>=1.51",
-    "rosbags": "rosbags>=0.11",
+    "pydrake": "drake>=1.51.1",
+    "rosbags": "rosbags>=0.11.1",
     "scipy": "scipy>=1.11",
     "trimesh": "trimesh>=4.6",
     "xacro": "xacro>=2.1",
@@ -164,7 +164,7 @@ def _old_drake() -> RequirementError | None:
         installed = version("drake")
     except PackageNotFoundError:  # built from source
         return None
-    numbers = tuple(int(number) for number in re.findall(r"\d+", installed)[:2])
+    numbers = tuple(int(number) for number in re.findall(r"\d+", installed)[: len(DRAKE)])
     if numbers >= DRAKE:
         return None
     oldest = ".".join(map(str, DRAKE))

@@ -33,9 +33,9 @@ PROGRAMS = {
     "benchmarks": ["drake_twin.benchmarks", "--quick"],
 }
 REFUSAL = {
-    "absent": r"drake_twin needs drake, which is not installed: `.*pip install 'drake>=1\.51'`\.",
-    "broken": r"drake_twin needs Drake, which .* cannot be imported \(ImportError: worn out\): `.* 'drake>=1\.51'`\.",
-    "old": r"drake_twin needs Drake 1\.51 or newer, and 1\.50\.0 is installed: `.*pip install 'drake>=1\.51'`\.",
+    "absent": r"drake_twin needs drake, which is not installed: `.*pip install 'drake>=1\.51\.1'`\.",
+    "broken": r"drake_twin needs Drake, which .* cannot be imported \(ImportError: .*\): `.* 'drake>=1\.51\.1'`\.",
+    "old": r"drake_twin needs Drake 1\.51\.1 or newer, and 1\.50\.0 is installed: `.*pip install 'drake>=1\.51\.1'`\.",
     "library": r"drake_twin needs Drake, .*libX\.so.*: install the system's package with that library \(http.*\)\.",
 }
 
@@ -86,7 +86,7 @@ def drake(tmp_path, monkeypatch, request):
 
 def test_the_base_is_that_of_the_project():
     assert sorted(BASE.values()) == sorted(text.partition(";")[0] for text in PROJECT["dependencies"])
-    assert BASE["pydrake"] == f"drake>={DRAKE[0]}.{DRAKE[1]}"
+    assert BASE["pydrake"] == "drake>=" + ".".join(map(str, DRAKE))
 
 
 def test_the_extras_are_those_of_the_project():

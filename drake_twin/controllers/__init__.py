@@ -25,8 +25,9 @@ _HOMES = {
 
 __all__ = ["Controller", "ControllerSetup", "Interface", "PeriodicController", "Update", "controller"]
 
+if not TYPE_CHECKING:  # else every name that is not there would have the type Any
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)

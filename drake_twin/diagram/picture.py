@@ -36,7 +36,7 @@ def dot_text(diagram: Diagram) -> str:
 def _with_connected_ports(text: str) -> str:
     """Draw only ports with an edge, numbered in their order."""
     connected = {end.groups() for end in _END.finditer(text)}
-    numbers: dict[tuple[str, str, str], int] = {}
+    numbers: dict[tuple[str, ...], int] = {}
 
     def draw(match: re.Match[str]) -> str:
         system, head, body = match.groups()

@@ -1,14 +1,15 @@
 """How Sphinx builds these pages: ``python -m sphinx -W --keep-going drake_twin/docs build/docs``."""
 
 import sys
-from importlib.metadata import version as version_of
 from pathlib import Path
+
+from drake_twin import __version__
 
 sys.path.insert(0, str(Path(__file__).parent))
 
 project = "drake_twin"
 author = "the drake_twin contributors"
-version = release = version_of("drake_twin")
+version = release = __version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "pydrake_system"]
 html_theme = "furo"

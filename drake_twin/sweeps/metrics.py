@@ -191,7 +191,7 @@ def _path(poses: np.ndarray) -> float:
 
 def _energy(robot: RobotHistory) -> float:
     power = np.abs(robot.efforts * robot.velocities).sum(axis=1)
-    return float(np.trapezoid(power, robot.times)) if len(power) > 1 else 0.0
+    return float(np.sum((power[1:] + power[:-1]) / 2 * np.diff(robot.times))) if len(power) > 1 else 0.0
 
 
 def _max_effort(robot: RobotHistory) -> float:

@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -19,11 +20,9 @@ def test_a_program_that_is_named_first_prints_it_too():
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.startswith("drake_twin ")
 
 
-def test_a_package_that_is_not_installed_has_a_version_all_the_same(monkeypatch):
-    from importlib import metadata
-
-    def missing(name):
-        raise metadata.PackageNotFoundError(name)
-
-    monkeypatch.setattr(metadata, "version", missing)
-    assert drake_twin.__version__ == "0+unknown"
+def test_a_checkout_that_is_not_installed_has_the_version():
+    code = "import drake_twin, sys; print(drake_twin.__version__, 'importlib.metadata' in sys.modules)"
+    root = Path(drake_twin.__file__).parents[1]
+    command = [sys.executable, "-S", "-c", code]  # without installed packages
+    result = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True)
+    assert result.stdout == f"{drake_twin.__version__} False\n"

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 from scipy.interpolate import BPoly, CubicHermiteSpline, make_interp_spline
 
 from drake_twin.control.trajectory import Trajectory, TrajectoryPoint, interpolate, position_error, take_up
@@ -123,7 +124,7 @@ def test_positions_are_the_integral_of_velocities_where_only_these_are_given():
     times = np.linspace(0.0, 3.0, 30_001)
     velocity = np.interp(times, (0.0, 1.0, 1.5, 3.0), (0.2, *velocities))
     for time in (0.4, 1.0, 1.3, 2.2, 3.0):
-        expected = 0.3 + np.trapezoid(np.where(times <= time, velocity, 0.0), times)
+        expected = 0.3 + trapezoid(np.where(times <= time, velocity, 0.0), times)
         point = trajectory.sample(10.0 + time).point
         assert point.positions[0] == pytest.approx(expected, abs=1e-4)
         assert point.velocities[0] == pytest.approx(np.interp(time, times, velocity), abs=1e-9)
