@@ -62,6 +62,7 @@ def test_events_are_on_their_grid_and_commands_with_them(tmp_path):
     assert len(counting.commanded) == 3
 
 
+@pytest.mark.slow
 def test_a_quick_run_of_all_sections_is_saved(tmp_path, capfd):
     assert main(["--quick", "--output", str(tmp_path)]) == 0
     saved = json.loads((tmp_path / "benchmarks.json").read_text())
@@ -71,6 +72,7 @@ def test_a_quick_run_of_all_sections_is_saved(tmp_path, capfd):
     assert {file.suffix for file in tmp_path.iterdir()} == {".json", ".md", ".svg"}
 
 
+@pytest.mark.slow
 def test_as_many_robots_run_as_somebody_asks_for(tmp_path):
     assert main(["robots", "real-time", "--quick", "--robots", "3", "--output", str(tmp_path)]) == 0
     tables = json.loads((tmp_path / "benchmarks.json").read_text())["tables"]

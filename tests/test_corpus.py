@@ -28,6 +28,11 @@ URDFS = sorted(DATA.glob("**/*.urdf"))
 needs_data = pytest.mark.skipif(not URDFS, reason="example-robot-data is not installed: pip install '.[corpus]'")
 
 
+# Arms, hands, a rover, a drone and a biped: the others are slow, as all of them take minutes.
+SAMPLE = {"ur5_robot", "panda", "allegro_left_hand", "finger_edu", "iris", "z1", "tiago_no_hand", "bolt"}
+ROBOTS = [pytest.param(file, id=file.stem, marks=() if file.stem in SAMPLE else pytest.mark.slow) for file in URDFS]
+
+
 def twin_of(file):
     return Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
 
@@ -38,7 +43,7 @@ def test_the_collection_is_whole():
 
 
 @needs_data
-@pytest.mark.parametrize("file", URDFS, ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", ROBOTS)
 def test_a_robot_of_the_collection_is_shown_and_steps_and_its_frames_and_inertias_are_the_files_own(file):
     twin = Twin(robot_file_scenario(file, xacro_args={}, package_paths=[str(SHARE)]))
     scene = Scene()

@@ -39,6 +39,9 @@ def node_programs(lines: Sequence[str]) -> tuple[NodeProgram, ...]:
 
 
 def _node_program(line: str) -> NodeProgram:
+    whole = Path(absolute_path(line))
+    if whole.is_file():  # a path with spaces
+        return NodeProgram(str(whole))
     try:
         words = shlex.split(line)
     except ValueError as error:

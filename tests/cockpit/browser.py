@@ -20,6 +20,8 @@ from drake_twin.cockpit.served_page import ServedPage
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+SOFTWARE_RENDERING += ["--webgl-antialiasing-mode=none"]
+PIXELS = 0.5  # of a screen for each of the page, both ways: the processor draws each of them
 OFFLINE = ["--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 
 _ALSO_PLAYWRIGHT = "; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'"
@@ -75,7 +77,7 @@ class Shown:
 
     def tab(self):
         """Opens the page in a new tab and waits until it shows something."""
-        tab = self._browser.new_page(viewport={"width": 1280, "height": 800})
+        tab = self._browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
         tab.on("pageerror", lambda error: self.faults.append(str(error)))
         tab.on("console", lambda line: line.type == "error" and self.faults.append(line.text))
         self.tabs.append(tab)
@@ -164,7 +166,7 @@ def picture(tab):
     banner.evaluate("element => { element.style.visibility = 'hidden'; }")
     last = None
     for _ in range(40):
-        shot = tab.locator("#scene").screenshot()
+        shot = tab.locator("#scene").screenshot(scale="css")
         if shot == last:
             break
         last = shot

@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, orange, show
+from browser import BROWSER_TESTS, PIXELS, browser, orange, show
 from conftest import rovers
 from in_scene import look_at, place_of, tools
 from PIL import Image
@@ -50,7 +50,7 @@ def test_a_picture_is_what_the_scene_shows(page):
     assert tab.evaluate("window.savedName") == "drake_twin.png"
     shot = np.asarray(Image.open(io.BytesIO(data)).convert("RGB")).astype(int)
     box = tab.locator("#scene").bounding_box()
-    assert shot.shape[:2] == (round(box["height"]), round(box["width"]))
+    assert shot.shape[:2] == pytest.approx((PIXELS * box["height"], PIXELS * box["width"]), abs=1)
     assert len(orange(shot)[0]) > 1000
 
 
