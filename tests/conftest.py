@@ -4,6 +4,7 @@ import os
 import sys
 from pathlib import Path
 
+import hypothesis
 import pytest
 from figures import figure, pytest_terminal_summary  # noqa: F401  # for the tests in physics
 
@@ -12,6 +13,10 @@ from drake_twin.builder.twin_builder import TwinBuilder
 # Hundreds of processes start: each compiles every module again where the environment forbids to keep what is compiled.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
+
+# The same cases in each run: other ones are a search, for which a seed is given.
+hypothesis.settings.register_profile("fixed", derandomize=True, deadline=None)
+hypothesis.settings.load_profile("fixed")
 
 ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"

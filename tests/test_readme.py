@@ -56,7 +56,7 @@ def test_the_ci_calls_the_readmes_commands():
     ci = (ROOT / ".ci" / "run").read_text()
     first, second = re.findall(r"```sh\n(.*?)\n```", README, re.DOTALL)[:2]
     assert first.replace("python3 -m", '"$python" -m').replace("install .", 'install -q "$what"') in ci
-    assert second.replace("install '.[test]'", 'install -q "$what[test]"') in ci
+    assert second.replace("install '.[test]'", 'install -q "${what}[test]"') in ci
     assert 'readme "$oldest" .\n' in ci
     assert 'readme "$newest" "$wheel"' in ci
 

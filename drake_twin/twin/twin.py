@@ -846,7 +846,10 @@ class Twin:
     def state_sha256(self) -> str:
         """Return a hash of all that a `snapshot` holds, without the scenario's text.
 
-        Two runs of a scenario with the same hash are in the same state to the last bit, and continue alike. Of what is
+        Two runs of a scenario with the same hash are in the same state to the last bit, and continue alike. On one
+        machine and with one version of drake_twin, a scenario has the same hash in each run, on each supported Python
+        and version of NumPy. Another kind of processor or operating system may round otherwise, and another version of
+        Drake may simulate otherwise. Of what is
         changed with Drake's own means, a plant's parameters, locked joints and shapes' materials count; other shapes,
         collision filters and values fixed on ports do not, and `restore` does not undo them.
         """

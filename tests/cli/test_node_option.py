@@ -19,6 +19,7 @@ def test_words_of_a_script_and_of_a_package(tmp_path):
         NodeProgram(str(script), arguments=("--x", "y z")),
         NodeProgram("talk", "my_package", ("--ros-args", "-p", "a:=1")),
     )
+    assert node_programs([str(script)]) == (NodeProgram(str(script)),)  # as a shell hands on "a b.py"
 
 
 @pytest.mark.parametrize(

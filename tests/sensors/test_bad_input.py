@@ -156,7 +156,7 @@ def built(tree, parent):
 
 @given(st.sampled_from(sensor_kinds()), st.lists(elements(4), max_size=5))
 @example("imu", [("plugin", "", [("ros", "", [("argument", "'", ())])])])
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_any_element_is_planned_or_refused_in_a_paragraph(kind, trees):
     if kind in SENSOR_PLUGINS:
         root = etree.Element("plugin", name="s", filename=f"lib{kind}.so")
