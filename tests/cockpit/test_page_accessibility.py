@@ -21,8 +21,22 @@ def axe():
     return (npm_modules("axe-core@4.10") / "axe-core" / "axe.min.js").read_text()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (1920, 1080), (390, 844)], ids=["wide", "large", "phone"])
+SIZES = {"wide": (1280, 800), "large": (1920, 1080), "phone": (390, 844)}
+
+
+def looks(*quick):
+    """Each size with each scheme; those that are not named are slow."""
+    every = [(size, scheme) for size in SIZES for scheme in ("light", "dark")]
+    cases = [
+        pytest.param(
+            SIZES[size], scheme, id=f"{size}-{scheme}", marks=() if (size, scheme) in quick else pytest.mark.slow
+        )
+        for size, scheme in every
+    ]
+    return pytest.mark.parametrize(("size", "scheme"), cases)
+
+
+@looks(("wide", "light"), ("phone", "dark"))
 def test_the_page_breaks_none_of_its_rules(show, axe, tmp_path, scheme, size):
     it, tab = show(seeing(tmp_path).scenario())
     tab.emulate_media(color_scheme=scheme, reduced_motion="reduce")
@@ -35,8 +49,7 @@ def test_the_page_breaks_none_of_its_rules(show, axe, tmp_path, scheme, size):
     assert tab.evaluate(RUN) == []
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (390, 844)], ids=["wide", "phone"])
+@looks(("wide", "dark"))
 def test_topics_plots_and_diagram_break_none_of_its_rules(show, axe, tmp_path, scheme, size):
     it, tab = show(rovers(1).scenario())
     tab.emulate_media(color_scheme=scheme, reduced_motion="reduce")

@@ -83,6 +83,7 @@ def test_local_ray_gives_the_same_rows_and_names_each_open_port(folder, network)
 
 
 @needs_ray
+@pytest.mark.slow
 def test_the_named_ports_are_those_of_the_systems_tables_and_ctrl_c_leaves_nothing(folder, network):
     run = start(folder, network, *LONG, "--workers", "2", "--engine", "ray", "--out", "r.jsonl")
     until(lambda: lines(folder / "r.jsonl.journal") > 2, run)
@@ -99,6 +100,7 @@ def test_the_named_ports_are_those_of_the_systems_tables_and_ctrl_c_leaves_nothi
 
 
 @needs_ray
+@pytest.mark.slow
 def test_a_sweep_that_is_killed_takes_its_ray_along_and_continues(folder, network):
     known = with_processes(folder, GRID, "p.jsonl")
     run = start(folder, network, *GRID, "--workers", "2", "--engine", "ray", "--out", "r.jsonl")
@@ -117,6 +119,7 @@ def test_a_sweep_that_is_killed_takes_its_ray_along_and_continues(folder, networ
 
 
 @needs_ray
+@pytest.mark.slow
 def test_a_node_that_is_killed_loses_no_episode(folder, network):
     known = with_processes(folder, LONG, "p.jsonl")
     environment = {
