@@ -6,11 +6,11 @@ test are in its ``tmp_path``.
 
 import contextlib
 import io
-import shutil
 
 import firefox
 import numpy as np
 import pytest
+from chromium import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
 from conftest import rovers
 from PIL import Image
 
@@ -18,11 +18,7 @@ from drake_twin import Twin
 from drake_twin.cockpit import server
 from drake_twin.cockpit.served_page import ServedPage
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-SOFTWARE_RENDERING += ["--webgl-antialiasing-mode=none"]
 PIXELS = 0.5  # of a screen for each of the page, both ways: the processor draws each of them
-OFFLINE = ["--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run"]
 
 _ALSO_PLAYWRIGHT = "; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'"
 

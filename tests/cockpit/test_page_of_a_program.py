@@ -12,7 +12,8 @@ import threading
 from urllib.parse import urlsplit
 
 import pytest
-from browser import CHROMIUM, OFFLINE, PIXELS, SOFTWARE_RENDERING
+from browser import PIXELS
+from chromium import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
 
 BAD = [b"\x91", b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 65536, b"{", b'{"do":"Pause"}', b"\x00" * 1000]
 

@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -12,6 +11,7 @@ import threading
 import numpy as np
 import pytest
 import zmq
+from chromium import CHROMIUM, SOFTWARE_RENDERING
 from conftest import ARM, rovers
 from meshcat_server import MeshcatServer, free_address
 from PIL import Image
@@ -22,8 +22,6 @@ from drake_twin.errors import InputError
 from drake_twin.run import main
 from drake_twin.shared_viewer.shared_viewer import SharedViewer
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WHEELS = "/robot_1/forward_velocity_controller/commands"
 LONG = 20  # s: for what comes soon or never
 

@@ -1,11 +1,11 @@
 """Drake's shapes as three.js has them: their sizes, and what a real browser draws of them."""
 
 import io
-import shutil
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from chromium import CHROMIUM, SOFTWARE_RENDERING
 from meshcat_server import MeshcatServer
 from PIL import Image
 from pydrake.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpace, Mesh, MeshcatCone, Sphere
@@ -16,8 +16,6 @@ from drake_twin.shared_viewer.meshcat_client import MeshcatClient
 from drake_twin.shared_viewer.shared_scene import DrawnGeometry
 from drake_twin.shared_viewer.three_js import points_object, three_js_object
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-SOFTWARE_RENDERING = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)]).T
 
 
