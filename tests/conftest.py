@@ -22,6 +22,17 @@ ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
 CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
 
+# Where the tests stand beside an installed package in place of its sources, there is nothing to build and to mutate.
+OF_SOURCES = ["test_distributions.py", "test_wheel.py", "test_mutants.py"]
+IN_CHECKOUT = (Path(__file__).parent.parent / "drake_twin" / "__init__.py").is_file()
+collect_ignore = [] if IN_CHECKOUT else OF_SOURCES
+
+
+def pytest_report_header() -> str | None:
+    """Say what is left out."""
+    return None if IN_CHECKOUT else f"not a checkout of drake_twin, left out: {', '.join(OF_SOURCES)}"
+
+
 # The fast lane, `pytest -m fast`: units without a process, a browser or a long simulation.
 FAST_ROOMS = frozenset(
     ("control", "controllers", "description", "from_launch", "messages", "planning", "ros2", "scenario", "sensors")

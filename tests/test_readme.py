@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+import drake_twin
+
 ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = Path(drake_twin.__file__).parent  # in the checkout, or installed beside it
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = [
     ROOT / "README.md",
@@ -30,7 +33,7 @@ def named_paths(page: Path) -> set[Path]:
     text = page.read_text(encoding="utf-8")
     links = {page.parent / link for link in re.findall(r"\]\((?!https?:)([^)#\s]+)[^)]*\)", text)}
     quoted = re.findall(r"`((?:drake_twin|models|diagrams|tests|\.github|\.ci)/(?:[\w/.-]*/|[\w/.-]+\.\w+)?)`", text)
-    return links | {ROOT / path for path in quoted}
+    return links | {PACKAGE.parent / path if path.startswith("drake_twin/") else ROOT / path for path in quoted}
 
 
 # A controller type that looks like a path; and a page that shows how a file is added names it before it is there.

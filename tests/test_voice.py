@@ -30,10 +30,14 @@ PHRASES = (
 COUNTED = re.compile("|".join(PHRASES))
 
 
+# Python 3.12 and later read the text of an f-string as tokens of their own.
+READ = {tokenize.STRING, tokenize.COMMENT, getattr(tokenize, "FSTRING_MIDDLE", tokenize.STRING)}
+
+
 def words(source: str):
     """The strings and comments of a program, with their lines."""
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type in (tokenize.STRING, tokenize.COMMENT):
+        if token.type in READ:
             yield token.start[0], token.string
 
 
