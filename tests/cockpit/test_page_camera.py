@@ -13,7 +13,7 @@ from drake_twin import TwinBuilder
 
 pytestmark = BROWSER_TESTS
 
-SIZES = ((1280, 800), (1920, 1080), (390, 844))
+SIZES = ((1280, 800), pytest.param((1920, 1080), marks=pytest.mark.slow), (390, 844))
 
 
 def place_of_middle(tab):

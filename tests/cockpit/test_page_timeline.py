@@ -89,8 +89,9 @@ def test_marks_stand_where_things_happened(driving):
     assert (box["x"] - strip["x"]) / strip["width"] == pytest.approx(stopped / it.twin.time, abs=0.05)
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("size", [(1280, 800), (390, 844)], ids=["wide", "phone"])
+@pytest.mark.parametrize(
+    ("size", "scheme"), [((1280, 800), "light"), ((390, 844), "dark")], ids=["wide-light", "phone-dark"]
+)
 def test_its_texts_fit(driving, tmp_path, scheme, size):
     it, tab = driving
     it.twin.emergency_stop("robot_1")
