@@ -112,6 +112,7 @@ class My(Node):
 """
 
 
+@pytest.mark.slow  # tests/nodes/test_node_motion.py has a square of absolute moves, too
 def test_four_relative_moves_are_a_square(tmp_path, capsys):
     file = script(tmp_path, "moves.py", MOVES)
     names = {"cmd_vel": VELOCITY, "odom": "/robot_1/drive/odom"}

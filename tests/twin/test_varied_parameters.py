@@ -151,8 +151,11 @@ PENDULUM = """<robot name="p"><link name="world"/><link name="arm">
 <dynamics damping="{damping}"/></joint></robot>"""
 
 
-@pytest.mark.parametrize("mass", [0.3, 0.8, 1.0, 2.0, 7.0])
-@pytest.mark.parametrize("damping", [0.0, 0.05])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize("mass", [0.3, *(pytest.param(mass, marks=SLOW) for mass in (0.8, 1.0, 2.0)), 7.0])
+@pytest.mark.parametrize("damping", [pytest.param(0.0, marks=SLOW), 0.05])
 def test_a_pendulum_swings_with_the_period_and_decay_of_its_mass_and_damping(tmp_path, mass, damping):
     (tmp_path / "p.urdf").write_text(PENDULUM.format(mass=1.0, damping=0.3))
     scenario = TwinBuilder(time_step=1e-5).robot("p", tmp_path / "p.urdf", initial_positions={"j": 1e-3}).scenario()
