@@ -133,9 +133,10 @@ def test_the_same_wheel_comes_from_the_checkout_and_from_the_sdist(made, tmp_pat
 def test_the_wheel_runs_its_robots_outside_of_the_checkout(made, tmp_path):
     with zipfile.ZipFile(made.wheel) as archive:
         archive.extractall(tmp_path / "installed")
-    command = [sys.executable, "-m", "drake_twin.run", "--robots", "2", "--headless", "--duration", "0.1"]
+    run = [sys.executable, "-m", "drake_twin", "run", "--headless", "--duration", "0.1"]
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "installed")}
     where = "import drake_twin; print(drake_twin.__file__)"
     options = {"cwd": tmp_path, "env": environment, "capture_output": True, "text": True, "check": True, "timeout": 120}
     assert str(tmp_path) in subprocess.run([sys.executable, "-c", where], **options).stdout
-    assert subprocess.run(command, **options).returncode == 0
+    for robots in (["--robots", "2"], ["--robot", "arduinobot"], ["diagrams/two_rovers.yaml"]):
+        assert "simulated" in subprocess.run([*run, *robots], **options).stdout
