@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Generator
 from pathlib import Path
 
 import hypothesis
@@ -48,6 +49,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         file, is_slow = item.path, item.get_closest_marker("slow") is not None
         if file.parent.name in FAST_ROOMS and file.stem not in TOO_SLOW_FOR_FAST and not is_slow:
             item.add_marker("fast")
+
+
+FAILED = pytest.StashKey[bool]()  # of a test whose fixtures end
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Notes for the fixtures whether their test has failed."""
+    report = yield
+    item.stash[FAILED] = report.failed
+    return report
 
 
 @pytest.fixture(scope="session")

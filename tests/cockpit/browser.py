@@ -1,7 +1,7 @@
 """The page in a real browser: fixtures and helpers of the tests that operate its controls and check the twin's state.
 
-The browser is Chromium; ``-m "browser and slow"`` runs the same tests in Firefox. Screenshots before and after each
-test are in its ``tmp_path``.
+The browser is Chromium; ``-m "browser and slow"`` runs the same tests in Firefox. The scene is drawn from the moment on
+that a test looks at it; after a failure a screenshot of each tab is in the test's ``tmp_path``.
 """
 
 import contextlib
@@ -11,7 +11,7 @@ import firefox
 import numpy as np
 import pytest
 from chromium import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
-from conftest import rovers
+from conftest import FAILED, rovers
 from PIL import Image
 
 from drake_twin import Twin
@@ -19,6 +19,22 @@ from drake_twin.cockpit import server
 from drake_twin.cockpit.served_page import ServedPage
 
 PIXELS = 0.5  # of a screen for each of the page, both ways: the processor draws each of them
+
+# The processor draws the scene, which takes longer than all else on the page.
+_DRAWN_ON_DEMAND = """
+Object.defineProperty(window, "MeshCat", { configurable: true, set(library) {
+  Object.defineProperty(window, "MeshCat", { value: library });
+  const render = library.Viewer.prototype.render;
+  library.Viewer.prototype.render = function () {
+    window.shownViewer = this;
+    if (window.isDrawn) return render.call(this);
+    this.needs_render = false;
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+    this.scene.updateMatrixWorld();
+  };
+} });
+"""
 
 _ALSO_PLAYWRIGHT = "; script-src 'self' 'unsafe-eval'; style-src 'self' 'unsafe-inline'"
 
@@ -58,6 +74,13 @@ def browser(request, tmp_path_factory):
         yield browser
 
 
+def opened(browser):
+    """A new tab."""
+    tab = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
+    tab.add_init_script(_DRAWN_ON_DEMAND)
+    return tab
+
+
 class Shown:
     """A twin, its page's server side, and browsers' tabs with the page."""
 
@@ -73,7 +96,7 @@ class Shown:
 
     def tab(self):
         """Opens the page in a new tab and waits until it shows something."""
-        tab = self._browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
+        tab = opened(self._browser)
         tab.on("pageerror", lambda error: self.faults.append(str(error)))
         tab.on("console", lambda line: line.type == "error" and self.faults.append(line.text))
         self.tabs.append(tab)
@@ -127,20 +150,19 @@ class Shown:
 
 
 @pytest.fixture
-def show(browser, tmp_path):
-    """Shows a scenario in a tab; screenshots are taken then and at the end."""
+def show(browser, request, tmp_path):
+    """Shows a scenario in a tab; screenshots are taken when the test has failed."""
     shown = []
 
     def show_(scenario, **options):
         it = Shown(browser, scenario, **options)
         shown.append(it)
-        tab = it.tab()
-        tab.screenshot(path=tmp_path / "before.png")
-        return it, tab
+        return it, it.tab()
 
     yield show_
     for it in shown:
-        for number, tab in enumerate(it.tabs):
+        for number, tab in enumerate(it.tabs if request.node.stash[FAILED] else []):
+            draw(tab)
             tab.screenshot(path=tmp_path / f"after_{number}.png")
         it.close()
         assert it.faults == [], it.faults
@@ -156,8 +178,16 @@ def folder(tab, robot="robot_1"):
     return tab.locator(f".robot[data-robot={robot}]")
 
 
+def draw(tab):
+    """Draws the scene from now on."""
+    tab.locator("#scene").evaluate(
+        "(frame) => { frame.contentWindow.isDrawn = true; frame.contentWindow.shownViewer.set_dirty(); }"
+    )
+
+
 def picture(tab):
     """The scene's pixels, once two pictures in a row are alike; without the banner that no frame runs meanwhile."""
+    draw(tab)
     banner = tab.locator("#connection")
     banner.evaluate("element => { element.style.visibility = 'hidden'; }")
     last = None

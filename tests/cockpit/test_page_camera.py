@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, browser, page, show
+from browser import BROWSER_TESTS, browser, draw, page, show
 from conftest import ARM, ROVER, rovers
 from in_scene import item, place_of, tools
 from world_with_crate import rover_and_crate
@@ -29,7 +29,7 @@ def are_seen(tab, points):
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_an_arm_is_seen_whole_from_the_start(browser, size, tmp_path):
+def test_an_arm_is_seen_whole_from_the_start(browser, size):
     from browser import Shown
 
     it = Shown(browser, TwinBuilder().robot("arm", ARM).scenario())
@@ -50,7 +50,6 @@ def test_an_arm_is_seen_whole_from_the_start(browser, size, tmp_path):
     tab.set_viewport_size({"width": size[0], "height": size[1] - 100})
     it.for_frames(5)
     assert tools(tab, "cameraPlace()") == pytest.approx(camera, abs=1e-3)  # it stays where a person moved it
-    tab.screenshot(path=tmp_path / "arm.png")
     it.close()
     assert it.faults == []
 
@@ -92,6 +91,7 @@ def test_names_stand_above_robots_and_follow_them(page):
     it, tab = page
     names = tab.frame_locator("#scene").locator(".name")
     assert names.count() == 0
+    draw(tab)  # they are laid above the picture
     tab.get_by_label("Names above robots").click(force=True)
     it.frames(lambda: names.count() == 2)
     assert names.all_inner_texts() == ["robot_1", "robot_2"]
@@ -112,13 +112,12 @@ def test_names_stand_above_robots_and_follow_them(page):
     it.frames(lambda: names.count() == 0)
 
 
-def test_the_help_opens_with_a_key_and_a_button_and_closes(page, tmp_path):
+def test_the_help_opens_with_a_key_and_a_button_and_closes(page):
     it, tab = page
     for open_ in (lambda: tab.keyboard.press("?"), lambda: tab.get_by_role("button", name="Keys and mouse").click()):
         open_()
         it.frames(lambda: tab.locator("#help").is_visible())
         assert "Fit the selection" in tab.locator("#help").inner_text()
-        tab.screenshot(path=tmp_path / "help.png")
         tab.keyboard.press("Escape")
         it.frames(lambda: not tab.locator("#help").is_visible())
 

@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from browser import BROWSER_TESTS, PIXELS, browser, orange, show
+from browser import BROWSER_TESTS, PIXELS, browser, draw, orange, show
 from conftest import rovers
 from in_scene import look_at, place_of, tools
 from PIL import Image
@@ -32,6 +32,7 @@ def page(show):
     it.twin.pause()
     it.for_frames(5)
     look_at(tab, "robot_1")
+    draw(tab)
     tab.evaluate(KEEP)
     return it, tab
 
@@ -99,7 +100,7 @@ def test_a_click_has_one_taker_and_who_loses_it_is_told(page):
     assert tools(tab, "clickOwner") is None
 
 
-def test_up_to_four_views_each_with_its_camera(page, tmp_path):
+def test_up_to_four_views_each_with_its_camera(page):
     it, tab = page
     views = tab.locator(".scene iframe")
     button = tab.get_by_role("button", name="Views")
@@ -116,6 +117,5 @@ def test_up_to_four_views_each_with_its_camera(page, tmp_path):
     assert len(set(places)) == 4
     boxes = [view.bounding_box() for view in views.all()]
     assert len({(round(box["x"]), round(box["y"])) for box in boxes}) == 4
-    tab.screenshot(path=tmp_path / "views.png")
     button.click()
     it.frames(lambda: views.count() == 1)

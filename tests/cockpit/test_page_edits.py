@@ -113,7 +113,6 @@ def test_a_crate_follows_the_mouse_and_the_recording_replays_to_the_same_hash(sh
     it.frames(lambda: it.twin.entity_state("crate").position[2] > z + 0.05)
     tab.mouse.move(across - 150, up - 60, steps=10)
     it.frames(lambda: place_of(tab, it.twin.entity_state("crate").position)[0] < across - 100)
-    tab.screenshot(path=tmp_path / "dragged.png")
     tab.mouse.up()
     it.frames(lambda: it.twin.snapshot().wrenches["items"] == [])
     it.frames(lambda: it.twin.entity_state("crate").position[2] < z + 0.02)

@@ -32,7 +32,7 @@ def factor(tab):
     return float(text.rstrip("×")) if text not in ("–", "paused") else 0.0
 
 
-def test_several_robots_in_one_world(show, tmp_path):
+def test_several_robots_in_one_world(show):
     """Robots by name, each with its topics, frames and controllers, driven from one place."""
     it, tab = show(rovers(1).scenario())
     spawn(it, tab, ROVER, "left", 1.5)
@@ -67,7 +67,6 @@ def test_several_robots_in_one_world(show, tmp_path):
     folder(tab, "right").get_by_title("Plot right_rear_left_wheel_joint").click()
     it.frames(lambda: tab.locator("#plots canvas").count() == 1)
     it.for_frames(20)
-    tab.screenshot(path=tmp_path / "lesson.png")
 
 
 BARE = """<robot name="bare">
@@ -115,4 +114,3 @@ def test_an_arm_bends_without_a_controller_and_the_step_is_raised(show, tmp_path
     it.frames(lambda: it.twin.time_step == 0.01)
     it.frames(lambda: factor(tab) > 0)
     assert float(step.input_value()) == 10.0
-    tab.screenshot(path=tmp_path / "lesson.png")

@@ -12,7 +12,7 @@ import threading
 from urllib.parse import urlsplit
 
 import pytest
-from browser import PIXELS
+from browser import opened
 from chromium import CHROMIUM, OFFLINE, SOFTWARE_RENDERING
 
 BAD = [b"\x91", b"", b"\xc1", b"\xdd\xff\xff\xff\xff", b"\x91" * 65536, b"{", b'{"do":"Pause"}', b"\x00" * 1000]
@@ -165,7 +165,7 @@ def tab():
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE_RENDERING + OFFLINE)
-        yield browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
+        yield opened(browser)
         browser.close()
 
 

@@ -30,7 +30,7 @@ def reaches(it, positions):
     it.for_frames(10)  # it comes to rest, and the page is told
 
 
-def test_joints_go_home_and_to_zero_and_through_saved_poses(arm, tmp_path):
+def test_joints_go_home_and_to_zero_and_through_saved_poses(arm):
     it, tab = arm
     controller = "trajectory_controller"
     home = [it.twin.start_positions("arm")[f"joint_{number}"] for number in (1, 2, 3)]
@@ -46,7 +46,6 @@ def test_joints_go_home_and_to_zero_and_through_saved_poses(arm, tmp_path):
     it.frames(lambda: folder(tab, "arm").get_by_role("button", name="pose 2", exact=True).count() == 1)
     press(tab, "left")
     reaches(it, [0.6, home[1], home[2]])
-    tab.screenshot(path=tmp_path / "poses.png")
     start = it.twin.time
     press(tab, "Through all")
     it.frames(lambda: it.twin.command("/arm/trajectory_controller/joint_trajectory") is not None)

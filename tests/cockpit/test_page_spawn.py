@@ -10,7 +10,7 @@ from in_scene import place_of, tools
 pytestmark = BROWSER_TESTS
 
 
-def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then(page, tmp_path):
+def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then(page):
     it, tab = page
     tab.get_by_role("button", name="Spawn…").click()
     found = tab.get_by_label("Found robots")
@@ -20,7 +20,6 @@ def test_a_found_robot_is_spawned_where_the_scene_was_clicked_and_is_recent_then
     tab.locator("#spawn-preview summary").click()
     picture = tab.locator("#spawn-preview img")
     it.frames(lambda: picture.is_visible() and picture.evaluate("image => image.naturalWidth") == 320)
-    tab.screenshot(path=tmp_path / "dialog.png")
     tab.get_by_role("button", name="Click in the scene…").click()
     assert not tab.locator("#spawn-dialog").is_visible()
     tab.mouse.click(*place_of(tab, (0.6, 1.0, 0.0)))
@@ -52,7 +51,6 @@ def test_a_bad_file_keeps_the_dialog_with_the_reason_and_arguments_are_given(pag
     assert "made.xacro" in message.inner_text()
     assert "division by zero" in message.inner_text()
     assert it.twin.robots == ("robot_1", "robot_2")
-    tab.screenshot(path=tmp_path / "refused.png")
     tab.locator("#spawn-arguments summary").click()
     mass = tab.get_by_label("Argument mass")
     assert mass.get_attribute("placeholder") == "0"

@@ -45,12 +45,11 @@ def test_scrubbing_shows_where_the_robot_was_and_now_where_it_is(driving):
     assert it.twin.paused
 
 
-def test_a_press_goes_on_from_there(driving, tmp_path):
+def test_a_press_goes_on_from_there(driving):
     it, tab = driving
     before = it.twin.time
     scrub(it, tab, 1.2)
     assert it.twin.time >= before
-    tab.screenshot(path=tmp_path / "looking.png")
     tab.get_by_role("button", name="Go on from 1.00 s").click()
     it.frames(lambda: not it.twin.paused)
     assert it.twin.time < 1.5
@@ -92,16 +91,14 @@ def test_marks_stand_where_things_happened(driving):
 @pytest.mark.parametrize(
     ("size", "scheme"), [((1280, 800), "light"), ((390, 844), "dark")], ids=["wide-light", "phone-dark"]
 )
-def test_its_texts_fit(driving, tmp_path, scheme, size):
+def test_its_texts_fit(driving, scheme, size):
     it, tab = driving
     it.twin.emergency_stop("robot_1")
     tab.emulate_media(color_scheme=scheme)
     tab.set_viewport_size({"width": size[0], "height": size[1]})
     it.for_frames(20)
-    tab.screenshot(path=tmp_path / "now.png")
     scrub(it, tab, 0.8)
     it.for_frames(10)
-    tab.screenshot(path=tmp_path / "looking.png")
     bar = tab.locator("#timeline").bounding_box()
     for part in tab.locator("#timeline > *:visible").all():
         box = part.bounding_box()

@@ -41,11 +41,10 @@ def rows(tab):
     )
 
 
-def test_topics_are_listed_filtered_and_echoed(driving, tmp_path):
+def test_topics_are_listed_filtered_and_echoed(driving):
     it, tab = driving
     choose(it, tab, STATES)
     it.frames(lambda: float(rows(tab).get(f"velocity[{WHEEL}]", 0)) > 1.9)
-    tab.screenshot(path=tmp_path / "echo.png")
     names = tab.locator(".topics button")
     count = names.count()
     assert count == len(it.twin.endpoints)
@@ -54,7 +53,7 @@ def test_topics_are_listed_filtered_and_echoed(driving, tmp_path):
     assert all("joint_states" in text for text in names.all_inner_texts())
 
 
-def test_a_message_is_published_from_a_form(driving, tmp_path):
+def test_a_message_is_published_from_a_form(driving):
     it, tab = driving
     choose(it, tab, COMMANDS)
     form = tab.locator("form.publish")
@@ -74,7 +73,6 @@ def test_a_message_is_published_from_a_form(driving, tmp_path):
     number.fill("5.5")
     published("Published at")
     it.frames(lambda: it.twin.command(COMMANDS).data[place] == 5.5)
-    tab.screenshot(path=tmp_path / "form.png")
     number.fill("fast")
     refused(f"{WHEEL} velocity: fast is not a value")
     number.fill('"fast"')
@@ -116,7 +114,7 @@ def plot_wheel(it, tab):
     it.frames(lambda: tab.locator("#plots canvas").count() == 1 and value(tab) is not None)
 
 
-def test_numbers_are_plotted_from_the_echo(driving, tmp_path):
+def test_numbers_are_plotted_from_the_echo(driving):
     it, tab = driving
     it.twin.silence(COMMANDS)
     choose(it, tab, STATES)
@@ -131,7 +129,6 @@ def test_numbers_are_plotted_from_the_echo(driving, tmp_path):
     it.twin.publish(COMMANDS, [{WHEEL: 7.0}.get(name, -3.0) for name in order])
     it.frames(lambda: value(tab, 0) == pytest.approx(7, abs=0.01) and value(tab, 1) == pytest.approx(-3, abs=0.01))
     it.for_frames(40)
-    tab.screenshot(path=tmp_path / "plots.png")
     shot = np.asarray(Image.open(io.BytesIO(tab.locator("#plots canvas").screenshot())).convert("RGB")).astype(int)
     red, green, blue = shot[..., 0], shot[..., 1], shot[..., 2]
     first, _ = np.nonzero((blue > red + 60) & (blue > green + 30))
@@ -254,10 +251,9 @@ def open_diagram(it, tab):
     it.frames(lambda: tab.locator("dialog.drawing svg").count() == 1)
 
 
-def test_the_systems_of_the_diagram_lead_to_their_topics(driving, tmp_path):
+def test_the_systems_of_the_diagram_lead_to_their_topics(driving):
     it, tab = driving
     open_diagram(it, tab)
-    tab.screenshot(path=tmp_path / "diagram.png")
     dialog = tab.locator("dialog.drawing")
     port = dialog.locator("svg text", has_text="robot_2/joint_states").first
     port.click()

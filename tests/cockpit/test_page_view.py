@@ -42,27 +42,25 @@ def test_meshcats_own_panel_is_not_shown(page):
     )
 
 
-@pytest.mark.parametrize(
-    ("label", "path"),
-    [
-        ("Frames (tf)", "frames"),
-        ("Contact forces", "contact"),
-        ("Collision shapes", "collision"),
-        ("Inertia", "inertia"),
-    ],
-)
-def test_an_overlay_is_drawn_and_taken_away(page, label, path):
+def test_each_overlay_is_drawn_and_taken_away(page):
     it, tab = page
     it.frames(lambda: it.twin.time > 0.3)
     it.twin.pause()
     it.for_frames(3)
     before = picture(tab)
-    tab.get_by_label(label).click(force=True)
-    it.frames(lambda: it.scene.has_path(f"{OVERLAYS}/{path}"))
-    it.frames(lambda: changed(before, picture(tab)) > 200, most=200)
-    tab.get_by_label(label).click(force=True)
-    it.frames(lambda: not it.scene.has_path(f"{OVERLAYS}/{path}"))
-    it.frames(lambda: changed(before, picture(tab)) < 20, most=200)
+    overlays = {
+        "Frames (tf)": "frames",
+        "Contact forces": "contact",
+        "Collision shapes": "collision",
+        "Inertia": "inertia",
+    }
+    for label, path in overlays.items():
+        tab.get_by_label(label).click(force=True)
+        it.frames(lambda path=path: it.scene.has_path(f"{OVERLAYS}/{path}"))
+        it.frames(lambda: changed(before, picture(tab)) > 200, most=200)
+        tab.get_by_label(label).click(force=True)
+        it.frames(lambda path=path: not it.scene.has_path(f"{OVERLAYS}/{path}"))
+        it.frames(lambda: changed(before, picture(tab)) < 20, most=200)
 
 
 def test_the_camera_follows_a_robot_and_lets_it_go(page):

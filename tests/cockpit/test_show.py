@@ -13,7 +13,7 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 from itertools import count
 
 import pytest
-from browser import BROWSER_TESTS, PIXELS, browser, orange_bodies, picture
+from browser import BROWSER_TESTS, browser, opened, orange_bodies, picture
 from conftest import rovers
 from robots_to_steer import WHEELS_1
 
@@ -204,7 +204,7 @@ class TestInBrowser:
 
     @pytest.fixture
     def tab(self, browser):
-        tab = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
+        tab = opened(browser)
         yield tab
         tab.close()
 

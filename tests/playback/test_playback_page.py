@@ -9,7 +9,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "cockpit"))
 
-from browser import BROWSER_TESTS, PIXELS, browser
+from browser import BROWSER_TESTS, browser, opened
 from playback.recorded_bags import cart_messages, write
 
 from drake_twin import Twin
@@ -27,7 +27,7 @@ def test_the_page_plays_a_bag(browser, tmp_path):
         player = BagPlayer(bag, Twin(scenario), robots)
         served = ServedPage()
         cockpit = served.show(player._twin, player=player)
-        tab = browser.new_page(viewport={"width": 1280, "height": 800}, device_scale_factor=PIXELS)
+        tab = opened(browser)
         faults = []
         tab.on("pageerror", lambda error: faults.append(str(error)))
 
