@@ -44,10 +44,17 @@ TOO_SLOW_FOR_FAST = frozenset(
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the tests of the fast lane."""
+    """Marks the tests of the fast lane, and leaves a sample of the thorough ones in the everyday lane."""
+    cases: dict[str, list[pytest.Item]] = {}
     for item in items:
-        file, is_slow = item.path, item.get_closest_marker("slow") is not None
-        if file.parent.name in FAST_ROOMS and file.stem not in TOO_SLOW_FOR_FAST and not is_slow:
+        if item.get_closest_marker("thorough") is not None and item.get_closest_marker("slow") is None:
+            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    for first, *others in cases.values():
+        if others:  # of a test with several cases
+            first.own_markers[:] = [mark for mark in first.own_markers if mark.name != "thorough"]
+    for item in items:
+        file, is_long = item.path, any(mark.name in ("slow", "thorough") for mark in item.iter_markers())
+        if file.parent.name in FAST_ROOMS and file.stem not in TOO_SLOW_FOR_FAST and not is_long:
             item.add_marker("fast")
 
 

@@ -4,6 +4,7 @@ Generate it by ``python -m drake_twin.controllers.docs > drake_twin/docs/control
 """
 
 import dataclasses
+import inspect
 import re
 import typing
 from collections.abc import Iterator, Mapping
@@ -128,8 +129,8 @@ def _attributes(kind: type) -> dict[str, str]:
     """Return the texts of attributes in the docstrings of a class and its bases."""
     found: dict[str, str] = {}
     for each in reversed(kind.__mro__):
-        _, _, section = (each.__doc__ or "").partition("Attributes:\n")
-        for entry in re.split(r"\n(?=        \w+: )", "\n" + section):
+        _, _, section = inspect.cleandoc(each.__doc__ or "").partition("Attributes:\n")  # Python 3.13 indents less
+        for entry in re.split(r"\n(?=    \w+: )", "\n" + section):
             attribute, colon, text = entry.strip().partition(": ")
             if colon and attribute.isidentifier():
                 found[attribute] = " ".join(text.split())
