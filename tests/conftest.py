@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections import defaultdict
 from collections.abc import Generator
 from pathlib import Path
 
@@ -21,6 +22,7 @@ hypothesis.settings.load_profile("fixed")
 
 ROVER = "package://rover_description/urdf/rover.urdf.xacro"
 ARM = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
+TESTS = Path(__file__).resolve().parent
 CORPUS = Path(__file__).resolve().parents[2] / "shared" / "corpus"
 
 # Where the tests stand beside an installed package in place of its sources, there is nothing to build and to mutate.
@@ -43,19 +45,28 @@ TOO_SLOW_FOR_FAST = frozenset(
 ) | {"test_robot_model", "test_sdf_includes", "test_unread", "test_yaml_document"}
 
 
+# The thorough lane, `pytest -m thorough`: file and function of the tests that take long.
+THOROUGH = frozenset(
+    line for line in (TESTS / "thorough_tests.txt").read_text(encoding="utf-8").split("\n") if line and line[0] != "#"
+)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the tests of the fast lane, and leaves a sample of the thorough ones in the everyday lane."""
-    cases: dict[str, list[pytest.Item]] = {}
+    """Marks the tests of the fast and of the thorough lane; one case of a test with several is an everyday one."""
+    cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
-        if item.get_closest_marker("thorough") is not None and item.get_closest_marker("slow") is None:
-            cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    for first, *others in cases.values():
-        if others:  # of a test with several cases
-            first.own_markers[:] = [mark for mark in first.own_markers if mark.name != "thorough"]
-    for item in items:
-        file, is_long = item.path, any(mark.name in ("slow", "thorough") for mark in item.iter_markers())
-        if file.parent.name in FAST_ROOMS and file.stem not in TOO_SLOW_FOR_FAST and not is_long:
+        if item.get_closest_marker("slow") is not None:
+            continue
+        name = f"{item.path.relative_to(TESTS).as_posix()}::{item.nodeid.partition('::')[2].partition('[')[0]}"
+        if name in THOROUGH:
+            cases[name].append(item)
+        elif item.path.parent.name in FAST_ROOMS and item.path.stem not in TOO_SLOW_FOR_FAST:
             item.add_marker("fast")
+    for several in cases.values():
+        everyday = several[len(several) // 2] if len(several) > 1 else None
+        for item in several:
+            if item is not everyday:
+                item.add_marker("thorough")
 
 
 FAILED = pytest.StashKey[bool]()  # of a test whose fixtures end
