@@ -52,7 +52,7 @@ THOROUGH = frozenset(
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Marks the tests of the fast and of the thorough lane; one case of a test with several is an everyday one."""
+    """Marks the tests of the fast and of the thorough lane; the last case of several is an everyday test."""
     cases: dict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
         if item.get_closest_marker("slow") is not None:
@@ -63,7 +63,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         elif item.path.parent.name in FAST_ROOMS and item.path.stem not in TOO_SLOW_FOR_FAST:
             item.add_marker("fast")
     for several in cases.values():
-        everyday = several[len(several) // 2] if len(several) > 1 else None
+        everyday = several[-1] if len(several) > 1 else None
         for item in several:
             if item is not everyday:
                 item.add_marker("thorough")
