@@ -1,5 +1,6 @@
 """``drake_twin.run --watch``, with the edits made where the loop looks for them."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -85,7 +86,9 @@ def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(t
     from drake_twin.cli.rebuilt_twin import rebuilt_twin
     from drake_twin.cli.target import build_twin, find_target
 
-    options = run_options.parser().parse_args([str(LAUNCH_ARM), "--headless"])
+    own = shutil.copytree(LAUNCH_ARM.parents[2], tmp_path / "models")  # what is installed is not watched
+    launch_file = own / LAUNCH_ARM.relative_to(LAUNCH_ARM.parents[2])
+    options = run_options.parser().parse_args([str(launch_file), "--headless"])
     mesh = tmp_path / "read_once_and_cached.stl"
     target = find_target(options)
     twin = build_twin(target)
@@ -93,7 +96,7 @@ def test_a_new_twin_keeps_the_time_control_and_watches_what_was_not_read_again(t
     new_twin, _, watch = rebuilt_twin(twin, target, options, Watch({mesh: None}))
     assert new_twin is not twin
     assert (new_twin.paused, new_twin.real_time_rate) == (True, 3.0)
-    assert {mesh, LAUNCH_ARM} <= set(watch.files)
+    assert {mesh, launch_file} <= set(watch.files)
 
 
 def test_a_recording_under_watch_is_of_the_twin_that_runs_at_the_end(watching, tmp_path):

@@ -1,5 +1,6 @@
 import contextlib
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +13,6 @@ from drake_twin.cli.watched_files import Watch, files_read
 from drake_twin.description.mesh_cache import cache_folder
 from drake_twin.description.package_index import share_folder
 
-MODELS = share_folder("models")
-
 
 def read(file: Path) -> dict:
     with files_read() as files:
@@ -22,17 +21,23 @@ def read(file: Path) -> dict:
 
 
 @pytest.fixture
+def models(tmp_path) -> Path:
+    """A person's copy of the twin's own models: what is installed beside Python's packages is not watched."""
+    return Path(shutil.copytree(share_folder("models"), tmp_path / "models"))
+
+
+@pytest.fixture
 def file(tmp_path) -> Path:
     (tmp_path / "a.xacro").write_text("a")
     return tmp_path / "a.xacro"
 
 
-def test_every_file_that_a_launch_file_is_made_of_is_watched():
-    options = parser().parse_args([str(MODELS / "rover_gazebo" / "launch" / "main.launch.xml")])
+def test_every_file_that_a_launch_file_is_made_of_is_watched(models):
+    options = parser().parse_args([str(models / "rover_gazebo" / "launch" / "main.launch.xml")])
     with files_read() as files:
         find_target(options)
-    names = {str(file.relative_to(MODELS)) for file in files if file.is_relative_to(MODELS)}
-    launch = {str(file.relative_to(MODELS)) for file in (MODELS / "rover_gazebo" / "launch").iterdir()}
+    names = {str(file.relative_to(models)) for file in files if file.is_relative_to(models)}
+    launch = {str(file.relative_to(models)) for file in (models / "rover_gazebo" / "launch").iterdir()}
     assert names >= launch | {
         "rover_gazebo/worlds/plain.sdf",
         "rover_description/config/rover_controllers.yaml",
@@ -41,7 +46,7 @@ def test_every_file_that_a_launch_file_is_made_of_is_watched():
     }
 
 
-def test_meshes_are_watched_and_the_cache_is_not():
+def test_meshes_are_watched_and_the_cache_is_not(models):
     program = (
         "import sys; from drake_twin.cli.options import parser\n"
         "from drake_twin.cli.target import build_twin, find_target\n"
@@ -49,10 +54,10 @@ def test_meshes_are_watched_and_the_cache_is_not():
         "with files_read() as files: build_twin(find_target(parser().parse_args(sys.argv[1:])))\n"
         "print(*files, sep='\\n')"
     )
-    command = [sys.executable, "-c", program, str(MODELS / "arduinobot_description/launch/gazebo.launch.py")]
-    output = subprocess.run(command, capture_output=True, text=True, check=True, cwd=MODELS.parent).stdout
+    command = [sys.executable, "-c", program, str(models / "arduinobot_description/launch/gazebo.launch.py")]
+    output = subprocess.run(command, capture_output=True, text=True, check=True, cwd=models.parent).stdout
     files = [Path(line) for line in output.splitlines()]
-    assert MODELS / "arduinobot_description" / "meshes" / "claw.stl" in files
+    assert models / "arduinobot_description" / "meshes" / "claw.stl" in files
     assert not [file for file in files if file.is_relative_to(cache_folder("launch").parent)]
     assert not [file for file in files if "site-packages" in file.parts]
 
