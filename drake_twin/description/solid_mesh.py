@@ -1,13 +1,15 @@
 """A mesh that does not move as convex solids: Drake's point contact would replace any other mesh by its convex hull.
 
 A room, a terrain or a shelf is not its hull. So each connected part of a mesh that is convex becomes its hull, and each
-flat face of the other parts becomes a slab, with its upper side at the face.
+flat face of the other parts becomes a slab, with its upper side at the face. A slab ends halfway to the other side of
+the mesh, where the slab of that side begins: a table top of 5 mm is 5 mm thick, a cup's walls leave its inside free.
 """
 
 import io
 import json
 from collections import defaultdict
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,10 @@ _CONVEX = 0.01
 # Faces are in one plane when their corners leave it by no more than this part of the diagonal.
 _FLAT = 2e-4
 
-THICKNESS = 0.05  # m: of a slab behind its face
+THICKNESS = 0.05  # m: of a slab behind its face, where the mesh's other side is farther away
+_THINNEST = 1e-4  # m: of a slab, also where two sides of a mesh are one
+_INSIDE = 1e-3  # from a corner towards the middle of its face, where the thickness behind the corner is measured
+_BEHIND = 1e-5  # relative to the mesh's size: where a ray starts behind its face
 
 # A mesh of more triangles is divided into cells of at least this part of its size.
 _MANY_TRIANGLES = 50_000
@@ -37,10 +42,12 @@ class SolidMesh:
     Attributes:
         hulls: The corners of each convex part, n × 3.
         faces: The corners of each convex face of the other parts, n × 3, counterclockwise seen from outside.
+        depths: How far the mesh's other side is behind each of these corners, n; infinite where there is none.
     """
 
     hulls: tuple[np.ndarray, ...]
     faces: tuple[np.ndarray, ...]
+    depths: tuple[np.ndarray, ...]
 
     def __len__(self) -> int:
         """Count the solids."""
@@ -54,12 +61,14 @@ class SolidMesh:
         """
         found = [(hull * scale).T for hull in self.hulls]
         mirrored = np.prod(np.sign(scale))
-        for face in self.faces:
+        for face, depths in zip(self.faces, self.depths, strict=True):
             corners = face * scale
             normal = mirrored * np.cross(corners[1] - corners[0], corners[2] - corners[1])
             length = np.linalg.norm(normal)
             if length > 0:
-                found.append(np.vstack([corners, corners - THICKNESS * normal / length]).T)
+                stretched = depths / np.linalg.norm(_normal(face) / scale)
+                thickness = np.clip(stretched / 2, _THINNEST, THICKNESS)[:, np.newaxis]
+                found.append(np.vstack([corners, corners - thickness * normal / length]).T)
         return found
 
 
@@ -74,9 +83,10 @@ def solid_mesh(file: Path, detail: float = 0.0) -> SolidMesh:
         InputError: If the file cannot be read, or holds no triangles.
     """
     digits = float(f"{detail:.3g}")
-    data = json.loads(cached(file, f".solid-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
-    hulls, faces = ([np.array(points, dtype=float) for points in data[name]] for name in ("hulls", "faces"))
-    return SolidMesh(tuple(hulls), tuple(faces))
+    data = json.loads(cached(file, f".solids-{digits:g}.json", lambda source: _solids_json(source, digits)).read_text())
+    return SolidMesh(
+        *(tuple(np.array(item, dtype=float) for item in data[name]) for name in ("hulls", "faces", "depths"))
+    )
 
 
 def _solids_json(file: Path, detail: float) -> bytes:
@@ -85,7 +95,8 @@ def _solids_json(file: Path, detail: float) -> bytes:
     if len(faces) > _MANY_TRIANGLES:
         detail = max(detail, _FINEST * float(np.ptp(vertices, axis=0).max()))
     hulls: list[Any] = []
-    slabs: list[Any] = []
+    slabs: list[np.ndarray] = []
+    hollow_parts: list[np.ndarray] = []
     small: dict[tuple[int, ...], list[np.ndarray]] = defaultdict(list)
     parts = _parts(len(vertices), faces)
     hollow = _hollow(vertices, [faces[part] for part in parts])
@@ -99,12 +110,64 @@ def _solids_json(file: Path, detail: float) -> bytes:
         else:
             own = (vertices, faces[part]) if detail == 0 else _coarser(vertices, faces[part], detail)
             polygons = _polygons(*own)
-            slabs += [polygon.tolist() for polygon in polygons]
+            slabs += polygons
+            hollow_parts.append(own[0][own[1]])
             hulls += [] if polygons else [with_thickness(points).tolist()]  # thinner than the detail
     hulls += [with_thickness(np.vstack(group)).tolist() for group in small.values()]  # one cell is one solid
     if not hulls and not slabs:
         raise InputError("the mesh has no face that can be touched", file=file)
-    return json.dumps({"hulls": hulls, "faces": slabs}).encode()
+    depths = _depths(slabs, np.concatenate(hollow_parts)) if slabs else []
+    faces_and_depths = {"faces": [slab.tolist() for slab in slabs], "depths": [each.tolist() for each in depths]}
+    return json.dumps({"hulls": hulls} | faces_and_depths).encode()
+
+
+def _depths(polygons: list[np.ndarray], triangles: np.ndarray) -> list[np.ndarray]:
+    """Measure how far behind each corner of polygons the triangles (m×3×3) of their mesh are; infinity for none.
+
+    Between the corners the mesh may be thinner, as above a rib: then all corners of the polygon count as thinner.
+    """
+    import trimesh
+    from trimesh.ray.ray_pyembree import RayMeshIntersector
+
+    mesh = trimesh.Trimesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), process=False)
+    size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
+    shares = [_shares(len(polygon)) for polygon in polygons]
+    normals = [_normal(polygon) for polygon in polygons]
+    starts = np.concatenate(
+        [share @ polygon - _BEHIND * size * n for share, polygon, n in zip(shares, polygons, normals, strict=True)]
+    )
+    directions = np.concatenate([np.tile(-n, (len(share), 1)) for share, n in zip(shares, normals, strict=True)])
+    places, rays, _ = RayMeshIntersector(mesh).intersects_location(starts, directions, multiple_hits=False)
+    gaps = np.full(len(starts), np.inf)
+    gaps[rays] = np.linalg.norm(places - starts[rays], axis=1) + _BEHIND * size
+    found, first = [], 0
+    for polygon, share in zip(polygons, shares, strict=True):
+        own = gaps[first : first + len(share)]
+        first += len(share)
+        if np.isinf(own).all():
+            found.append(np.full(len(polygon), np.inf))
+            continue
+        own = np.minimum(own, 2 * own[np.isfinite(own)].max())
+        corners, between = own[: len(polygon)], own[len(polygon) :]
+        interpolated = share[len(polygon) :] @ corners
+        found.append(corners * min(1.0, float((between / np.maximum(interpolated, 1e-300)).min())))
+    return found
+
+
+@lru_cache(maxsize=64)
+def _shares(count: int) -> np.ndarray:
+    """Return the weights of a polygon's corners in the places where it is measured: at its corners, then between."""
+    near = (1 - _INSIDE) * np.eye(count) + _INSIDE / count
+    halfway = 0.5 * np.eye(count) + 0.5 / count
+    edges = 0.45 * (np.eye(count) + np.roll(np.eye(count), 1, axis=1)) + 0.1 / count
+    return np.vstack([near, halfway, edges, np.full((1, count), 1 / count)])
+
+
+def _normal(polygon: np.ndarray) -> np.ndarray:
+    """Return the direction (unit vector) that a polygon faces."""
+    following = np.roll(polygon, -1, axis=0)
+    normal = np.cross(polygon - polygon[0], following - polygon[0]).sum(axis=0)
+    return np.asarray(normal / max(float(np.linalg.norm(normal)), 1e-300))
 
 
 def _triangles(file: Path) -> bytes:
@@ -180,8 +243,16 @@ def _convex_part(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray | None:
     except (QhullError, ValueError):  # flat
         return None
     tolerance = _CONVEX * float(np.linalg.norm(np.ptp(points, axis=0)))
-    inside = np.concatenate([points, vertices[faces].mean(axis=1)])
-    depth = -(inside @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
+    # How far the hull reaches beyond each face, in the direction that the face has: the floor of a tray is near to its
+    # hull only downwards.
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    normals = np.cross(b - a, c - a)
+    if float(np.einsum("ij,ij->", a - points[0], normals)) < 0:
+        normals = -normals  # the part is inside out
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    inside = -((a + b + c) / 3 @ hull.equations[:, :3].T + hull.equations[:, 3])
+    towards = normals @ hull.equations[:, :3].T
+    depth = np.where(towards > 1e-9, inside / np.maximum(towards, 1e-9), np.inf).min(axis=1)
     # An open sheet, such as a terrain, may be nearly flat, and is not the solid that its hull encloses.
     if depth.max() > tolerance or _area(vertices, faces) < 0.75 * float(hull.area):
         return None
