@@ -8,7 +8,6 @@ from pydrake.geometry import (
     AddContactMaterial,
     AddRigidHydroelasticProperties,
     Box,
-    Convex,
     Cylinder,
     HalfSpace,
     ProximityProperties,
@@ -19,12 +18,20 @@ from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_shapes import ContactShape
+from drake_twin.diagram.yielding_shapes import Yielding
 
 # A face yields as if its model stood on a spring of this natural frequency, squared (1/s²): whatever the size and mass,
 # it sinks by g / this = 25 µm under its own weight. With 2e5 a stack of three on a slope of 12° leans by 4 mm, with 1e5
 # it falls. With more, at a step of 10 ms, a body that slides on a moving one trembles, which brakes it: 1e6 by up to 6
 # % at a friction of 0.8, 4e5 by 2 %. With 1.6e7 stacks of light crates drift.
 _FACE_STIFFNESS = 4e5
+
+# The least of that for the smallest face: what stands on it sinks by 75 µm at most.
+_SMALL_FACE_STIFFNESS = 1.3e5
+
+# A body that stands on a face falls over if that yields more to a side than the body's weight can bear: as a spring the
+# face has a stiffness (1/s²) of 6 g height ÷ width² at least. It has ten times that (m/s²).
+_UPRIGHT = 10 * 6 * 9.81
 
 # The same for shapes with point contact.
 _POINT_STIFFNESS = 1e5
@@ -47,7 +54,7 @@ _DEFAULTS = SceneGraphConfig().default_proximity_properties
 
 
 def candidates(
-    shape: ContactShape, friction: float, *, is_soft: bool, is_rigid: bool
+    shape: ContactShape, friction: float, *, soft: Yielding | None, is_rigid: bool
 ) -> Iterator[tuple[bool, ProximityProperties]]:
     """Yield the possible properties of a shape, the best first, each with whether it has faces.
 
@@ -56,12 +63,12 @@ def candidates(
     Args:
         shape: The shape.
         friction: The coefficient of friction.
-        is_soft: Whether its faces yield.
+        soft: The shape whose faces yield, if they do.
         is_rigid: Whether it has faces that do not yield.
     """
-    if is_soft:
-        modulus, hint = _modulus(shape), _resolution(shape.shape)
-        for margin in dict.fromkeys((_margin(shape.shape), 0.0)):
+    if soft is not None:
+        modulus, hint = _modulus(shape, soft.depth), _resolution(shape.shape)
+        for margin in dict.fromkeys((_margin(shape.shape, soft.depth), 0.0)):
             properties = _material(shape, friction)
             AddCompliantHydroelasticProperties(
                 resolution_hint=hint, hydroelastic_modulus=modulus, properties=properties
@@ -88,19 +95,30 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     return properties
 
 
-def _margin(shape: Shape) -> float:
-    if isinstance(shape, Convex):  # with a margin, hulls sink in by millimeters
+def _margin(shape: Shape, depth: float | None) -> float:
+    if depth is None:  # with a margin, such hulls sink in by millimeters
         return 0.0
     return min(_MARGIN, _MARGIN_OF_THIN * float(min(_extent(shape))))
 
 
-def _modulus(shape: ContactShape) -> float:
-    """Return the modulus with which a shape's largest face is a spring of `_FACE_STIFFNESS` (Pa).
+def _modulus(shape: ContactShape, depth: float | None) -> float:
+    """Return the modulus with which a shape's faces are stiff enough (Pa).
 
-    In Drake's pressure field the pressure rises from a face to half the smallest depth below it.
+    The pressure rises to it behind each face, to one depth or to the middle.
     """
-    smallest, middle, largest = sorted(_extent(shape.shape))
-    return float(_FACE_STIFFNESS * shape.mass * smallest / 2 / (middle * largest))
+    smallest, middle, largest = sorted(_extent(shape.shape).tolist())
+    # Of each face: the stiffness that it has at least, its sides, and how tall the body is that stands on it.
+    faces = (
+        (_FACE_STIFFNESS, middle, largest, smallest),
+        (_SMALL_FACE_STIFFNESS, smallest, largest, middle),
+        (_SMALL_FACE_STIFFNESS, smallest, middle, largest),
+    )
+    return float(
+        max(
+            shape.mass * max(least, _UPRIGHT * height / width**2) / (width * length) * (depth or height / 2)
+            for least, width, length, height in faces
+        )
+    )
 
 
 def _resolution(shape: Shape) -> float:

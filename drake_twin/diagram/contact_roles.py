@@ -158,12 +158,12 @@ class Registry:
         """Make a shape's geometry the first variant, and register the others beside it."""
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
-            is_soft, is_rigid = variant.role == SOFT, variant.role in (STATIC, HARD)
-            form = yielding(shape) if is_soft else shape.shape
+            soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD)
+            form = shape.shape if soft is None else soft.shape
             geometry, has_faces = shape.geometry, False
             if number == 0:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)
-            for has_faces, properties in candidates(shape, variant.friction, is_soft=is_soft, is_rigid=is_rigid):  # noqa: B007
+            for has_faces, properties in candidates(shape, variant.friction, soft=soft, is_rigid=is_rigid):  # noqa: B007
                 # Drake warns that deformable bodies would pass through a half space; the twin has none.
                 with suppress(RuntimeError), captured_warnings():
                     if number == 0:

@@ -5,14 +5,16 @@ the line between the two forces and never comes to rest. With fewer facets it cr
 regularization of friction is divided among them.
 """
 
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
-from itertools import pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 from pydrake.common import MemoryFile
-from pydrake.geometry import Box, Convex, InMemoryMesh, Mesh, Shape
+from pydrake.geometry import Box, Convex, Cylinder, InMemoryMesh, Mesh, Shape
 
 from drake_twin.description.hull import corners_of, without_slivers
 from drake_twin.diagram.contact_shapes import ContactShape
@@ -21,33 +23,64 @@ _SQUARES = 4  # along a side of a box
 _LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
 _LEAST_AREA = 1e-9  # m²; at a tenth of that, Drake reports that it cannot make a plane
 
+# Where the pressure in a loose box or hull stops to rise, below each of its sides: relative to the distance of the
+# nearest side from the middle. Hulls try the next one where the parts behind their sides do not fit each other.
+_CORE = 0.5
+_CORES = (_CORE, 0.2, 0.05)
+_MOST_SIDES = 64  # of a hull with a core; more take a second to prepare, and belong to round things
+
 Triangle = tuple[int, int, int]
+Tetrahedron = tuple[int, int, int, int]
+Polygon = tuple[int, ...]
 
 
-def yielding(shape: ContactShape) -> Shape:
-    """Return the shape whose faces yield: a hull or a box becomes a fine mesh of itself."""
-    if isinstance(shape.shape, Convex):
-        source, scale = shape.shape.source(), tuple(shape.shape.scale3().tolist())
-        text = _hull_of_file(str(source.path()), scale) if source.is_path() else _fine_hull(shape.shape)
-        if text is None:
-            return shape.shape
-    elif shape.is_loose and isinstance(shape.shape, Box):
-        text = _fine_box(*shape.shape.size().tolist())
-    else:
-        return shape.shape
+@dataclass(frozen=True)
+class Yielding:
+    """A shape whose faces yield.
+
+    Attributes:
+        shape: The shape: of a hull and of a loose box a fine mesh.
+        depth: How deep the pressure rises behind each of its sides (m); None where it rises to the middle of a hull.
+    """
+
+    shape: Shape
+    depth: float | None
+
+
+def yielding(shape: ContactShape) -> Yielding:
+    """Return a shape as one whose faces yield: a hull or a box becomes a fine mesh of itself."""
+    form = shape.shape
+    if isinstance(form, Convex):
+        source, scale = form.source(), tuple(form.scale3().tolist())
+        if source.is_path():
+            text, depth = _hull_of_file(str(source.path()), scale, shape.is_loose)
+        else:
+            text, depth = _fine_hull(form, shape.is_loose)
+        return Yielding(form if text is None else _mesh(text), depth)
+    if not isinstance(form, Box):
+        return Yielding(form, min(form.radius(), form.length() / 2) if isinstance(form, Cylinder) else None)
+    middle = float(min(form.size())) / 2
+    if not shape.is_loose:
+        return Yielding(form, middle)
+    return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle)
+
+
+def _mesh(text: str) -> Mesh:
     return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".vtk", "yielding shape")))
 
 
 @lru_cache(maxsize=1024)
-def _hull_of_file(path: str, scale: tuple[float, ...]) -> str | None:
-    return _fine_hull(Convex(path, np.array(scale)))
+def _hull_of_file(path: str, scale: tuple[float, ...], is_loose: bool) -> tuple[str | None, float | None]:
+    return _fine_hull(Convex(path, np.array(scale)), is_loose)
 
 
-def _fine_hull(shape: Convex) -> str | None:
+def _fine_hull(shape: Convex, is_loose: bool) -> tuple[str | None, float | None]:
     """Return a hull as VTK text, without slivers, which would end the simulation on contact.
 
+    A loose one has a core, so that the pressure rises alike behind each of its sides.
+
     Returns:
-        None for a hull that is fine enough as it is.
+        The text, or None for a hull that is fine enough as it is; how deep its core is (m), or None if it has none.
     """
     hull = shape.GetConvexHull()
     corners = without_slivers(corners_of(hull), _LEAST_AREA)
@@ -61,9 +94,18 @@ def _fine_hull(shape: Convex) -> str | None:
         first, *others = (side.vertex(k) for k in range(side.num_vertices()))
         triangles += [(first, one, other) for one, other in pairwise(others)]
     fine, triangles = _refined(points, triangles, _LONGEST * float(np.ptp(points, axis=0).max()))
+    normals, distances = _planes(points)
+    for share in _CORES if is_loose and len(normals) <= _MOST_SIDES else ():
+        depth = share * float(distances.min())
+        cells = _cells(normals, distances, depth, fine - points.mean(axis=0), triangles)
+        if cells is not None:
+            places, tetrahedra = cells[0] + points.mean(axis=0), _tetrahedra(*cells)
+            if _is_closed(tetrahedra, len(triangles)):
+                return _vtk(places, tetrahedra), depth
     if is_whole and len(fine) == len(points):
-        return None
-    return _vtk(fine, triangles, points.mean(axis=0))
+        return None, None
+    inner = np.vstack([fine, points.mean(axis=0)])
+    return _vtk(inner, [(a, c, b, len(fine)) for a, b, c in triangles]), None
 
 
 def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> tuple[np.ndarray, list[Triangle]]:
@@ -104,34 +146,165 @@ def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a)))
 
 
+def _planes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the directions of a hull's sides (k×3) and their distances from the mean of its corners (k)."""
+    from scipy.spatial import ConvexHull
+
+    middle = corners.mean(axis=0)
+    planes = np.unique(np.round(ConvexHull(corners - middle).equations, 9), axis=0)
+    return planes[:, :3], -planes[:, 3]
+
+
+def _cells(
+    normals: np.ndarray, distances: np.ndarray, depth: float, outside: np.ndarray, triangles: Sequence[Triangle]
+) -> tuple[np.ndarray, list[list[Polygon]]] | None:
+    """Divide a hull into a core at one depth and, behind each side, the part that is nearest to that side.
+
+    Args:
+        normals: The directions of its sides (k×3).
+        distances: Their distances from the origin, which is inside (k, m).
+        depth: The depth of the core (m).
+        outside: The points of its surface (m×3, m).
+        triangles: The triangles between these.
+
+    Returns:
+        Points and the polygons around each cell; None where that fails, as in hulls with tiny sides.
+    """
+    from scipy.spatial import HalfspaceIntersection, QhullError
+
+    near = 1e-6 * float(np.ptp(outside, axis=0).max())
+    inside: list[np.ndarray] = []
+    numbers: list[list[int]] = []  # of each side's inner points
+    for normal, distance in zip(normals, distances, strict=True):
+        others = np.column_stack([normals - normal, distance - distances])
+        keep = np.abs(others[:, :3]).max(axis=1) > 1e-9
+        bounds = np.vstack([others[keep], [*normal, -distance], [*-normal, distance - depth]])
+        foot = outside[np.abs(outside @ normal - distance) < near].mean(axis=0)
+        start = next(
+            (
+                p
+                for p in (foot - share * depth * normal for share in (0.3, 0.03, 0.003))
+                if (bounds[:, :3] @ p + bounds[:, 3]).max() < -1e-3 * near
+            ),
+            None,
+        )
+        if start is None:
+            return None
+        try:
+            found = HalfspaceIntersection(bounds, start).intersections
+        except QhullError:
+            return None
+        own: set[int] = set()
+        for point in found[np.isfinite(found).all(axis=1) & (distance - found @ normal > near)]:
+            known = next((k for k, other in enumerate(inside) if np.abs(other - point).max() < near), len(inside))
+            if known == len(inside):
+                inside.append(point)
+            own.add(known)
+        numbers.append(sorted(own))
+    points = np.vstack([inside, outside])
+    first = len(inside)
+    depths = distances - points @ normals.T  # of each point below each side
+    cells: list[list[Polygon]] = [[]]
+    for side, inner in enumerate(numbers):
+        on_side = [index for index in range(first, len(points)) if abs(depths[index, side]) < near]
+        of_side = set(on_side)
+        polygons: list[Polygon] = [
+            (a + first, b + first, c + first) for a, b, c in triangles if {a + first, b + first, c + first} <= of_side
+        ]
+        top = _in_order(points, [index for index in inner if abs(depths[index, side] - depth) < near])
+        if top:
+            polygons.append(top)
+            cells[0].append(top)
+        for other in range(len(numbers)):
+            wall = [index for index in [*inner, *on_side] if abs(depths[index, side] - depths[index, other]) < near]
+            if other != side and (polygon := _in_order(points, wall)):
+                polygons.append(polygon)
+        cells.append(polygons)
+    return points, cells
+
+
+def _in_order(points: np.ndarray, indices: Sequence[int]) -> Polygon:
+    """Return the points of a convex polygon in the order around it; none where they are on one line."""
+    if len(indices) < 3:
+        return ()
+    own = points[list(indices)] - points[list(indices)].mean(axis=0)
+    _, sizes, axes = np.linalg.svd(own, full_matrices=False)
+    if sizes[1] < 1e-6 * max(sizes[0], 1e-300):
+        return ()
+    angles = np.arctan2(own @ axes[1], own @ axes[0])
+    return tuple(int(indices[k]) for k in np.argsort(angles, kind="stable"))
+
+
 @lru_cache(maxsize=64)
 def _fine_box(x: float, y: float, z: float) -> str:
-    """Return a box with squares on its sides, as VTK text."""
+    """Return a box with squares on its sides and a core within, as VTK text."""
+    size = np.array([x, y, z])
+    core = 1 - _CORE * size.min() / size  # relative to the box
     points: dict[tuple[float, ...], int] = {}
-    triangles: list[Triangle] = []
+
+    def number(point: np.ndarray) -> int:
+        return points.setdefault(tuple(point.tolist()), len(points))
+
+    corners = {signs: number(0.5 * core * size * signs) for signs in product((-1, 1), repeat=3)}
+    cells = [[_around(corners, axis, side) for axis in range(3) for side in (-1, 1)]]
     cuts = np.linspace(-0.5, 0.5, _SQUARES + 1).tolist()
-    for axis in range(3):
-        for side in (-0.5, 0.5):
-            for i, (left, right) in enumerate(pairwise(cuts)):
-                for j, (low, high) in enumerate(pairwise(cuts)):
-                    corners = []
-                    for across in ((left, low), (right, low), (right, high), (left, high)):
-                        point = np.roll((side, *across), axis) * (x, y, z)
-                        corners.append(points.setdefault(tuple(point.tolist()), len(points)))
-                    a, b, c, d = corners if side > 0 else corners[::-1]  # counterclockwise, seen from outside
-                    triangles += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(b, c, d), (b, d, a)]
-    return _vtk(np.array(list(points)), triangles, np.zeros(3))
+    for axis, side in product(range(3), (-1, 1)):
+        grid = [[number(np.roll((side / 2, i, j), axis) * size) for j in cuts] for i in cuts]
+        polygons: list[Polygon] = [_around(corners, axis, side)]
+        for i, j in product(range(_SQUARES), repeat=2):
+            a, b, c, d = grid[i][j], grid[i + 1][j], grid[i + 1][j + 1], grid[i][j + 1]
+            polygons += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(b, c, d), (b, d, a)]
+        # The walls between this side's part of the box and its neighbours' parts.
+        for edge, one, other in (
+            ([row[0] for row in grid], (-1, -1), (1, -1)),
+            ([row[-1] for row in grid], (-1, 1), (1, 1)),
+            (grid[0], (-1, -1), (-1, 1)),
+            (grid[-1], (1, -1), (1, 1)),
+        ):
+            inner = [corners[tuple(np.roll((side, *signs), axis).tolist())] for signs in (one, other)]
+            polygons.append((*edge, inner[1], inner[0]))
+        cells.append(polygons)
+    places = np.array(list(points))
+    return _vtk(places, _tetrahedra(places, cells))
 
 
-def _vtk(points: np.ndarray, triangles: list[Triangle], center: np.ndarray) -> str:
-    """Return the tetrahedra between an inner point and the triangles of a surface, counterclockwise from outside."""
+def _around(corners: dict[tuple[int, ...], int], axis: int, side: int) -> Polygon:
+    """Return the corners of a side of a box, in order."""
+    return tuple(
+        corners[tuple(np.roll((side, *signs), axis).tolist())] for signs in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    )
+
+
+def _tetrahedra(points: np.ndarray, cells: Sequence[Sequence[Polygon]]) -> list[Tetrahedron]:
+    """Divide convex cells, given by the polygons around each, into tetrahedra that meet face to face.
+
+    A polygon is divided from its vertex of the lowest number, and so is a cell: neighbours divide alike what they
+    share.
+    """
+    found = []
+    for polygons in cells:
+        top = min(min(polygon) for polygon in polygons)
+        for polygon in polygons:
+            if top in polygon:
+                continue
+            first = polygon.index(min(polygon))
+            turned = polygon[first:] + polygon[:first]
+            for one, other in pairwise(turned[1:]):
+                a, b, c, d = (points[index] for index in (turned[0], one, other, top))
+                volume = float(np.dot(np.cross(b - a, c - a), d - a))
+                found.append((turned[0], one, other, top) if volume > 0 else (turned[0], other, one, top))
+    return found
+
+
+def _is_closed(tetrahedra: Sequence[Tetrahedron], count: int) -> bool:
+    """Tell whether tetrahedra meet face to face but for so many faces at their surface."""
+    times = Counter(tuple(sorted(face)) for each in tetrahedra for face in combinations(each, 3))
+    return max(times.values()) == 2 and sum(number == 1 for number in times.values()) == count
+
+
+def _vtk(points: np.ndarray, tetrahedra: Sequence[Tetrahedron]) -> str:
+    """Return tetrahedra as VTK text."""
     lines = ["# vtk DataFile Version 3.0", "yielding shape", "ASCII", "DATASET UNSTRUCTURED_GRID"]
-    lines += [
-        f"POINTS {len(points) + 1} double",
-        *(" ".join(map(repr, row)) for row in [*points.tolist(), center.tolist()]),
-    ]
-    lines += [
-        f"CELLS {len(triangles)} {5 * len(triangles)}",
-        *(f"4 {a} {c} {b} {len(points)}" for a, b, c in triangles),
-    ]
-    return "\n".join([*lines, f"CELL_TYPES {len(triangles)}", *["10"] * len(triangles), ""])
+    lines += [f"POINTS {len(points)} double", *(" ".join(map(repr, row)) for row in points.tolist())]
+    lines += [f"CELLS {len(tetrahedra)} {5 * len(tetrahedra)}", *(f"4 {a} {b} {c} {d}" for a, b, c, d in tetrahedra)]
+    return "\n".join([*lines, f"CELL_TYPES {len(tetrahedra)}", *["10"] * len(tetrahedra), ""])

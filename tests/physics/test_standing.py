@@ -1,0 +1,108 @@
+"""Things of any shape that stand on any of their sides: they stay, and sink in by less than a hair."""
+
+from math import cos, radians, sin
+
+import numpy as np
+import pytest
+import trimesh
+from scenes import Scene, box, every_engine, plane, static_box, static_mesh, thing
+
+NAMED = {  # sides (m) and mass (kg)
+    "book": ((0.03, 0.15, 0.22), 0.5),
+    "domino": ((0.008, 0.024, 0.048), 0.01),
+    "phone": ((0.008, 0.07, 0.15), 0.2),
+    "door panel": ((0.04, 0.8, 2.0), 20.0),
+    "post": ((0.1, 0.1, 2.0), 15.0),
+    "cereal box": ((0.06, 0.2, 0.3), 0.5),
+    "cupboard": ((0.4, 0.8, 1.8), 60.0),
+    "pallet": ((0.8, 1.2, 0.144), 25.0),
+    "stick": ((0.05, 0.1, 0.5), 1.0),
+}
+TURNS = [(0, 0, 0), (np.pi, 0, 0), (np.pi / 2, 0, 0), (-np.pi / 2, 0, 0), (0, np.pi / 2, 0), (0, -np.pi / 2, 0)]
+GROUNDS = ("plane", "box", "mesh", "slab")
+DEEPEST, STEEPEST = 1e-4, radians(0.1)  # m, rad
+
+
+def generated(count, seed=32):
+    """Boxes of 2 cm to 2 m, aspects of 1 to 50 and 5 g to 500 kg: size, mass, turn, is a mesh, ground."""
+    random = np.random.default_rng(seed)
+    found = []
+    while len(found) < count:
+        size = np.exp(random.uniform(np.log(0.02), np.log(2.0), 3))
+        density = np.exp(random.uniform(np.log(50), np.log(8000)))
+        mass = float(density * size.prod())
+        turn, is_mesh, ground = int(random.integers(6)), bool(random.integers(2)), str(random.choice(GROUNDS))
+        if size.max() / size.min() <= 50 and 0.005 <= mass <= 500:
+            found.append((tuple(size.tolist()), mass, turn, is_mesh, ground))
+    return found
+
+
+def mesh_of(folder, size, mass):
+    trimesh.creation.box(size).export(folder / "box.stl")
+    x, y, z = size
+    moments = (y * y + z * z, x * x + z * z, x * x + y * y)
+    return thing(f'<mesh filename="file://{folder}/box.stl"/>', mass, [mass / 12 * value for value in moments])
+
+
+def upright(quaternion):
+    """The vertical of the world in the frame of a body (unit vector)."""
+    w, x, y, z = quaternion
+    return np.array([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)])
+
+
+def check_standing(folder, engine, size, mass, turn, is_mesh, ground, seconds):
+    """Stand a box on a side, leaning by .1° or half of what makes it fall, and let it be."""
+    R = trimesh.transformations.euler_matrix(*TURNS[turn])[:3, :3]
+    x, y, z = np.abs(R @ size)  # along the world's axes
+    width, about = (x, "y") if x < y else (y, "x")
+    lean = min(radians(0.1), 0.25 * width / z)
+    floors = {
+        "plane": plane,
+        "box": static_box,
+        "mesh": lambda: static_mesh(folder / "terrain.obj"),
+        "slab": plane,
+    }
+    scene = Scene(folder, engine, floors[ground]())
+    top = 0.0
+    if ground == "slab":
+        top = 0.2
+        scene.add("slab", box((3.0, 3.0, top), 10 * mass), (0, 0, top / 2))
+    tilted = trimesh.transformations.rotation_matrix(lean, (0, 1, 0) if about == "y" else (1, 0, 0))[:3, :3] @ R
+    matrix = np.eye(4)
+    matrix[:3, :3] = tilted
+    rpy = trimesh.transformations.euler_from_matrix(matrix)
+    height = z / 2 * cos(lean) + width / 2 * sin(lean) + 1e-5
+    urdf = mesh_of(folder, size, mass) if is_mesh else box(size, mass)
+    twin = scene.add("thing", urdf, (0, 0, top + height), rpy).build()
+    twin.advance_to(seconds)
+    state = twin.entity_state("thing")
+    vertical = upright(state.orientation)
+    tilt = float(np.arccos(min(1.0, np.abs(vertical @ R.T[:, 2]))))
+    slab = twin.entity_state("slab").position[2] - top / 2 if ground == "slab" else 0.0
+    return z / 2 + top + slab - state.position[2], tilt
+
+
+@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize("is_mesh", [False, True], ids=["box", "stl"])
+@every_engine
+def test_what_people_stand_up_stands(tmp_path, engine, name, is_mesh):
+    deep, tilt = check_standing(tmp_path, engine, *NAMED[name], 0, is_mesh, "plane", 4.0)
+    assert -1e-5 < deep < DEEPEST
+    assert tilt < STEEPEST
+
+
+@pytest.mark.parametrize("case", generated(8), ids=str)
+@every_engine
+def test_some_boxes_stand_on_any_side(tmp_path, engine, case):
+    deep, tilt = check_standing(tmp_path, engine, *case, 4.0)
+    assert -1e-5 < deep < DEEPEST
+    assert tilt < STEEPEST
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", generated(200), ids=str)
+@every_engine
+def test_boxes_stand_on_any_side(tmp_path, engine, case):
+    deep, tilt = check_standing(tmp_path, engine, *case, 60.0)
+    assert -1e-5 < deep < DEEPEST
+    assert tilt < STEEPEST
