@@ -3,7 +3,7 @@
 Drake's point contact gives a pair of convex shapes one point, so that a box stands on one corner at a time: friction is
 wrong, stacks sink, boxes fall through slopes. Its hydroelastic contact integrates a pressure over the faces that meet.
 So all flat shapes use hydroelastic contact; round ones (wheels, spheres, capsules, ellipsoids) touch in a point, which
-is exact for them and cheaper.
+is exact for them and cheaper. Loose cylinders do both: see ``rims``.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,8 @@ from pydrake.multibody.tree import BodyIndex
 
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
-from drake_twin.diagram.contact_shapes import ShapeReader
+from drake_twin.diagram.contact_shapes import ContactShape, ShapeReader
+from drake_twin.diagram.rims import with_rims
 
 # How a shape touches, as named in reports.
 FACES, IN_A_POINT, WHEEL = "faces", "point", "wheel"
@@ -69,7 +70,7 @@ def give_contact(
     inspector = scene_graph.model_inspector()
     reader = ShapeReader(plant, models, world_contact)
     frictions = {instance: model.friction for model in models for instance in model.instances}
-    shapes = []
+    shapes: list[ContactShape] = []
     for geometry in inspector.GetAllGeometryIds(Role.kProximity):
         body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
         properties = inspector.GetProximityProperties(geometry)
@@ -81,7 +82,8 @@ def give_contact(
             friction = properties.GetProperty("material", "coulomb_friction").dynamic_friction()
         # Copies: the inspector returns references into the scene graph, which is about to be changed.
         shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))
-        shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
+        read = reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction)
+        shapes += with_rims(plant, read)
     registry = Registry(plant, scene_graph)
     for shape, wanted in zip(shapes, variants(shapes, warnings), strict=True):
         registry.add(shape, wanted)

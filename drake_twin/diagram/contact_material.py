@@ -1,6 +1,7 @@
 """Stiffness and damping of shapes, and the meshes that Drake makes of them for contact."""
 
 from collections.abc import Iterator
+from math import pi
 
 import numpy as np
 from pydrake.geometry import (
@@ -17,7 +18,8 @@ from pydrake.geometry import (
 from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.description.hull import corners_of
-from drake_twin.diagram.contact_shapes import ContactShape
+from drake_twin.diagram.contact_shapes import UPRIGHT, ContactShape
+from drake_twin.diagram.rims import recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
 # A face yields as if its model stood on a spring of this natural frequency, squared (1/s²): whatever the size and mass,
@@ -28,10 +30,6 @@ _FACE_STIFFNESS = 4e5
 
 # The least of that for the smallest face: what stands on it sinks by 75 µm at most.
 _SMALL_FACE_STIFFNESS = 1.3e5
-
-# A body that stands on a face falls over if that yields more to a side than the body's weight can bear: as a spring the
-# face has a stiffness (1/s²) of 6 g height ÷ width² at least. It has ten times that (m/s²).
-_UPRIGHT = 10 * 6 * 9.81
 
 # The same for shapes with point contact.
 _POINT_STIFFNESS = 1e5
@@ -68,7 +66,7 @@ def candidates(
     """
     if soft is not None:
         modulus, hint = _modulus(shape, soft.depth), _resolution(shape.shape)
-        for margin in dict.fromkeys((_margin(shape.shape, soft.depth), 0.0)):
+        for margin in dict.fromkeys((_margin(shape, soft.depth), 0.0)):
             properties = _material(shape, friction)
             AddCompliantHydroelasticProperties(
                 resolution_hint=hint, hydroelastic_modulus=modulus, properties=properties
@@ -87,7 +85,7 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     properties = ProximityProperties()
     AddContactMaterial(
         dissipation=_DISSIPATION,
-        point_stiffness=_RIGID if shape.is_static else _POINT_STIFFNESS * shape.mass,
+        point_stiffness=_RIGID if shape.is_static else max(_POINT_STIFFNESS, shape.least_stiffness) * shape.mass,
         friction=CoulombFriction(friction, friction),
         properties=properties,
     )
@@ -95,10 +93,13 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     return properties
 
 
-def _margin(shape: Shape, depth: float | None) -> float:
+def _margin(shape: ContactShape, depth: float | None) -> float:
     if depth is None:  # with a margin, such hulls sink in by millimeters
         return 0.0
-    return min(_MARGIN, _MARGIN_OF_THIN * float(min(_extent(shape))))
+    margin = min(_MARGIN, _MARGIN_OF_THIN * float(min(_extent(shape.shape))))
+    if shape.is_loose and isinstance(shape.shape, Cylinder):  # its side must not brake the rims that it rolls on
+        return min(margin, recess_of(shape.shape.radius()) / 2)
+    return margin
 
 
 def _modulus(shape: ContactShape, depth: float | None) -> float:
@@ -113,11 +114,13 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
         (_SMALL_FACE_STIFFNESS, smallest, largest, middle),
         (_SMALL_FACE_STIFFNESS, smallest, middle, largest),
     )
-    return float(
-        max(
-            shape.mass * max(least, _UPRIGHT * height / width**2) / (width * length) * (depth or height / 2)
-            for least, width, length, height in faces
-        )
+    filled = pi / 4 if isinstance(shape.shape, Cylinder) else 1.0  # of a face's rectangle
+    return max(
+        shape.mass
+        * max(least, 6 * UPRIGHT * height / width**2)  # upright on an even face
+        / (filled * width * length)
+        * (depth or height / 2)
+        for least, width, length, height in faces
     )
 
 

@@ -16,6 +16,10 @@ from drake_twin.scenario import POINT
 _ROUND = (Sphere, Capsule, Ellipsoid)
 _LEAST_MASS = 1e-3  # kg
 
+# A body falls over on contacts that yield more to a side than they bear of its weight: theirs is ten times the stiffness
+# that the weight needs (m/s²).
+UPRIGHT = 10 * 9.81
+
 
 @dataclass(frozen=True, order=True)
 class Group:
@@ -49,6 +53,7 @@ class ContactShape:
         is_wheel: Whether it is an ellipsoid instead of a wheel's cylinder.
         is_loose: Whether its whole model is one moving rigid body, such as a crate.
         mass: The mass that it may have to bear (kg).
+        least_stiffness: How stiff it is at least where it touches in a point, as a natural frequency squared (1/s²).
     """
 
     geometry: GeometryId
@@ -63,6 +68,7 @@ class ContactShape:
     is_wheel: bool
     is_loose: bool
     mass: float
+    least_stiffness: float = 0.0
 
 
 class ShapeReader:
