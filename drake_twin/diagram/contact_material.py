@@ -115,13 +115,11 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
         (_SMALL_FACE_STIFFNESS, smallest, middle, largest),
     )
     filled = pi / 4 if isinstance(shape.shape, Cylinder) else 1.0  # of a face's rectangle
-    return max(
-        shape.mass
-        * max(least, 6 * UPRIGHT * height / width**2)  # upright on an even face
-        / (filled * width * length)
-        * (depth or height / 2)
-        for least, width, length, height in faces
-    )
+    modulus = 0.0
+    for least, width, length, height in faces:
+        stiffness = max(least, 6 * UPRIGHT * height / width**2)  # 1/s²; a body stands on an even face by the latter
+        modulus = max(modulus, stiffness * shape.mass / (filled * width * length) * (depth or height / 2))
+    return modulus
 
 
 def _resolution(shape: Shape) -> float:

@@ -16,8 +16,8 @@ from drake_twin.scenario import POINT
 _ROUND = (Sphere, Capsule, Ellipsoid)
 _LEAST_MASS = 1e-3  # kg
 
-# A body falls over on contacts that yield more to a side than they bear of its weight: theirs is ten times the stiffness
-# that the weight needs (m/s²).
+# A body falls over on contacts that yield more to a side than they bear of its weight: they have ten times the
+# stiffness that this needs (m/s²).
 UPRIGHT = 10 * 9.81
 
 
