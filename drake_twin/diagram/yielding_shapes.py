@@ -3,6 +3,10 @@
 Drake applies one force at the middle of each facet where two shapes meet. On a face of two triangles a body rocks about
 the line between the two forces and never comes to rest. With fewer facets it creeps more, because the solver's
 regularization of friction is divided among them.
+
+The pressure in a mesh rises from its surface to its inner points. With one inner point it would rise ever more slowly
+behind the sides that are farther from it, so that things fall over on their ends: loose ones have a core, as deep
+behind each side.
 """
 
 from collections import Counter

@@ -1,0 +1,63 @@
+"""The meshes of loose hulls: as large as the hull, closed, and with the same gradient of pressure behind each side."""
+
+from collections import Counter
+from itertools import combinations
+
+import numpy as np
+import pytest
+import trimesh
+from pydrake.geometry import Convex
+
+from drake_twin.diagram.yielding_shapes import _fine_box, _fine_hull
+
+SHAPES = {
+    "plate": trimesh.creation.box((0.008, 0.07, 0.15)),
+    "prism": trimesh.creation.cylinder(0.03, 0.2, sections=12),
+    "cone": trimesh.creation.cone(0.05, 0.1, sections=12),
+    "wedge": trimesh.convex.convex_hull(
+        [(0, 0, 0), (0.2, 0, 0), (0, 0.1, 0), (0.2, 0.1, 0), (0, 0, 0.05), (0, 0.1, 0.05)]
+    ),
+}
+RANDOM = np.random.default_rng(31)
+SHAPES |= {f"random {n}": trimesh.convex.convex_hull(RANDOM.normal(size=(8, 3)) * (0.05, 0.1, 0.2)) for n in range(4)}
+
+
+def read(text):
+    """The points (m) and tetrahedra of a VTK text."""
+    lines = text.split("\n")
+    first = next(k for k, line in enumerate(lines) if line.startswith("POINTS"))
+    count = int(lines[first].split()[1])
+    points = np.array([line.split() for line in lines[first + 1 : first + 1 + count]], dtype=float)
+    number = int(lines[first + 1 + count].split()[1])
+    cells = lines[first + 2 + count : first + 2 + count + number]
+    return points, np.array([line.split()[1:] for line in cells], dtype=int)
+
+
+def check(text, depth, hull):
+    points, tetrahedra = read(text)
+    a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
+    volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+    assert volumes.min() > 0
+    assert volumes.sum() == pytest.approx(hull.volume, rel=1e-6)
+    faces = Counter(tuple(sorted(face)) for each in tetrahedra.tolist() for face in combinations(each, 3))
+    surface = [face for face, times in faces.items() if times == 1]
+    assert max(faces.values()) == 2
+    triangles = points[np.array(surface)]
+    assert np.linalg.norm(
+        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
+    ).sum() / 2 == (pytest.approx(hull.area, rel=1e-6))
+    if len(hull.facets) == 6:  # a box: all its sides consist of several triangles
+        below = -(points @ hull.facets_normal.T - np.einsum("ij,ij->i", hull.facets_origin, hull.facets_normal))
+        assert sorted({round(float(value), 9) for value in below.min(axis=1)}) == pytest.approx([0, depth], abs=1e-9)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_hull_is_filled_with_a_core_at_one_depth(name):
+    hull = SHAPES[name]
+    text, depth = _fine_hull(Convex(np.ascontiguousarray(hull.vertices.T), "hull"), is_loose=True)
+    assert depth is not None
+    check(text, depth, hull)
+
+
+def test_a_box_is_filled_with_a_core_at_one_depth():
+    check(_fine_box(0.008, 0.07, 0.15), 0.002, SHAPES["plate"])
