@@ -57,7 +57,7 @@ def test_the_spread_of_many_samples_is_the_factor_times_that_of_the_file(scenari
 
 def test_without_noise_the_values_are_ideal(scenario):
     rates, ranges = measured(with_value(scenario, "box.noise", 0.0))
-    assert np.abs(rates).max() < 1e-9
+    assert np.abs(rates).max() < 1e-8  # the box settles in the first milliseconds
     angles = np.linspace(-1.0, 1.0, 8)
     assert ranges == pytest.approx(np.tile(2.95 / np.cos(angles), (len(ranges), 1)), abs=1e-5)
     other = measured(replace(scenario, sensor_noise=False))
