@@ -44,7 +44,8 @@ def python_calls(twin, until, first=lambda: None):
     calls = collections.Counter()
 
     def count(frame, event, argument):
-        if event == "call":
+        # A newer pydrake hands vectors over by NumPy's copy, which is written in Python.
+        if event == "call" and not frame.f_code.co_filename.endswith("_function_base_impl.py"):
             calls[frame.f_code.co_name] += 1
 
     sys.setprofile(count)
@@ -134,7 +135,7 @@ def test_no_state_of_a_controller_or_servo_is_copied_piece_by_piece(tmp_path):
 
 
 def test_drake_looks_for_nothing_in_a_python_system_each_time_it_advances(monkeypatch):
-    """It would for witness functions, if it did not find any method of that name; a newer Drake asks once."""
+    """It would for witness functions, if it found no method of that name; a newer Drake asks for nothing else."""
     looked_for = []
     for system in {type(system) for system in leaf_systems(driving(1).diagram)}:
 
@@ -149,10 +150,11 @@ def test_drake_looks_for_nothing_in_a_python_system_each_time_it_advances(monkey
         twin.advance_to(0.2 + step * 0.01)
     witnesses = "DoGetWitnessFunctions"
     is_remembered = witnesses in vars(WitnesslessSystem)
-    assert collections.Counter(looked_for)[witnesses] == (
-        0 if is_remembered else 20 * len([*leaf_systems(twin.diagram)])
-    )
-    assert set(looked_for) <= {witnesses, "__class__"}
+    if is_remembered:
+        assert looked_for == []
+    else:
+        assert looked_for.count(witnesses) == 20 * len([*leaf_systems(twin.diagram)])
+        assert set(looked_for) <= {witnesses, "__class__"}
 
 
 def test_no_system_lets_drake_look_for_witness_functions():
@@ -199,7 +201,7 @@ def test_a_tick_takes_few_calls_of_python_for_each_robot():
         per_tick[count] = sum(python_calls(twin, 1.1).values()) / 50
     of_a_robot = (per_tick[5] - per_tick[1]) / 4
     assert of_a_robot < 50
-    assert per_tick[1] - of_a_robot < 65  # NumPy 2.5 has more functions in Python than 2.0
+    assert per_tick[1] - of_a_robot < 60
 
 
 def test_a_tick_makes_few_objects_for_each_robot():

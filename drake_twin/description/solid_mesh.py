@@ -42,7 +42,7 @@ class SolidMesh:
     Attributes:
         hulls: The corners of each convex part, n × 3.
         faces: The corners of each convex face of the other parts, n × 3, counterclockwise seen from outside.
-        depths: How far the mesh's other side is behind each of these corners, n; infinite where there is none.
+        depths: How far the mesh's other side is behind each of these corners, n; infinite where it has no other side.
     """
 
     hulls: tuple[np.ndarray, ...]

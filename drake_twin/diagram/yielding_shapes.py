@@ -98,14 +98,8 @@ def _fine_hull(shape: Convex, is_loose: bool) -> tuple[str | None, float | None]
         first, *others = (side.vertex(k) for k in range(side.num_vertices()))
         triangles += [(first, one, other) for one, other in pairwise(others)]
     fine, triangles = _refined(points, triangles, _LONGEST * float(np.ptp(points, axis=0).max()))
-    normals, distances = _planes(points)
-    for share in _CORES if is_loose and len(normals) <= _MOST_SIDES else ():
-        depth = share * float(distances.min())
-        cells = _cells(normals, distances, depth, fine - points.mean(axis=0), triangles)
-        if cells is not None:
-            places, tetrahedra = cells[0] + points.mean(axis=0), _tetrahedra(*cells)
-            if _is_closed(tetrahedra, len(triangles)):
-                return _vtk(places, tetrahedra), depth
+    if is_loose and (cored := _with_core(points, fine, triangles)) is not None:
+        return cored
     if is_whole and len(fine) == len(points):
         return None, None
     inner = np.vstack([fine, points.mean(axis=0)])
@@ -148,6 +142,20 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
 def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
     a, b, c = (places[index] for index in triangle)
     return float(np.linalg.norm(np.cross(b - a, c - a)))
+
+
+def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Triangle]) -> tuple[str, float] | None:
+    """Return a hull with a core as VTK text, and how deep the core is (m); None for round ones, or if that fails."""
+    middle = corners.mean(axis=0)
+    normals, distances = _planes(corners)
+    if len(normals) > _MOST_SIDES:
+        return None
+    for share in _CORES:
+        depth = share * float(distances.min())
+        cells = _cells(normals, distances, depth, surface - middle, triangles)
+        if cells is not None and _is_closed(tetrahedra := _tetrahedra(*cells), len(triangles)):
+            return _vtk(cells[0] + middle, tetrahedra), depth
+    return None
 
 
 def _planes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

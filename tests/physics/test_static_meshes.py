@@ -37,7 +37,7 @@ def bridge(thickness, top=0.5):
 
 def stairs(count=4, tread=0.2, rise=0.1):
     """Solid stairs that lead up along x."""
-    outline, caps = [(0, 0), (count * tread, 0)], []
+    outline = [(0, 0), (count * tread, 0)]
     for step in reversed(range(count)):
         outline += [((step + 1) * tread, (step + 1) * rise), (step * tread, (step + 1) * rise)]
     caps = [(0, 1, 2)] + [(0, k, k + 1) for k in range(2, len(outline) - 1)]

@@ -33,20 +33,25 @@ def scenario(tmp_path):
 
 
 def measured(scenario):
-    """The numbers of each message: angular velocities (rad/s), ranges (m)."""
+    """The numbers of each message: angular velocities (rad/s), ranges (m); and how the box turned then (rad/s)."""
     twin = Twin(scenario)
     imu, lidar = (next(topic for topic in twin.topics() if f"/box/{name}/" in topic) for name in "il")
-    rates, ranges = [], []
-    twin.subscribe(imu, lambda message: rates.append(xyz(message.angular_velocity)))
+    rates, ranges, turning = [], [], []
+
+    def listen(message):
+        rates.append(xyz(message.angular_velocity))
+        turning.append(twin.entity_state("box").angular)
+
+    twin.subscribe(imu, listen)
     twin.subscribe(lidar, lambda message: ranges.append(message.ranges))
     twin.advance_to(SECONDS)
-    return np.array(rates), np.array(ranges, dtype=float)
+    return np.array(rates), np.array(ranges, dtype=float), np.array(turning)
 
 
 @pytest.mark.parametrize("factor", [0.25, 1.0, 3.0])
 def test_the_spread_of_many_samples_is_the_factor_times_that_of_the_file(scenario, factor):
-    noisy = measured(with_value(scenario, "box.noise", factor))
-    ideal = measured(with_value(scenario, "box.noise", 0.0))
+    *noisy, _ = measured(with_value(scenario, "box.noise", factor))
+    *ideal, _ = measured(with_value(scenario, "box.noise", 0.0))
     for values, exact in zip(noisy, ideal, strict=True):
         errors = (values - exact).ravel()
         assert errors.size >= 360
@@ -56,8 +61,8 @@ def test_the_spread_of_many_samples_is_the_factor_times_that_of_the_file(scenari
 
 
 def test_without_noise_the_values_are_ideal(scenario):
-    rates, ranges = measured(with_value(scenario, "box.noise", 0.0))
-    assert np.abs(rates).max() < 1e-8  # the box settles in the first milliseconds
+    rates, ranges, turning = measured(with_value(scenario, "box.noise", 0.0))
+    assert np.abs(rates - turning).max() < 1e-9
     angles = np.linspace(-1.0, 1.0, 8)
     assert ranges == pytest.approx(np.tile(2.95 / np.cos(angles), (len(ranges), 1)), abs=1e-5)
     other = measured(replace(scenario, sensor_noise=False))
