@@ -396,16 +396,23 @@ def test_enforced_limits_are_the_tightest_of_urdf_and_ros2_control_and_a_cut_is_
 
 
 @pytest.mark.parametrize("more_types", ["", "enforce_command_limits: false"])  # controller_manager_parameters.yaml:12
-def test_limits_are_off_unless_the_manager_enforces_them(make, more_types, caplog):
+def test_position_limits_are_off_unless_the_manager_enforces_them(make, more_types, caplog):
     twin = make("positions", more_types=more_types)
     twin.publish("/r/positions/commands", [1.9])
     twin.advance_to(2.0)
     assert position(twin, "arm") == pytest.approx(1.9, abs=1e-3)
+    assert "is cut" not in caplog.text
+
+
+@pytest.mark.parametrize(
+    "more_types", ["", ENFORCED]
+)  # Gazebo's DART holds 3 rad/s under a limit of 3 and a command of 50
+def test_a_velocity_is_clamped_to_the_joints_limit_whatever_the_manager_enforces(make, more_types, caplog):
     twin = make("velocities", more_types=more_types)
     twin.publish("/r/velocities/commands", [0.0, 30.0])
     twin.advance_to(2.0)
-    assert velocity(twin, "wheel") == pytest.approx(30.0, rel=1e-3)
-    assert "is cut" not in caplog.text
+    assert velocity(twin, "wheel") == pytest.approx(20.0, rel=1e-3)
+    assert caplog.text.count("r: joint wheel: the velocity command 30 is beyond the limit 20") == 1
 
 
 @pytest.mark.parametrize("more_types", ["", ENFORCED])

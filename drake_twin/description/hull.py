@@ -47,6 +47,14 @@ def corners_of(hull: PolygonSurfaceMesh) -> np.ndarray:
     return np.array([hull.vertex(index) for index in range(hull.num_vertices())])
 
 
+def planes_of(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the directions of a hull's sides (k×3), and their distances from the origin along these (k, m)."""
+    from scipy.spatial import ConvexHull
+
+    planes = np.unique(np.round(ConvexHull(corners).equations, 9), axis=0)
+    return planes[:, :3], -planes[:, 3]
+
+
 def without_slivers(corners: np.ndarray, least: float | None = None) -> np.ndarray:
     """Remove corners of a hull that make triangles of hardly any area, at which Drake's contact fails.
 

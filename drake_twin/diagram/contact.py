@@ -3,7 +3,7 @@
 Drake's point contact gives a pair of convex shapes one point, so that a box stands on one corner at a time: friction is
 wrong, stacks sink, boxes fall through slopes. Its hydroelastic contact integrates a pressure over the faces that meet.
 So all flat shapes use hydroelastic contact; round ones (wheels, spheres, capsules, ellipsoids) touch in a point, which
-is exact for them and cheaper. Loose cylinders do both: see ``rims``.
+is exact for them and cheaper. Loose shapes do both: see ``rims_and_corners``.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from pydrake.multibody.tree import BodyIndex
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
 from drake_twin.diagram.contact_shapes import ContactShape, ShapeReader
-from drake_twin.diagram.rims import with_rims
+from drake_twin.diagram.rims_and_corners import with_points
 
 # How a shape touches, as named in reports.
 FACES, IN_A_POINT, WHEEL = "faces", "point", "wheel"
@@ -65,7 +65,7 @@ def give_contact(
         warnings: Is extended by shapes that cannot have hydroelastic contact.
 
     Returns:
-        The contact of each shape, in the order of registration.
+        The contact of each shape, in the order of registration; corners belong to their shape.
     """
     inspector = scene_graph.model_inspector()
     reader = ShapeReader(plant, models, world_contact)
@@ -82,8 +82,8 @@ def give_contact(
             friction = properties.GetProperty("material", "coulomb_friction").dynamic_friction()
         # Copies: the inspector returns references into the scene graph, which is about to be changed.
         shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))
-        read = reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction)
-        shapes += with_rims(plant, read)
+        shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
+    shapes = with_points(shapes, warnings)
     registry = Registry(plant, scene_graph)
     for shape, wanted in zip(shapes, variants(shapes, warnings), strict=True):
         registry.add(shape, wanted)
@@ -91,6 +91,8 @@ def give_contact(
     exclude_within_models(plant, scene_graph, models)
     found = []
     for shape in shapes:
+        if shape.is_corner:
+            continue
         touches = WHEEL if shape.is_wheel else FACES if shape.is_flat else IN_A_POINT
         if shape.geometry in registry.without_faces:
             touches = IN_A_POINT

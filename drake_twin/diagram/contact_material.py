@@ -18,26 +18,31 @@ from pydrake.geometry import (
 from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.description.hull import corners_of
-from drake_twin.diagram.contact_shapes import UPRIGHT, ContactShape
-from drake_twin.diagram.rims import recess_of
+from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape
+from drake_twin.diagram.rims_and_corners import recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
 # A face yields as if its model stood on a spring of this natural frequency, squared (1/s²): whatever the size and mass,
 # it sinks by g / this = 25 µm under its own weight. With 2e5 a stack of three on a slope of 12° leans by 4 mm, with 1e5
 # it falls. With more, at a step of 10 ms, a body that slides on a moving one trembles, which brakes it: 1e6 by up to 6
-# % at a friction of 0.8, 4e5 by 2 %. With 1.6e7 stacks of light crates drift.
+# % at a friction of 0.8, 4e5 by 2 %.
 _FACE_STIFFNESS = 4e5
 
 # The least of that for the smallest face: what stands on it sinks by 75 µm at most.
 _SMALL_FACE_STIFFNESS = 1.3e5
 
-# The same for shapes with point contact.
-_POINT_STIFFNESS = 1e5
+# Every face is as stiff as this at least (N/m): whoever squeezes or pushes a light thing knows nothing of its weight.
+# 70 N sink in by 0.07 mm.
+_LEAST_STIFFNESS = 1e6
+
 _RIGID = 1e12  # N/m; for a point of a static shape
 
 # Hunt and Crossley's dissipation (s/m). A body that has sunk in comes out at 1/this at most: at Drake's default of 50
 # it creeps out, at 1 it jumps.
 _DISSIPATION = 5.0
+
+# The same for corners, which may be slow, since the face beside them comes out: what rocks from edge to edge stops.
+_CORNER_DISSIPATION = 1000.0
 
 # Faces that are closer than this take part in the solution of a step before they touch (m), so that they do not sink
 # into each other in a step. Without it, at a step of 10 ms, a box that is set down sticks where it should slide:
@@ -84,8 +89,8 @@ def candidates(
 def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     properties = ProximityProperties()
     AddContactMaterial(
-        dissipation=_DISSIPATION,
-        point_stiffness=_RIGID if shape.is_static else max(_POINT_STIFFNESS, shape.least_stiffness) * shape.mass,
+        dissipation=_CORNER_DISSIPATION if shape.is_corner else _DISSIPATION,
+        point_stiffness=_RIGID if shape.is_static else (shape.point_stiffness or POINT_STIFFNESS) * shape.mass,
         friction=CoulombFriction(friction, friction),
         properties=properties,
     )
@@ -118,7 +123,8 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
     modulus = 0.0
     for least, width, length, height in faces:
         stiffness = max(least, 6 * UPRIGHT * height / width**2)  # 1/s²; a body stands on an even face by the latter
-        modulus = max(modulus, stiffness * shape.mass / (filled * width * length) * (depth or height / 2))
+        bears = max(stiffness * shape.mass, _LEAST_STIFFNESS)
+        modulus = max(modulus, bears / (filled * width * length) * (depth or height / 2))
     return modulus
 
 

@@ -82,10 +82,15 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
     if too_many and ROUGH in static:
         what = f"the ground's friction cannot be varied beside more than {_MOST_STATIC} shapes or several planes"
         raise InputError(f"{what}: set world.ground_friction")
-    classes = [(shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose) for shape in shapes]
-    needs: dict[tuple[Group | None, bool, float, str, bool], set[Variant]] = {key: set() for key in classes}
+    classes = [
+        (shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose, shape.is_corner)
+        for shape in shapes
+    ]
+    needs: dict[tuple[Group | None, bool, float, str, bool, bool], set[Variant]] = {key: set() for key in classes}
     for one, other in combinations_with_replacement(needs, 2):
         if not _meet(one[0], other[0]) or (one[1] and other[1]):
+            continue
+        if (one[5] and not other[1]) or (other[5] and not one[1]):
             continue
         if common is not None and (one[1] or other[1]):
             moving, fixed = (other, one) if one[1] else (one, other)
@@ -155,25 +160,26 @@ class Registry:
         self.without_faces: set[GeometryId] = set()
 
     def add(self, shape: ContactShape, wanted: Sequence[Variant]) -> None:
-        """Make a shape's geometry the first variant, and register the others beside it."""
+        """Make a shape's geometry, if it has one, the first variant, and register the others beside it."""
         source = self._plant.get_source_id()
         for number, variant in enumerate(wanted):
             soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD)
             form = shape.shape if soft is None else soft.shape
-            geometry, has_faces = shape.geometry, False
-            if number == 0:
+            geometry, has_faces = shape.geometry if number == 0 else None, False
+            if geometry is not None:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)
             for has_faces, properties in candidates(shape, variant.friction, soft=soft, is_rigid=is_rigid):  # noqa: B007
                 # Drake warns that deformable bodies would pass through a half space; the twin has none.
                 with suppress(RuntimeError), captured_warnings():
-                    if number == 0:
+                    if geometry is not None:
                         self._scene_graph.AssignRole(source, geometry, properties, RoleAssign.kReplace)
                     else:
-                        name = f"{shape.name}|{number}"
+                        name = f"{shape.name}|{number}" if number else shape.name
                         geometry = self._plant.RegisterCollisionGeometry(shape.body, shape.X_BG, form, name, properties)
                     break
+            assert geometry is not None
             if shape.is_flat and not has_faces:
-                self.without_faces.add(shape.geometry)
+                self.without_faces.add(shape.geometry or geometry)
             self._registered.append(_Registered(geometry, shape, variant))
 
     def filter(self) -> None:
@@ -197,6 +203,10 @@ class Registry:
                 for item in levels[level]
                 if (not item.shape.is_static if level == _ONE_FOR_ALL else item.shape.friction > level)
             )
+        corners = [item for item in self._registered if item.shape.is_corner]
+        others = [item for item in self._registered if not item.shape.is_corner and not item.shape.is_static]
+        self._exclude_within(corners)
+        self._exclude_between(corners, others)
         self._exclude_within(roles[HARD])
         loose = [item for item in roles[SOFT] if item.shape.is_loose]
         self._exclude_within(loose)

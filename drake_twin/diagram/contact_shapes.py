@@ -20,6 +20,9 @@ _LEAST_MASS = 1e-3  # kg
 # stiffness that this needs (m/s²).
 UPRIGHT = 10 * 9.81
 
+# What touches in a point yields as if its model stood on a spring of this natural frequency, squared (1/s²).
+POINT_STIFFNESS = 1e5
+
 
 @dataclass(frozen=True, order=True)
 class Group:
@@ -41,7 +44,7 @@ class ContactShape:
     """A collision shape.
 
     Attributes:
-        geometry: Its geometry.
+        geometry: Its geometry; None for a point beside the faces of another, which is not registered yet.
         body: Its body.
         name: Its name in the scene graph.
         shape: The shape that contact uses.
@@ -53,10 +56,11 @@ class ContactShape:
         is_wheel: Whether it is an ellipsoid instead of a wheel's cylinder.
         is_loose: Whether its whole model is one moving rigid body, such as a crate.
         mass: The mass that it may have to bear (kg).
-        least_stiffness: How stiff it is at least where it touches in a point, as a natural frequency squared (1/s²).
+        point_stiffness: How stiff it is where it touches in a point (a natural frequency squared, 1/s²); None as usual.
+        is_corner: Whether it is a ball in a corner of a loose shape: it meets only what does not move.
     """
 
-    geometry: GeometryId
+    geometry: GeometryId | None
     body: RigidBody
     name: str
     shape: Shape
@@ -68,7 +72,8 @@ class ContactShape:
     is_wheel: bool
     is_loose: bool
     mass: float
-    least_stiffness: float = 0.0
+    point_stiffness: float | None = None
+    is_corner: bool = False
 
 
 class ShapeReader:

@@ -1,10 +1,11 @@
 """A robot's sub-diagram: its controllers, its sensors and its joint servo, connected to each other."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import ceil, nextafter
 
 import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import DiscreteTimeDelay
 
@@ -18,8 +19,7 @@ from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_read_sensors
 from drake_twin.diagram.servo_assignment import assign
-from drake_twin.diagram.servo_gains import BRAKE, DOWN, MODES, REST, SETTLING_TIME, UP, ServoGains
-from drake_twin.diagram.servo_modes import velocity_limits
+from drake_twin.diagram.servo_gains import BRAKE, DOWN, EFFORT, FREE, MODES, REST, SETTLING_TIME, UP, velocity_limit
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
@@ -82,11 +82,7 @@ def build_robot_diagram(plan: RobotPlan, surroundings: SensorSurroundings, in_pl
     }
     controllers, warnings = _add_controllers(builder, plan, layout, time_step, continuous=plant.time_step() == 0.0)
     joints = _joints_of_actuators(layout)
-    servo = (
-        _add_servo(builder, plan, joints, controllers, in_plant.gains if plant.time_step() == 0.0 else None)
-        if joints
-        else None
-    )
+    servo = _add_servo(builder, plan, joints, controllers, in_plant, plant) if joints else None
     always_published = {}
     broadcaster = next((item for item in controllers.values() if isinstance(item, JointStateBroadcaster)), None)
     if broadcaster is None:
@@ -229,7 +225,8 @@ def _add_servo(
     plan: RobotPlan,
     joints: tuple[str | None, ...],
     controllers: Mapping[str, Controller],
-    gains: Sequence[ServoGains | None] | None,
+    in_plant: RobotInPlant,
+    plant: MultibodyPlant,
 ) -> JointServo:
     description = plan.description
     limits = np.full((3, len(joints), 2), [-np.inf, np.inf])
@@ -237,7 +234,8 @@ def _add_servo(
         if joint is None:
             continue
         effort = description.joints_by_name[joint].limits.effort
-        limits[2, index] = -effort, effort  # it is the motor's, whether or not commands are clamped
+        fastest = velocity_limit(description, joint)
+        limits[1:, index] = (-fastest, fastest), (-effort, effort)  # the motor's, whether or not commands are clamped
         for row, interface in enumerate(COMMANDS if plan.enforce_limits else ()):
             lower, upper = description.limits_of_command(joint, interface)
             limits[row, index] = (lower, upper) if lower <= upper else (-np.inf, np.inf)
@@ -246,14 +244,21 @@ def _add_servo(
     holds = [plan.start_positions.get(joint or "", 0.0) for joint in joints]
     assignment = assign(joints, driving, active, holds, hold_joints=plan.hold_joints)
     as_position = None
-    if gains is not None:
+    if plant.time_step() == 0.0:
         as_position = {
-            mode: [0.0 if servo is None else servo.velocity_as_position(mode) for servo in gains] for mode in MODES
+            mode: [0.0 if servo is None else servo.velocity_as_position(mode) for servo in in_plant.gains]
+            for mode in MODES
         }
-    fastest = np.array(velocity_limits(description, joints))
+    velocities = np.array([velocity_limit(description, joint) for joint in joints])
     still = np.zeros(len(joints)).tolist()
-    own_velocities = {BRAKE: still, REST: still, UP: fastest.tolist(), DOWN: (-fastest).tolist()}
+    own_velocities = {BRAKE: still, REST: still, UP: velocities.tolist(), DOWN: (-velocities).tolist()}
     sizes = {name: len(item.interfaces) for name, item in driving.items()}
+    # An effort acts up to the joint's velocity limit: see `effort_gains`.
+    limited = {
+        index: (plant.get_joint_actuator(actuator), float(velocities[index]))
+        for index, actuator in enumerate(plant.GetJointActuatorIndices(in_plant.instance))
+        if (gains := in_plant.gains[index]) is not None and gains.effort.d > gains.of(FREE).d
+    }
     servo: JointServo = builder.AddNamedSystem(
         free_name(builder, "joint_servo"),
         JointServo(
@@ -263,6 +268,7 @@ def _add_servo(
             limits[..., 1],
             as_position,
             own_velocities,
+            {EFFORT: limited},
             [f"{plan.name}: joint {joint}" for joint in joints],
         ),
     )

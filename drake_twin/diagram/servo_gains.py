@@ -6,13 +6,14 @@ never depend on another's. The command interface that drives a joint decides whi
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import fsum
+from math import fsum, inf
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex, PdControllerGains
 from pydrake.systems.framework import Context
 
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
 from drake_twin.errors import InputError
 from drake_twin.planning.robot_plan import RobotPlan
@@ -34,6 +35,9 @@ _YIELD_UNDER_CONTACT = 1e-2
 # A joint that is stopped brakes as a dry friction of its effort limit would: with the full effort above this velocity.
 # Below, where less effort holds it, it is at rest (rad/s or m/s).
 REST_VELOCITY = 1e-3
+
+# A commanded effort fades to nothing while the joint passes its velocity limit by this part of the limit.
+_OVER_VELOCITY_LIMIT = 0.01
 
 _SAMPLES = 16
 _LEAST_INERTIA = 1e-9  # keeps the damping positive: Drake ends the process if both gains are zero
@@ -100,6 +104,22 @@ def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
     return PdControllerGains(p=0.0, d=max(velocity_gains(load).d, (load.gravity + load.contact) / REST_VELOCITY))
 
 
+def effort_gains(effort_limit: float, velocity_limit: float, *, continuous: bool = False) -> PdControllerGains:
+    """Return the gains of a joint that follows an effort up to its velocity limit, as in Gazebo's physics.
+
+    The servo follows the limit in the direction of the effort, with no more than the effort.
+
+    Args:
+        effort_limit: The effort limit (N·m or N).
+        velocity_limit: The velocity limit (rad/s or m/s).
+        continuous: As for `velocity_gains`.
+    """
+    if not (np.isfinite((effort_limit, velocity_limit)).all() and velocity_limit > 0):
+        return _NO_GAINS
+    damping = max(effort_limit / (_OVER_VELOCITY_LIMIT * velocity_limit), _LEAST_INERTIA)
+    return PdControllerGains(p=damping / VELOCITY_AS_POSITION if continuous else 0.0, d=damping)
+
+
 # In a continuous plant a velocity v is commanded as the position v · this (s).
 VELOCITY_AS_POSITION = 1e7
 
@@ -122,12 +142,14 @@ class ServoGains:
         position: For a commanded or held position.
         velocity: For a commanded velocity, or a position that is approached at the velocity limit.
         brake: For a joint that comes to rest.
+        effort: For a commanded effort.
         effort_limit: The largest effort of the actuator (N·m or N).
     """
 
     position: PdControllerGains
     velocity: PdControllerGains
     brake: PdControllerGains
+    effort: PdControllerGains
     effort_limit: float
 
     def velocity_as_position(self, mode: str) -> float:
@@ -141,7 +163,15 @@ class ServoGains:
             return self.position
         if mode in (VELOCITY, UP, DOWN):
             return self.velocity
-        return self.brake if mode in (BRAKE, REST) else _NO_GAINS
+        if mode in (BRAKE, REST):
+            return self.brake
+        return self.effort if mode == EFFORT else _NO_GAINS
+
+
+def velocity_limit(description: RobotDescription, joint: str | None) -> float:
+    """Return the velocity limit of an actuator's joint (rad/s or m/s); infinite if its file has none."""
+    limit = inf if joint is None else description.joints_by_name[joint].limits.velocity
+    return limit if limit > 0 else inf
 
 
 def servo_gains(
@@ -186,6 +216,11 @@ def servo_gains(
             position_gains(load, plan.position_time_constant),
             velocity_gains(load, continuous=continuous),
             brake_gains(load, actuator.effort_limit()),
+            effort_gains(
+                actuator.effort_limit(),
+                velocity_limit(plan.description, actuator.joint().name()),
+                continuous=continuous,
+            ),
             actuator.effort_limit(),
         )
         for (plan, actuator), load in zip(servos, loads, strict=True)
@@ -212,7 +247,10 @@ def set_gains(
     """
     for index, servo, mode in zip(plant.GetJointActuatorIndices(instance), gains, modes, strict=True):
         if servo is not None:
-            plant.get_joint_actuator(index).set_controller_gains(servo.of(mode))
+            actuator = plant.get_joint_actuator(index)
+            actuator.set_controller_gains(servo.of(mode))
+            if mode != EFFORT:  # where it is the commanded effort: see `JointServo`
+                actuator.set_effort_limit(servo.effort_limit)
 
 
 def _joint_loads(

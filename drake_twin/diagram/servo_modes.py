@@ -11,7 +11,7 @@ it to the joint's limit, with any value of ``enforce_command_limits``.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isnan
+from math import isnan
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from drake_twin.diagram.servo_gains import (
     UP,
     VELOCITY,
     ServoGains,
+    velocity_limit,
 )
 from drake_twin.systems.joint_servo import ServoAssignment
 
@@ -87,24 +88,19 @@ class JointMotion:
     commanded_velocities: Sequence[float]
 
 
-def velocity_limits(description: RobotDescription, joints: Sequence[str | None]) -> list[float]:
-    """Return the velocity limit of each actuator's joint (rad/s or m/s); infinite if its file has none."""
-    limits = [inf if joint is None else description.joints_by_name[joint].limits.velocity for joint in joints]
-    return [limit if limit > 0 else inf for limit in limits]
-
-
 def driven_joints(
     description: RobotDescription, joints: Sequence[str | None], gains: Sequence[ServoGains | None]
 ) -> tuple[DrivenJoint | None, ...]:
     """Return the limits of each actuator's joint; None for an actuator that models friction."""
     driven: list[DrivenJoint | None] = []
-    for joint, servo, velocity_limit in zip(joints, gains, velocity_limits(description, joints), strict=True):
+    for joint, servo in zip(joints, gains, strict=True):
         if joint is None or servo is None:
             driven.append(None)
         else:
             limits = description.joints_by_name[joint].limits
             p, d = servo.position.p, servo.position.d
-            driven.append(DrivenJoint(p, d / p, servo.effort_limit / p, limits.lower, limits.upper, velocity_limit))
+            fastest = velocity_limit(description, joint)
+            driven.append(DrivenJoint(p, d / p, servo.effort_limit / p, limits.lower, limits.upper, fastest))
     return tuple(driven)
 
 

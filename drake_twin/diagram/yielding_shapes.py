@@ -20,10 +20,11 @@ import numpy as np
 from pydrake.common import MemoryFile
 from pydrake.geometry import Box, Convex, Cylinder, InMemoryMesh, Mesh, Shape
 
-from drake_twin.description.hull import corners_of, without_slivers
+from drake_twin.description.hull import corners_of, planes_of, without_slivers
 from drake_twin.diagram.contact_shapes import ContactShape
 
-_SQUARES = 4  # along a side of a box
+_SQUARES = 3  # along the sides of a box
+_MORE_SQUARES = 4
 _LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
 _LEAST_AREA = 1e-9  # m²; at a tenth of that, Drake reports that it cannot make a plane
 
@@ -31,6 +32,7 @@ _LEAST_AREA = 1e-9  # m²; at a tenth of that, Drake reports that it cannot make
 # nearest side from the middle. Hulls try the next one where the parts behind their sides do not fit each other.
 _CORE = 0.5
 _CORES = (_CORE, 0.2, 0.05)
+_DIGITS = 12  # decimals of a place (m): the last bits of what is solved differ between SciPy's versions
 _MOST_SIDES = 64  # of a hull with a core; more take a second to prepare, and belong to round things
 
 Triangle = tuple[int, int, int]
@@ -147,7 +149,7 @@ def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
 def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Triangle]) -> tuple[str, float] | None:
     """Return a hull with a core as VTK text, and how deep the core is (m); None for round ones, or if that fails."""
     middle = corners.mean(axis=0)
-    normals, distances = _planes(corners)
+    normals, distances = planes_of(corners - middle)
     if len(normals) > _MOST_SIDES:
         return None
     for share in _CORES:
@@ -156,15 +158,6 @@ def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Tri
         if cells is not None and _is_closed(tetrahedra := _tetrahedra(*cells), len(triangles)):
             return _vtk(cells[0] + middle, tetrahedra), depth
     return None
-
-
-def _planes(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the directions of a hull's sides (k×3) and their distances from the mean of its corners (k)."""
-    from scipy.spatial import ConvexHull
-
-    middle = corners.mean(axis=0)
-    planes = np.unique(np.round(ConvexHull(corners - middle).equations, 9), axis=0)
-    return planes[:, :3], -planes[:, 3]
 
 
 def _cells(
@@ -213,7 +206,7 @@ def _cells(
                 inside.append(point)
             own.add(known)
         numbers.append(sorted(own))
-    points = np.vstack([inside, outside])
+    points = np.vstack([np.round(inside, _DIGITS), outside])
     first = len(inside)
     depths = distances - points @ normals.T  # of each point below each side
     cells: list[list[Polygon]] = [[]]
@@ -259,21 +252,23 @@ def _fine_box(x: float, y: float, z: float) -> str:
 
     corners = {signs: number(0.5 * core * size * signs) for signs in product((-1, 1), repeat=3)}
     cells = [[_around(corners, axis, side) for axis in range(3) for side in (-1, 1)]]
-    cuts = np.linspace(-0.5, 0.5, _SQUARES + 1).tolist()
+    squares = [_MORE_SQUARES if length >= 2 * size.min() else _SQUARES for length in size]
+    cuts = [np.linspace(-0.5, 0.5, count + 1).tolist() for count in squares]
     for axis, side in product(range(3), (-1, 1)):
-        grid = [[number(np.roll((side / 2, i, j), axis) * size) for j in cuts] for i in cuts]
+        one, other = (axis + 1) % 3, (axis + 2) % 3
+        grid = [[number(np.roll((side / 2, i, j), axis) * size) for j in cuts[other]] for i in cuts[one]]
         polygons: list[Polygon] = [_around(corners, axis, side)]
-        for i, j in product(range(_SQUARES), repeat=2):
+        for i, j in product(range(squares[one]), range(squares[other])):
             a, b, c, d = grid[i][j], grid[i + 1][j], grid[i + 1][j + 1], grid[i][j + 1]
             polygons += [(a, b, c), (a, c, d)] if (i + j) % 2 else [(b, c, d), (b, d, a)]
         # The walls between this side's part of the box and its neighbours' parts.
-        for edge, one, other in (
+        for edge, first, second in (
             ([row[0] for row in grid], (-1, -1), (1, -1)),
             ([row[-1] for row in grid], (-1, 1), (1, 1)),
             (grid[0], (-1, -1), (-1, 1)),
             (grid[-1], (1, -1), (1, 1)),
         ):
-            inner = [corners[tuple(np.roll((side, *signs), axis).tolist())] for signs in (one, other)]
+            inner = [corners[tuple(np.roll((side, *signs), axis).tolist())] for signs in (first, second)]
             polygons.append((*edge, inner[1], inner[0]))
         cells.append(polygons)
     places = np.array(list(points))

@@ -3,10 +3,11 @@
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isnan, nan
+from math import copysign, isnan, nan
 
 import numpy as np
 from pydrake.common.value import AbstractValue
+from pydrake.multibody.tree import JointActuator
 from pydrake.systems.framework import (
     AbstractStateIndex,
     BasicVector,
@@ -23,6 +24,8 @@ from drake_twin.systems.witnessless_system import WitnesslessSystem
 _log = logging.getLogger(__name__)
 
 COMMANDS = ("position", "velocity", "effort")  # the rows of the limits
+
+_NO_EFFORT = 1e-12  # N·m or N; Drake refuses zero as a limit
 
 
 @saved("ServoAssignment")
@@ -70,7 +73,8 @@ class JointServo(WitnesslessSystem):
     - ``actuation``: vector of the efforts added to the servos' (N·m or N).
 
     Both follow from the controllers' ports and the assignment alone, so they are computed once a command. Commands are
-    clamped to the limits; the first command of each interface that is cut is logged as a warning.
+    clamped to the limits; the first command of each interface that is cut is logged as a warning. An effort drives its
+    joint towards the joint's velocity limit, with that effort as the actuator's limit, which belongs to the plant.
 
     Args:
         controllers: Controller name → the number of its values.
@@ -81,6 +85,8 @@ class JointServo(WitnesslessSystem):
         own_velocities: The velocities of the modes that do not follow a command (rad/s or m/s).
         lower: Three rows (position, velocity, effort) of the lowest command of each actuator.
         upper: Three rows of the highest command of each actuator.
+        limited: Mode in which efforts act up to a joint's velocity limit → index of the actuator → the actuator in the
+            plant, and that limit (rad/s or m/s).
         names: What warnings call each actuator's joint.
     """
 
@@ -92,11 +98,13 @@ class JointServo(WitnesslessSystem):
         upper: np.ndarray,
         as_position: Mapping[str, Sequence[float]] | None = None,
         own_velocities: Mapping[str, Sequence[float]] | None = None,
+        limited: Mapping[str, Mapping[int, tuple[JointActuator, float]]] | None = None,
         names: Sequence[str] = (),
     ):
         super().__init__()
         self._as_position = as_position
         self._own_velocities = own_velocities or {}
+        self._limited = limited or {}
         self._lower, self._upper = np.array(lower, dtype=float).tolist(), np.array(upper, dtype=float).tolist()
         self._names = names or [f"actuator {index}" for index in range(len(self._lower[0]))]
         self._said: set[tuple[int, int]] = set()
@@ -184,6 +192,10 @@ class JointServo(WitnesslessSystem):
                 velocities[index] = 0.0
             if assignment.modes[index] in self._own_velocities:
                 velocities[index] = self._own_velocities[assignment.modes[index]][index]
+        if limited := self._limited_now(assignment):
+            efforts = self._clamped(2, values, assignment.efforts)
+            for index, (_, fastest) in limited.items():
+                velocities[index] = 0.0 if isnan(efforts[index]) else copysign(fastest, efforts[index])
         if self._as_position is not None:
             ahead = [self._as_position[mode][index] for index, mode in enumerate(assignment.modes)]
             positions = [p + v * seconds for p, v, seconds in zip(positions, velocities, ahead, strict=True)]
@@ -191,5 +203,19 @@ class JointServo(WitnesslessSystem):
         output.SetFromVector(positions + velocities)
 
     def _calc_actuation(self, context: Context, output: BasicVector) -> None:
-        efforts = self._clamped(2, self._values(context), self.assignment(context).efforts)
-        output.SetFromVector([0.0 if isnan(effort) else effort for effort in efforts])
+        assignment = self.assignment(context)
+        efforts = [
+            0.0 if isnan(effort) else effort for effort in self._clamped(2, self._values(context), assignment.efforts)
+        ]
+        for index, (actuator, _) in self._limited_now(assignment).items():
+            actuator.set_effort_limit(max(abs(efforts[index]), _NO_EFFORT))
+        output.SetFromVector(efforts)
+
+    def _limited_now(self, assignment: ServoAssignment) -> dict[int, tuple[JointActuator, float]]:
+        """Return those whose efforts act up to a velocity limit in their present mode."""
+        return {
+            index: limit
+            for mode, limits in self._limited.items()
+            for index, limit in limits.items()
+            if assignment.modes[index] == mode
+        }

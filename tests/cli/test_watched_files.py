@@ -37,7 +37,9 @@ def test_every_file_that_a_launch_file_is_made_of_is_watched(models):
     with files_read() as files:
         find_target(options)
     names = {str(file.relative_to(models)) for file in files if file.is_relative_to(models)}
-    launch = {str(file.relative_to(models)) for file in (models / "rover_gazebo" / "launch").iterdir() if file.is_file()}
+    launch = {
+        str(file.relative_to(models)) for file in (models / "rover_gazebo" / "launch").iterdir() if file.is_file()
+    }
     assert names >= launch | {
         "rover_gazebo/worlds/plain.sdf",
         "rover_description/config/rover_controllers.yaml",

@@ -9,6 +9,7 @@ from drake_twin.diagram.servo_gains import (
     JointLoad,
     ServoGains,
     brake_gains,
+    effort_gains,
     position_gains,
     velocity_gains,
 )
@@ -58,12 +59,18 @@ def test_a_joint_brakes_with_all_its_effort_above_the_velocity_of_rest():
     assert brake_gains(load, np.inf).d * REST_VELOCITY >= load.gravity + load.contact
 
 
+@pytest.mark.parametrize(("effort", "velocity"), [(np.inf, 2.0), (7.0, np.inf), (7.0, 0.0)])
+def test_an_effort_without_limits_has_no_gains(effort, velocity):
+    assert effort_gains(effort, velocity).d < 1e-6
+
+
 def test_each_way_of_driving_a_joint_has_its_gains_and_none_has_none_at_all():
     load = JointLoad(inertia=0.1, gravity=5.0, contact=0.0)
     position, velocity, brake = position_gains(load), velocity_gains(load), brake_gains(load, 7.0)
-    servo = ServoGains(position, velocity, brake, 7.0)
+    effort = effort_gains(7.0, 2.0)
+    servo = ServoGains(position, velocity, brake, effort, 7.0)
     expected = {"hold": position, "position": position, "velocity": velocity, "up": velocity, "down": velocity}
-    expected |= {"brake": brake, "rest": brake}
+    expected |= {"brake": brake, "rest": brake, "effort": effort}
     for mode, gains in expected.items():
         assert (servo.of(mode).p, servo.of(mode).d) == (gains.p, gains.d), mode
     for mode in {*MODES} - {*expected}:

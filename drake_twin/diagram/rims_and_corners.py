@@ -1,0 +1,126 @@
+"""Points beside the faces of loose shapes: the rims that cylinders roll on, the corners that bodies tip over.
+
+As facets a cylinder's curved side would brake: it loses half of its speed in three seconds. So it has two rims, thin
+ellipsoids that touch in points.
+
+The force on a facet acts at its middle, so that a face cannot bear a body closer to its edge than by half a facet:
+pushed at its top, a body of 10 by 30 cm would tip at 0.7 of the force that it should. So boxes and hulls have small
+balls in their corners. They meet what does not move; on a moving body, whose own edges may be anywhere, Drake may
+find the wrong side of it for a ball that has sunk in.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from pydrake.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
+from pydrake.math import RigidTransform
+
+from drake_twin.description.hull import corners_of, planes_of
+from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape
+
+# The faceted cylinder stays inside its rims by this part of its radius, and no more than so much (m): more than rims
+# sink in, less than is seen.
+_RECESS = 0.01
+_DEEPEST_RECESS = 5e-4
+
+# Half of a rim's thickness, relative to the radius and to the length.
+_THICK = 0.1
+_SHARE = 0.05
+
+_LEAST = 1e-4  # m
+
+# The balls in the corners have a radius of this part of the smallest side: so much too early a body tips.
+_BALL = 0.005
+
+# How stiff a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest face, so
+# that its yielding lets the body tip by 0.5 % too early. With more, little is left for the face: on a slope of 0.95 of
+# the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver regularizes the
+# friction of a point the more, the more that point bears. So there are two balls in each corner.
+_STIFFNESS = 4e4
+_SLIM = 20.0
+_BALLS = 2
+
+_FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
+_MOST_LOOSE = 40  # shapes with corners; a plant takes time and memory with the square of its shapes' number
+_MOST_CORNERS = 32  # of a hull; more belong to round things
+_DIGITS = 12  # decimals of a place (m): the last bits of what is solved differ between NumPy's versions
+
+
+def recess_of(radius: float) -> float:
+    """Return how far inside its rims the side of a loose cylinder of a radius (m) is (m)."""
+    return min(_RECESS * radius, _DEEPEST_RECESS)
+
+
+def with_points(shapes: Sequence[ContactShape], warnings: list[str]) -> list[ContactShape]:
+    """Return shapes and the points beside their faces, which are not registered yet.
+
+    Args:
+        shapes: All shapes.
+        warnings: Is extended if there are too many for corners.
+    """
+    loose = sum(shape.is_loose and shape.is_flat and not isinstance(shape.shape, Cylinder) for shape in shapes)
+    if loose > _MOST_LOOSE:
+        what = f"above {_MOST_LOOSE} they touch with their faces only, so that slim ones fall over too early"
+        warnings.append(f"the world has {loose} loose boxes and meshes: {what}")
+    found = []
+    for shape in shapes:
+        if not (shape.is_loose and shape.is_flat):
+            found.append(shape)
+        elif isinstance(shape.shape, Cylinder):
+            radius, length = shape.shape.radius(), shape.shape.length()
+            thinner = Cylinder(radius - recess_of(radius), length)
+            found += [replace(shape, shape=thinner), *_rims(shape, radius, length)]
+        else:
+            found += [shape, *(_corners(shape) if loose <= _MOST_LOOSE else ())]
+    return found
+
+
+def _rims(shape: ContactShape, radius: float, length: float) -> Iterator[ContactShape]:
+    half = min(_THICK * radius, _SHARE * length)
+    rim = Ellipsoid(radius, radius, half)
+    # From the middle; inside the end, which is flat.
+    apart = max(length / 2 - half - recess_of(radius), 0.0)
+    # Two points hold it upright if they are stiffer (1/s²) than g radius ÷ (2 apart²).
+    stiffness = max(POINT_STIFFNESS, UPRIGHT * radius / (2 * max(apart, _LEAST) ** 2))
+    for number, side in enumerate((-1, 1)):
+        yield _point(shape, f"rim{number}", rim, (0.0, 0.0, side * apart), stiffness)
+
+
+def _corners(shape: ContactShape) -> Iterator[ContactShape]:
+    form = shape.shape
+    if isinstance(form, Box):
+        points = np.array(list(product((-0.5, 0.5), repeat=3))) * form.size()
+    else:
+        assert isinstance(form, Convex)
+        points = corners_of(form.GetConvexHull())
+    if len(points) > _MOST_CORNERS:
+        return
+    smallest, _, largest = sorted(np.ptp(points, axis=0).tolist())
+    radius = _BALL * smallest
+    stiffness = max(_STIFFNESS, _SLIM * UPRIGHT * largest / smallest**2) / _BALLS
+    for number, point in enumerate(np.repeat(_moved_inside(points, radius), _BALLS, axis=0)):
+        part = _point(shape, f"corner{number}", Sphere(radius), point.tolist(), stiffness)
+        yield replace(part, is_corner=True)
+
+
+def _moved_inside(points: np.ndarray, distance: float) -> np.ndarray:
+    """Return the corners of a hull (n×3, m), each moved away by a distance (m) from the sides that meet there."""
+    normals, offsets = planes_of(points)
+    moved = points.copy()
+    for index, point in enumerate(points):
+        own = normals[np.abs(normals @ point - offsets) < 1e-6 * float(np.ptp(points, axis=0).max())]
+        move = np.linalg.lstsq(own, np.full(len(own), -distance), rcond=None)[0]
+        moved[index] += move * min(1.0, _FARTHEST * distance / max(float(np.linalg.norm(move)), _LEAST * distance))
+    return np.round(moved, _DIGITS)
+
+
+def _point(
+    shape: ContactShape, name: str, form: Ellipsoid | Sphere, place: Sequence[float], stiffness: float
+) -> ContactShape:
+    """Return a part of a shape that touches in a point, at a place in the shape's frame (m)."""
+    pose = shape.X_BG @ RigidTransform(np.array(place))
+    name = f"{shape.name}|{name}"
+    part = replace(shape, geometry=None, name=name, shape=form, X_BG=pose, is_flat=False)
+    return replace(part, point_stiffness=stiffness)

@@ -1,0 +1,90 @@
+"""The points beside the faces of loose shapes: where they are, and what they meet."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+import trimesh
+from pydrake.geometry import Ellipsoid, Role, Sphere
+
+from drake_twin import TwinBuilder
+from drake_twin.scenario import World
+
+BODY = """<robot name="thing"><link name="body"><inertial><mass value="1"/>
+<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><geometry>{shape}</geometry></collision></link></robot>"""
+WEDGE = trimesh.convex.convex_hull([(0, 0, 0), (0.2, 0, 0), (0, 0.1, 0), (0.2, 0.1, 0), (0, 0, 0.05), (0, 0.1, 0.05)])
+
+
+def things(folder, *shapes):
+    builder = TwinBuilder(world=World())
+    for number, shape in enumerate(shapes):
+        (folder / f"{number}.urdf").write_text(BODY.format(shape=shape))
+        builder.robot(f"thing{number}", folder / f"{number}.urdf", xyz=(number, 0, 1.0))
+    return builder.build()
+
+
+def inspector_of(twin):
+    return next(item for item in twin.diagram.GetSystems() if item.get_name() == "scene_graph").model_inspector()
+
+
+def points(twin, kind):
+    """The parts of a kind: name, shape, place on the body (m)."""
+    inspector = inspector_of(twin)
+    for geometry in inspector.GetAllGeometryIds(Role.kProximity):
+        if f"|{kind}" in inspector.GetName(geometry):
+            yield inspector.GetName(geometry), inspector.GetShape(geometry), inspector.GetPoseInFrame(geometry)
+
+
+def test_a_loose_box_has_balls_in_its_corners_that_touch_its_sides(tmp_path):
+    twin = things(tmp_path, '<box size="0.1 0.2 0.4"/>')
+    found = [(shape.radius(), X.translation()) for _, shape, X in points(twin, "corner")]
+    assert [radius for radius, _ in found] == pytest.approx([0.005 * 0.1] * len(found))
+    expected = {tuple(np.array(signs) * ((0.05, 0.1, 0.2) - np.array(5e-4))) for signs in product((-1, 1), repeat=3)}
+    places = {tuple(np.round(place, 12).tolist()) for _, place in found}
+    assert places == {tuple(np.round(place, 12).tolist()) for place in expected}
+
+
+def test_the_balls_of_a_hull_are_inside_and_near_its_corners(tmp_path):
+    WEDGE.export(tmp_path / "wedge.stl")
+    twin = things(tmp_path, f'<mesh filename="file://{tmp_path}/wedge.stl"/>')
+    found = list(points(twin, "corner"))
+    radius = found[0][1].radius()
+    places = np.array([X.translation() for _, _, X in found])
+    inside = -(places @ WEDGE.face_normals.T - (WEDGE.face_normals * WEDGE.triangles[:, 0]).sum(axis=1)).max(axis=1)
+    np.testing.assert_allclose(inside, radius, rtol=1e-3)
+    nearest = np.linalg.norm(places[:, None] - WEDGE.vertices[None], axis=2)
+    assert nearest.min(axis=0).max() < 11 * radius
+    assert nearest.min(axis=1).max() < 11 * radius
+
+
+def test_a_loose_cylinder_has_two_rims(tmp_path):
+    twin = things(tmp_path, '<cylinder radius="0.1" length="0.3"/>')
+    (one, other) = points(twin, "rim")
+    assert type(one[1]) is type(other[1]) is Ellipsoid
+    assert one[1].a() == one[1].b() == 0.1
+    assert one[2].translation()[2] == -other[2].translation()[2] < 0
+    assert not [*points(twin, "corner")]
+
+
+def test_corners_meet_what_does_not_move_and_nothing_else(tmp_path):
+    twin = things(tmp_path, '<box size="0.1 0.1 0.1"/>', '<box size="0.1 0.1 0.1"/>', '<sphere radius="0.1"/>')
+    inspector = inspector_of(twin)
+    meets = {
+        tuple(sorted(("corner" if "|corner" in inspector.GetName(id) else type(inspector.GetShape(id)).__name__,)[0]
+                     for id in pair))
+        for pair in inspector.GetCollisionCandidates()
+        if any("|corner" in inspector.GetName(id) for id in pair)
+    }  # fmt: skip
+    assert meets == {("HalfSpace", "corner")}
+    assert not [item for item in twin.collision_shapes if isinstance(item.shape, Sphere) and item.model != "thing2"]
+
+
+def test_hundreds_of_loose_boxes_have_no_corners_and_that_is_said(tmp_path):
+    twin = things(tmp_path, *['<box size="0.1 0.1 0.1"/>'] * 41)
+    assert not [*points(twin, "corner")]
+    (said,) = [text for text in twin.warnings if "loose" in text]
+    assert said == (
+        "the world has 41 loose boxes and meshes: above 40 they touch with their faces only, so that slim ones fall"
+        " over too early"
+    )
