@@ -253,6 +253,7 @@ def _add_servo(
     still = np.zeros(len(joints)).tolist()
     own_velocities = {BRAKE: still, REST: still, UP: velocities.tolist(), DOWN: (-velocities).tolist()}
     sizes = {name: len(item.interfaces) for name, item in driving.items()}
+    has_efforts = any(interface.name == "effort" for item in driving.values() for interface in item.interfaces)
     # An effort acts up to the joint's velocity limit: see `effort_gains`.
     limited = {
         index: (plant.get_joint_actuator(actuator), float(velocities[index]))
@@ -268,7 +269,7 @@ def _add_servo(
             limits[..., 1],
             as_position,
             own_velocities,
-            {EFFORT: limited},
+            {EFFORT: limited} if has_efforts else None,
             [f"{plan.name}: joint {joint}" for joint in joints],
         ),
     )
@@ -276,7 +277,7 @@ def _add_servo(
         builder.Connect(controller.get_command_interfaces_output_port(), servo.get_controller_input_port(name))
     builder.ExportOutput(servo.get_desired_state_output_port(), "desired_state")
     # The actuation port is not connected if no effort can be commanded, because reading it takes time.
-    if any(interface.name == "effort" for item in driving.values() for interface in item.interfaces):
+    if has_efforts:
         builder.ExportOutput(servo.get_actuation_output_port(), "actuation")
     return servo
 

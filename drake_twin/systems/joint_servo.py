@@ -192,10 +192,11 @@ class JointServo(WitnesslessSystem):
                 velocities[index] = 0.0
             if assignment.modes[index] in self._own_velocities:
                 velocities[index] = self._own_velocities[assignment.modes[index]][index]
-        if limited := self._limited_now(assignment):
+        if self._limited:
             efforts = self._clamped(2, values, assignment.efforts)
-            for index, (_, fastest) in limited.items():
-                velocities[index] = 0.0 if isnan(efforts[index]) else copysign(fastest, efforts[index])
+            for index, (_, fastest) in self._limited_now(assignment).items():
+                if abs(efforts[index]) > 0.0:
+                    velocities[index] = copysign(fastest, efforts[index])
         if self._as_position is not None:
             ahead = [self._as_position[mode][index] for index, mode in enumerate(assignment.modes)]
             positions = [p + v * seconds for p, v, seconds in zip(positions, velocities, ahead, strict=True)]
@@ -207,7 +208,7 @@ class JointServo(WitnesslessSystem):
         efforts = [
             0.0 if isnan(effort) else effort for effort in self._clamped(2, self._values(context), assignment.efforts)
         ]
-        for index, (actuator, _) in self._limited_now(assignment).items():
+        for index, (actuator, _) in self._limited_now(assignment).items() if self._limited else ():
             actuator.set_effort_limit(max(abs(efforts[index]), _NO_EFFORT))
         output.SetFromVector(efforts)
 

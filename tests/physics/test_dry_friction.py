@@ -185,7 +185,8 @@ def test_a_pendulum_moves_as_in_mujoco(tmp_path, engine, bound, mode, value):
         twin.advance_to(time)
         found.append(position(twin))
     gains = actuator.get_controller_gains()
-    expected = in_mujoco(mode, value, (gains.p if mode == "position" else 0.0, gains.d), times)
+    p, d = (gains.p if mode == "position" else 0.0), (0.0 if mode == "effort" else gains.d)
+    expected = in_mujoco(mode, value, (p, d), times)
     assert found == pytest.approx(expected, abs=bound, rel=bound / 3)
 
 
