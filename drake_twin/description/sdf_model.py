@@ -116,6 +116,7 @@ def _names(model: etree._Element) -> Iterator[str]:
     """
     for each in model.iter("model"):
         _rename_flattened(each)
+        yield from _same_names(each)
     for link in model.iter("link"):
         for tag in ("collision", "visual"):
             taken: set[str] = set()
@@ -123,7 +124,22 @@ def _names(model: etree._Element) -> Iterator[str]:
                 if not shape.get("name", "").strip() or shape.get("name", "") in taken:
                     shape.set("name", f"{shape.get('name') or tag}_{index}")
                 taken.add(shape.get("name", ""))
-    yield from ()
+
+
+def _same_names(model: etree._Element) -> Iterator[str]:
+    """Give a model inside a model a name of its own, and leave out frames whose names are taken."""
+    taken = {child.get("name", "") for tag in ("link", "joint") for child in model.findall(tag)}
+    for child in (*model.findall("model"), *model.findall("frame")):
+        name = child.get("name", "")
+        if name not in taken:
+            taken.add(name)
+        elif child.tag == "frame":
+            model.remove(child)
+            yield f"a <frame> has the name of another part, {name}: it is left out"
+        else:
+            child.set("name", free_name(name, taken))
+            taken.add(child.get("name", ""))
+            yield f"a model inside it has the name of another part, {name}: it is called {child.get('name')}"
 
 
 def _rename_flattened(model: etree._Element) -> None:

@@ -1,12 +1,14 @@
 """What the sensors of a world measure beside its models: where on Earth it is, its magnetic field, its lights."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 from lxml import etree
 
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
 from drake_twin.values import is_true
 
 
@@ -73,7 +75,10 @@ class Surroundings:
 
 
 def read_surroundings(
-    reader: XmlReader, world: etree._Element, included: Iterable[tuple[etree._Element, XmlReader]] = ()
+    reader: XmlReader,
+    world: etree._Element,
+    included: Iterable[tuple[etree._Element, XmlReader]],
+    lost: Callable[[InputError], None],
 ) -> Surroundings:
     """Read ``<spherical_coordinates>``, ``<magnetic_field>``, ``<scene>`` and the lights of a world.
 
@@ -81,25 +86,40 @@ def read_surroundings(
         reader: The world's document.
         world: Its ``<world>``.
         included: Lights of other files that it includes, each with its document.
-
-    Raises:
-        InputError: If a value is not a finite number, a latitude is beyond a pole, or the surface is not WGS 84.
+        lost: Is told what is wrong with an element that cannot be used: it is left out.
     """
-    field = world.find("magnetic_field")
     own = ((element, reader) for element in world.findall("light"))
-    lights = tuple(read_light(element, document) for element, document in (*own, *included))
+    found = Surroundings(lights=tuple(_lights((*own, *included), lost)))
     if not is_true(world.findtext("scene/shadows", "true")):
-        lights = tuple(replace(light, casts_shadows=False) for light in lights)
-    surroundings = Surroundings(lights=lights)
-    background = world.find("scene/background")
-    if background is not None:
-        surroundings = replace(surroundings, background=_vector(reader, background))
-    if field is not None and (field.text or "").strip():
-        x, y, z = reader.parse_numbers(field, field.text or "", "magnetic_field", 3)
-        surroundings = replace(surroundings, magnetic_field=(x, y, z))
-    place = world.find("spherical_coordinates")
-    if place is None:
-        return surroundings
+        found = replace(found, lights=tuple(replace(light, casts_shadows=False) for light in found.lights))
+    parts: dict[str, Callable[[etree._Element], dict[str, Any]]] = {
+        "scene/background": lambda element: {"background": _vector(reader, element)},
+        "magnetic_field": lambda element: (
+            {"magnetic_field": _vector(reader, element)} if (element.text or "").strip() else {}
+        ),
+        "spherical_coordinates": lambda element: {"spherical": _spherical(reader, element)},
+    }
+    for path, read in parts.items():
+        element = world.find(path)
+        if element is not None:
+            try:
+                found = replace(found, **read(element))
+            except InputError as error:
+                lost(error)
+    return found
+
+
+def _lights(
+    elements: Iterable[tuple[etree._Element, XmlReader]], lost: Callable[[InputError], None]
+) -> Iterator[Light]:
+    for element, document in elements:
+        try:
+            yield read_light(element, document)
+        except InputError as error:
+            lost(error)
+
+
+def _spherical(reader: XmlReader, place: etree._Element) -> SphericalCoordinates:
     surface = (place.findtext("surface_model") or "EARTH_WGS84").strip()
     if surface != "EARTH_WGS84":
         raise reader.error(place, f"unknown surface_model {surface!r}", value=surface, valid=("EARTH_WGS84",))
@@ -108,7 +128,7 @@ def read_surroundings(
     values = [reader.parse_number(place, text, tag) if text else 0.0 for tag, text in texts.items()]
     if abs(values[0]) > 90.0:
         raise reader.error(place, f"latitude_deg is {texts['latitude_deg']!r}, but it must be -90 to 90")
-    return replace(surroundings, spherical=SphericalCoordinates(*values))
+    return SphericalCoordinates(*values)
 
 
 def read_light(element: etree._Element, reader: XmlReader) -> Light:

@@ -219,6 +219,7 @@ class _World:
         """Return the world as plain data."""
         world = self._world
         models = list(self._models())
+        surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
         physics = next(
             (item for item in world.findall("physics") if is_true(item.get("default"))), world.find("physics")
         )
@@ -235,8 +236,15 @@ class _World:
                 *self._grouped(),
             ),
             file=self._reader.file,
-            surroundings=read_surroundings(self._reader, world, self._includes.lights),
+            surroundings=surroundings,
         )
+
+    def _lose(self, error: InputError) -> None:
+        """Leave out one element of the world, as an error about it says why."""
+        place = Place(error.file or "", error.line)
+        choices = f" Valid: {', '.join(error.valid)}." if error.valid else ""
+        what = f"{error.message.rstrip('.')}: it is left out.{choices}"
+        self._findings.append(Finding.at(Kind.IGNORED, what, place))
 
     def _gravity(self, physics: etree._Element | None) -> Vector3:
         element = self._world.find("gravity")
@@ -258,15 +266,20 @@ class _World:
         found = list(self._elements())
         frames = WorldFrames(self._reader, self._world, [(model, pose, reader) for model, _, pose, _, reader in found])
         states = self._states()
-        taken: set[str] = set()
+        taken = {"world"}  # which SDF reserves
         copies = [(copy, name) for copy, name in self._copies.items() if copy not in self._without]
         for model, version, pose, place, reader in found:
             name = model.get("name", "")
-            X = states[name] if name in states else frames.pose(model, pose)
-            own = free_name(name, taken)
+            try:
+                X = states[name] if name in states else frames.pose(model, pose)
+            except InputError as error:
+                self._lose(error)
+                continue
+            own = free_name(name.replace("::", "_"), taken)
             if own != name:
-                what = f"{name}: several models have this name; one is called {own}"
-                self._findings.append(Finding.at(Kind.WARNING, what, place))
+                is_reserved = name == "world" or "::" in name
+                why = "SDF reserves such a name; the model" if is_reserved else "several models have this name; one"
+                self._findings.append(Finding.at(Kind.WARNING, f"{name}: {why} is called {own}", place))
             taken.add(own)
             for copy in (copy for copy, original in copies if original == own):
                 yield self._model(deepcopy(model), copy, version, X, place, reader)
@@ -326,7 +339,11 @@ class _World:
                     pose = child.find("pose") if child.find("pose") is not None else found.element.find("pose")
                     yield found.element, found.version, pose, self._reader.place(child), found.reader
             elif child.tag == "model":
-                self._reader.text(child, "name")
+                try:
+                    self._reader.text(child, "name")
+                except InputError as error:
+                    self._lose(error)
+                    continue
                 self._includes.expand(child, self._reader, self._version, above)
                 yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
 

@@ -162,12 +162,12 @@ def test_what_gazebos_reader_lets_pass_is_let_pass_and_lines_stay(tmp_path):
 
 def test_an_error_in_an_included_model_names_its_own_file_and_line(tmp_path):
     file = model_file(tmp_path, "bad", "\n\n<pose>a b c</pose>" + BOX) / "bad" / "model.sdf"
-    text = refusal(world_of, tmp_path, f"<include><uri>{file}</uri></include>")
+    (finding,) = world_of(tmp_path, f"<include><uri>{file}</uri></include>").findings
     line = file.read_text().partition("<pose>")[0].count("\n") + 1
-    assert text.startswith(f"{file}:{line}: <pose>")
+    assert (finding.file, finding.lines, finding.what[:6]) == (str(file), (line,), "<pose>")
     file = model_file(tmp_path, "good", BOX) / "good" / "model.sdf"
-    text = refusal(world_of, tmp_path, f"<include><uri>{file}</uri>\n<pose>a b c</pose></include>")
-    assert text.startswith(f"{tmp_path}/test.world:5: <pose>")
+    (finding,) = world_of(tmp_path, f"<include><uri>{file}</uri>\n<pose>a b c</pose></include>").findings
+    assert (finding.file, finding.lines, finding.what[:6]) == (f"{tmp_path}/test.world", (5,), "<pose>")
 
 
 def test_what_an_include_says_besides_is_a_finding(tmp_path):

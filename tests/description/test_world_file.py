@@ -4,10 +4,11 @@ import pytest
 from lxml import etree
 from sdf_worlds import BOX, findings, refusal, world_of, write
 
+from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.surroundings import SUN, Light
 from drake_twin.description.world_file import read_world
-from drake_twin.errors import InputError
+from drake_twin.scenario import World
 
 # --- physics
 
@@ -96,10 +97,12 @@ def test_a_quaternion_is_a_pose_too(tmp_path):
         ("<pose>1 2 nan 0 0 0</pose>", "'1 2 nan 0 0 0' is not a pose (not finite)"),
     ],
 )
-def test_a_pose_that_is_none_is_refused_with_its_line(tmp_path, pose, what):
-    text = refusal(world_of, tmp_path, f'<model name="a">\n{pose}{BOX}</model>')
-    assert text.startswith(f"{tmp_path}/test.world:")
-    assert what in text
+def test_a_pose_that_is_none_costs_its_model_and_is_said_with_its_line(tmp_path, pose, what):
+    world = world_of(tmp_path, f'<model name="a">\n{pose}{BOX}</model><model name="b">{BOX}</model>')
+    assert [model.name for model in world.models] == ["b"]
+    (finding,) = world.findings
+    assert what in finding.what
+    assert (finding.file, finding.lines) == (f"{tmp_path}/test.world", (5 if "is not a pose" in what else 4,))
 
 
 @pytest.mark.parametrize(
@@ -161,8 +164,57 @@ def test_lights_of_a_world_and_of_what_it_includes(tmp_path):
     first, sun = world.surroundings.lights
     assert first == Light("spot", (1, 2, 3), (0, 1, 0), (0.5, 0.6, 0.7), 2.0, (0.5, 0.1, 0.01), 0.8, False)
     assert sun == SUN
-    with pytest.raises(InputError, match="unknown light type 'laser'"):
-        world_of(tmp_path, '<light name="x" type="laser"/>')
+
+
+LINK = '<link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link>'
+
+
+@pytest.mark.parametrize(
+    ("body", "models", "said"),
+    [
+        ('<light name="x" type="laser"/>', ["h"], "unknown light type 'laser'"),
+        ('<light name="x"><diffuse>a b c</diffuse></light>', ["h"], "diffuse is 'a', which is not a number"),
+        ("<scene><background><color>1 0 0</color></background></scene>", ["h"], "three numbers are needed"),
+        ("<magnetic_field>1 2</magnetic_field>", ["h"], "three numbers are needed"),
+        (
+            "<spherical_coordinates><latitude_deg>91</latitude_deg></spherical_coordinates>",
+            ["h"],
+            "latitude_deg is '91', but it must be -90 to 90",
+        ),
+        (f"<model>{LINK}</model>", ["h"], "the attribute 'name' is missing"),
+        (f'<model name="world">{LINK}</model>', ["world_0", "h"], "world: SDF reserves such a name"),
+        (f'<model name="a::b">{LINK}</model>', ["a_b", "h"], "a::b: SDF reserves such a name"),
+    ],
+)
+def test_what_is_wrong_with_an_element_of_a_world_costs_that_element(tmp_path, body, models, said):
+    world = world_of(tmp_path, f'{body}<model name="h"><static>1</static>{LINK}</model>')
+    assert [model.name for model in world.models] == models
+    (finding,) = world.findings
+    assert said in finding.what
+    assert (finding.file, len(finding.lines)) == (str(tmp_path / "test.world"), 1)
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (f'{LINK}<frame name="f"/><frame name="f"/>', "a <frame> has the name of another part, f: it is left out"),
+        (f'{LINK}<frame name="l"/>', "a <frame> has the name of another part, l: it is left out"),
+        (
+            f'{LINK}<model name="l">{LINK}</model>',
+            "a model inside it has the name of another part, l: it is called l_0",
+        ),
+    ],
+)
+def test_a_model_whose_parts_share_a_name_is_there(tmp_path, body, said):
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="l"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
+    )
+    world = world_of(tmp_path, f'<model name="h"><static>1</static>{body}</model>')
+    assert [finding.what for finding in world.findings] == [f"h: {said}"]
+    twin = TwinBuilder(world=World(file=str(tmp_path / "test.world"))).robot("r", tmp_path / "r.urdf").build()
+    assert not [text for text in twin.warnings if "Drake refuses" in text]
+    assert [shape for shape in twin.collision_shapes if not shape.model]
 
 
 def test_plugins_whose_work_the_twin_does_are_passed_over(tmp_path):
@@ -195,7 +247,6 @@ def test_one_thing_about_many_models_is_one_warning(tmp_path):
             "gravity is '0 0', where three numbers are needed",
         ),
         ("<sdf><world name='w'><gravity>0 0 x</gravity></world></sdf>", "gravity is 'x', which is not a number"),
-        ("<sdf><world name='w'><model/></world></sdf>", "the attribute 'name' is missing"),
         ("<sdf><world name='w'><include/></world></sdf>", "<uri> is missing"),
     ],
 )
