@@ -5,6 +5,7 @@ from math import inf, isfinite
 from pathlib import Path
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
+from drake_twin.description.model_frames import MODEL_FRAME
 from drake_twin.description.robot_description import (
     POSED_JOINT_TYPES,
     HardwareSystem,
@@ -15,6 +16,8 @@ from drake_twin.description.robot_description import (
     Vector3,
 )
 from drake_twin.errors import InputError
+
+_SAME = 1e-12  # m and rad
 
 
 def describe_model(
@@ -35,7 +38,7 @@ def describe_model(
         file: The file.
         name: The robot's name in the file.
         systems: What of it can be commanded.
-        efforts: Joint name → its actuator's largest effort (N·m or N).
+        efforts: Joint name → its actuator's largest effort (N·m or N); for MJCF.
 
     Raises:
         InputError: If Drake refuses the model; with Drake's reason.
@@ -51,13 +54,25 @@ def describe_model(
         raise InputError(
             f"Drake cannot read this robot: {without_literal(' '.join(str(error).split()))}", file=file
         ) from None
+    if drake_format == "sdf":
+        actuators = map(plant.get_joint_actuator, plant.GetJointActuatorIndices())
+        efforts = {actuator.joint().name(): actuator.effort_limit() for actuator in actuators}
     links = tuple(plant.get_body(index).name() for index in plant.GetBodyIndices(instance))
     joints = tuple(_joints(plant, instance, efforts or {}))
     children = {joint.child for joint in joints}
     roots = [link for link in links if link not in children]
     if len(roots) != 1:
         raise InputError(f"the links must form one tree, but {', '.join(roots)} have no parent", file=file)
-    return RobotDescription(name=name, links=links, joints=joints, systems=systems, text=text, file=file)
+    root_pose = Pose()
+    if plant.HasFrameNamed(MODEL_FRAME, instance):
+        plant.Finalize()
+        context = plant.CreateDefaultContext()
+        model, root = plant.GetFrameByName(MODEL_FRAME, instance), plant.GetBodyByName(roots[0], instance).body_frame()
+        X_MR = plant.CalcRelativeTransform(context, model, root)
+        root_pose = Pose() if X_MR.IsNearlyIdentity(_SAME) else _pose(X_MR)
+    return RobotDescription(
+        name=name, links=links, joints=joints, systems=systems, text=text, file=file, root_pose=root_pose
+    )
 
 
 def _joints(plant, instance, efforts: Mapping[str, float]) -> Iterator[Joint]:  # type: ignore[no-untyped-def]  # pydrake types stay in this module

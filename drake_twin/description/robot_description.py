@@ -26,6 +26,18 @@ class Pose:
     xyz: Vector3 = (0.0, 0.0, 0.0)
     rpy: Vector3 = (0.0, 0.0, 0.0)
 
+    def compose(self, inner: "Pose") -> "Pose":
+        """Return the pose of what has a pose in this frame, seen from where this frame is given."""
+        if inner == Pose():
+            return self
+        from pydrake.math import RigidTransform, RollPitchYaw
+
+        found = RigidTransform()
+        for pose in (self, inner):
+            found = found @ RigidTransform(RollPitchYaw(*pose.rpy), list(pose.xyz))
+        xyz, rpy = found.translation().tolist(), RollPitchYaw(found.rotation()).vector().tolist()
+        return Pose(tuple(xyz), tuple(rpy))
+
 
 @dataclass(frozen=True)
 class Mimic:
@@ -254,6 +266,7 @@ class RobotDescription:
         file: The file it was read from.
         base_joints: Joints that the twin adds between the world and the root link, so that the base can be commanded;
             they can be looked up by name like the robot's own, and are not among its ``joints``.
+        root_pose: The pose of the root link in the model's frame, which is what is spawned; of SDF only.
     """
 
     name: str
@@ -266,6 +279,7 @@ class RobotDescription:
     text: str = field(default="", repr=False)
     file: Path | None = None
     base_joints: tuple[Joint, ...] = ()
+    root_pose: Pose = field(default_factory=Pose)
 
     @cached_property
     def root_link(self) -> str:

@@ -170,20 +170,8 @@ def _sensors(reader: XmlReader, element: etree._Element) -> Iterator[Sensor]:
                 alone.remove(copied)
         name = f"{sensor.name}/{camera.get('name', '').strip()}"
         text = etree.tostring(alone, encoding="unicode", with_tail=False)
-        pose = _composed(sensor.pose, _pose(reader, camera))
+        pose = sensor.pose.compose(_pose(reader, camera))
         yield replace(sensor, name=name, text=text, places=places, pose=pose, place=reader.place(camera))
-
-
-def _composed(outer: Pose, inner: Pose) -> Pose:
-    if inner == Pose():
-        return outer
-    from pydrake.math import RigidTransform, RollPitchYaw
-
-    found = RigidTransform()
-    for pose in (outer, inner):
-        found = found @ RigidTransform(RollPitchYaw(*pose.rpy), list(pose.xyz))
-    xyz, rpy = found.translation().tolist(), RollPitchYaw(found.rotation()).vector().tolist()
-    return Pose(tuple(xyz), tuple(rpy))
 
 
 def _sensor(reader: XmlReader, element: etree._Element) -> Sensor:

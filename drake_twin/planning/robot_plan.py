@@ -100,8 +100,8 @@ class RobotPlan:
 
     @property
     def spawn_pose(self) -> Pose:
-        """The start pose of the root link in the world."""
-        return Pose(self.robot.xyz, self.robot.rpy)
+        """The start pose of the root link in the world: the robot's pose is that of its model's frame, as in Gazebo."""
+        return Pose(self.robot.xyz, self.robot.rpy).compose(self.description.root_pose)
 
     @property
     def friction_joints(self) -> tuple[Joint, ...]:

@@ -1,13 +1,16 @@
 from math import inf
 from pathlib import Path
 
+import numpy as np
 import pytest
 import trimesh
 from lxml import etree
 
+from drake_twin import TwinBuilder
 from drake_twin.description.drake_model import describe_model
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.sdf import prepare_sdf
 from drake_twin.errors import InputError
 
@@ -169,3 +172,27 @@ def test_links_that_form_several_trees_are_refused_by_name():
 
 def test_what_drake_refuses_gives_drakes_reason():
     assert refusal(describe, "").startswith("arm.sdf: Drake cannot read this robot: ")
+
+
+POSED = """<pose>9 9 9 0 0 0</pose>
+<link name="base"><pose>.3 0 1 0 0 0</pose><inertial><mass>1</mass></inertial></link>
+<link name="tip"><pose>.3 0 1.5 0 0 0</pose><inertial><mass>1</mass></inertial></link>
+<joint name="j" type="revolute"><parent>base</parent><child>tip</child><axis><xyz>0 1 0</xyz>
+<limit><lower>-1</lower><upper>1</upper><effort>7</effort><velocity>2</velocity></limit></axis></joint>{more}"""
+
+
+@pytest.mark.parametrize("more", ["", "<static>true</static>"])
+@pytest.mark.parametrize(("yaw", "expected"), [(0.0, (0.3, 0, 3)), (np.pi / 2, (0, 0.3, 3))])  # Gazebo's, at yaw 0
+def test_a_spawn_pose_is_that_of_the_models_frame(tmp_path, more, yaw, expected):
+    (tmp_path / "m.sdf").write_text(sdf(POSED.format(more=more)))
+    twin = TwinBuilder().robot("m", tmp_path / "m.sdf", xyz=(0, 0, 2), rpy=(0, 0, yaw)).build()
+    x, y, z, *quaternion = twin.robot_state("m").base_pose
+    assert (x, y, z) == pytest.approx(expected)
+    assert quaternion == pytest.approx([np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)])
+
+
+def test_limits_of_a_joint_are_the_files(tmp_path):
+    (tmp_path / "m.sdf").write_text(sdf(POSED.format(more="")))
+    (joint,) = load_robot_model(str(tmp_path / "m.sdf"), PackageIndex((), {})).description.joints
+    limits = joint.limits
+    assert (limits.lower, limits.upper, limits.velocity, limits.effort) == (-1.0, 1.0, 2.0, 7.0)
