@@ -23,7 +23,8 @@ from drake_twin.requirements import missing
 from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, sizes_of
 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
-_BRAKE = "/friction/"  # in the names of the shapes that brake joints, which nobody sees
+_UNSEEN = ("/friction/", "|corner")  # in the names of shapes that brake joints, or that are parts of other shapes
+_STEP = 1e-5  # behind the back of a triangle, a ray goes on (m, and relative to its way so far)
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
 
 
@@ -46,9 +47,11 @@ class _Group:
         triangles: Vertices and faces of each shape.
         round: Round shapes with their poses.
         planes: Half spaces with their poses.
+        from_inside: Whether rays meet a shape from inside, too.
     """
 
     body: int | None
+    from_inside: bool
     triangles: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
     round: list[tuple[Shape, RigidTransform]] = field(default_factory=list)
     planes: list[RigidTransform] = field(default_factory=list)
@@ -102,21 +105,40 @@ class _Group:
         """Return how far away rays meet the shapes, in the group's axes; see `RayCaster.cast`."""
         found = np.full(len(directions), np.inf)
         if self.scene is not None:
-            starts = (origin + nearest * directions).astype(np.float32)
-            ways = np.full(len(directions), 1e37, dtype=np.float32)
-            ways = self.scene.run(starts, directions.astype(np.float32), query="DISTANCE", dists=ways).astype(float)
-            found = np.where(ways < 1e30, ways + nearest, np.inf)
+            found = self._cast_into_triangles(origin, directions, nearest)
         for kind, balls in self.kinds:
             shapes, rays = _meets(directions, balls.centers - origin, balls.radii, nearest, farthest)
             turns = balls.turns[shapes]
             starts = np.einsum("ij,ijk->ik", origin - balls.centers[shapes], turns)
             ways = np.einsum("ij,ijk->ik", directions[rays], turns)
-            np.minimum.at(found, rays, distances(kind, balls.sizes[shapes], starts, ways, nearest))
+            np.minimum.at(
+                found, rays, distances(kind, balls.sizes[shapes], starts, ways, nearest, from_inside=self.from_inside)
+            )
         for pose in self.planes:
             normal = pose.rotation().matrix()[:, 2]
             with np.errstate(divide="ignore", invalid="ignore"):
                 ways = (normal @ (pose.translation() - origin)) / (directions @ normal)
-            found = np.minimum(found, np.where(ways >= nearest, ways, np.inf))
+            seen = (ways >= nearest) & (self.from_inside | (directions @ normal < 0.0))
+            found = np.minimum(found, np.where(seen, ways, np.inf))
+        return found
+
+    def _cast_into_triangles(self, origin: np.ndarray, directions: np.ndarray, nearest: float) -> np.ndarray:
+        found = np.full(len(directions), np.inf)
+        rays, begins = np.arange(len(directions)), np.full(len(directions), nearest)
+        ways = directions.astype(np.float32)
+        while len(rays):
+            starts = (origin + begins[:, np.newaxis] * directions[rays]).astype(np.float32)
+            farthest = np.full(len(rays), 1e37, dtype=np.float32)
+            if self.from_inside:
+                far = self.scene.run(starts, ways[rays], query="DISTANCE", dists=farthest).astype(float)
+                return np.where(far < 1e30, far + nearest, np.inf)
+            met = self.scene.run(starts, ways[rays], output=1, dists=farthest)
+            far = begins + met["tfar"].astype(float)
+            is_met = met["primID"] >= 0
+            is_back = is_met & (np.einsum("ij,ij->i", met["Ng"], ways[rays]) > 0.0)
+            is_front = is_met & ~is_back
+            found[rays[is_front]] = far[is_front]
+            rays, begins = rays[is_back], far[is_back] * (1.0 + _STEP) + _STEP
         return found
 
 
@@ -126,7 +148,8 @@ class RayCaster:
     Args:
         plant: The finalized plant whose bodies have the shapes.
         inspector: The scene graph's.
-        role: Which shapes are seen: ``Role.kIllustration`` or ``Role.kProximity``.
+        role: Which shapes are seen: ``Role.kIllustration`` or ``Role.kProximity``. Of what is drawn the backs are not
+            seen, as in Gazebo's renderer, so that a lidar sees out of its housing.
 
     Raises:
         InputError: If Embree is not installed.
@@ -136,13 +159,16 @@ class RayCaster:
         _embree()
         fixed = {int(body.index()) for body in plant.GetBodiesWeldedTo(plant.world_body())}
         start = plant.CreateDefaultContext()
-        self._static = _Group(None)
+        from_inside = role is Role.kProximity
+        self._static = _Group(None, from_inside)
         meshes: dict[tuple[str, ...], tuple[np.ndarray, np.ndarray]] = {}
         self._moving: list[_Group] = []
         for frame in inspector.GetAllFrameIds():
             body = plant.GetBodyFromFrameId(frame)
             geometries = [
-                item for item in inspector.GetGeometries(frame, role) if _BRAKE not in inspector.GetName(item)
+                item
+                for item in inspector.GetGeometries(frame, role)
+                if not any(part in inspector.GetName(item) for part in _UNSEEN)
             ]
             if body is None or not geometries:
                 continue
@@ -150,7 +176,7 @@ class RayCaster:
             if index in fixed:
                 group, pose = self._static, plant.EvalBodyPoseInWorld(start, body)
             else:
-                group, pose = _Group(index), RigidTransform()
+                group, pose = _Group(index, from_inside), RigidTransform()
                 self._moving.append(group)
             for geometry in geometries:
                 _add(group, inspector, geometry, pose, meshes)
@@ -258,7 +284,7 @@ def _triangles(
         key = (str(file), *map(str, scale))
         if key not in meshes:
             unscaled, of_mesh = mesh_triangles(file)
-            meshes[key] = unscaled * scale, of_mesh
+            meshes[key] = unscaled * scale, of_mesh if scale.prod() > 0 else of_mesh[:, ::-1]
         return meshes[key]
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()

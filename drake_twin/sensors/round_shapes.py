@@ -27,9 +27,15 @@ def sizes_of(shape: Shape) -> tuple[float, float, float]:
 
 
 def distances(
-    kind: type[Shape], sizes: np.ndarray, origins: np.ndarray, directions: np.ndarray, nearest: float
+    kind: type[Shape],
+    sizes: np.ndarray,
+    origins: np.ndarray,
+    directions: np.ndarray,
+    nearest: float,
+    *,
+    from_inside: bool = True,
 ) -> np.ndarray:
-    """Return how far away rays meet round shapes from outside or inside (m); infinite where they do not.
+    """Return how far away rays meet round shapes (m); infinite where they do not.
 
     Args:
         kind: The shapes' class.
@@ -37,15 +43,17 @@ def distances(
         origins: Where each ray begins, in its shape's frame, (pairs, 3).
         directions: Unit vectors in the shapes' frames, (pairs, 3).
         nearest: What is nearer is not seen (m).
+        from_inside: Whether a shape is met from inside, too.
     """
+    first = _first if from_inside else _entry
     with np.errstate(divide="ignore", invalid="ignore"):
         if kind in (Sphere, Ellipsoid):
-            return _first(_quadric(origins / sizes, directions / sizes), nearest)
+            return first(_quadric(origins / sizes, directions / sizes), nearest)
         radius, half = sizes[:, :1], sizes[:, 2]
         side = _quadric(origins[:, :2] / radius, directions[:, :2] / radius)
         side[np.abs(origins[:, 2] + side * directions[:, 2]) > half] = np.inf
         ends = _balls if kind is Capsule else _discs
-        return _first(
+        return first(
             np.vstack([side, *(ends(radius, half, sign, origins, directions) for sign in (1.0, -1.0))]), nearest
         )
 
@@ -84,3 +92,8 @@ def _quadric(starts: np.ndarray, ways: np.ndarray) -> np.ndarray:
 
 def _first(candidates: np.ndarray, nearest: float) -> np.ndarray:
     return np.asarray(np.where(candidates >= nearest, candidates, np.inf).min(axis=0))
+
+
+def _entry(candidates: np.ndarray, nearest: float) -> np.ndarray:
+    entry = np.where(np.isnan(candidates), np.inf, candidates).min(axis=0)
+    return np.asarray(np.where(entry >= nearest, entry, np.inf))

@@ -108,14 +108,15 @@ def test_a_rate_of_zero_is_every_step(tmp_path):
     assert len(times) == 10
 
 
-def test_a_world_on_another_planet_or_beyond_a_pole_is_refused(tmp_path):
+def test_a_world_on_another_planet_or_beyond_a_pole_is_nowhere_and_that_is_said(tmp_path):
     for inside, what in (
-        ("<surface_model>MOON_SCS</surface_model>", "unknown surface_model 'MOON_SCS'. Valid: EARTH_WGS84"),
+        ("<surface_model>MOON_SCS</surface_model>", "unknown surface_model 'MOON_SCS': it is left out"),
         ("<latitude_deg>91</latitude_deg>", "latitude_deg is '91', but it must be -90 to 90"),
         ("<elevation>x</elevation>", "elevation is 'x', which is not a number"),
     ):
-        with pytest.raises(InputError, match=what):
-            twin_with(tmp_path, on_box("navsat"), world=f"<spherical_coordinates>{inside}</spherical_coordinates>")
+        twin = twin_with(tmp_path, on_box("navsat"), world=f"<spherical_coordinates>{inside}</spherical_coordinates>")
+        assert [finding for finding in twin.findings if what in finding.what]
+        assert twin.world_file.surroundings.spherical is None
 
 
 TAGS = (

@@ -219,7 +219,9 @@ def test_a_robot_sees_another_one(tmp_path):
     for index in range(2):
         builder.robot(f"r{index}", tmp_path / "box.urdf", xyz=(1.5 * index, 0, 0.1))
     twin = builder.build()
-    # From the axis of a cylinder of 0.3 m: its own wall is met from inside, as rays begin at 0.12 m.
-    assert twin.latest("/r0/scan").ranges == pytest.approx([0.3] * 5, abs=1e-4)
+    # Its own cylinder of 0.3 m is not seen from inside, as in Gazebo; the other's is 1.5 m ahead.
+    angles = np.linspace(-0.2, 0.2, 5)
+    expected = 1.5 * np.cos(angles) - np.sqrt(0.3**2 - (1.5 * np.sin(angles)) ** 2)
+    assert twin.latest("/r0/scan").ranges == pytest.approx(expected, abs=1e-4)
     twin.set_entity_state("r1", position=[0.2, 0.0, 0.1])
-    assert twin.latest("/r0/scan").ranges[2] == pytest.approx(0.3, abs=1e-4)
+    assert twin.latest("/r0/scan").ranges[2] == np.inf

@@ -6,9 +6,11 @@ import sys
 
 import numpy as np
 import pytest
+import trimesh
 from pydrake.geometry import (
     Box,
     Capsule,
+    Convex,
     Cylinder,
     Ellipsoid,
     HalfSpace,
@@ -222,6 +224,33 @@ def test_collision_shapes_and_visual_shapes_are_seen_apart():
     }
     assert cast == {Role.kIllustration: pytest.approx(1.5), Role.kProximity: pytest.approx(2.5)}
     assert PerceptionProperties is not None
+
+
+@pytest.mark.parametrize("moves", [False, True])
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("name", [*SHAPES, "mesh", "hull", "shells"])
+def test_a_lidar_sees_out_of_its_housing_as_in_gazebo(tmp_path, name, moves, mirrored):
+    """What is drawn is seen from in front alone: the ranges are those without the housing."""
+    rng = np.random.default_rng(3)
+    directions = unit(rng.normal(size=(500, 3)))
+    scale = (1.0, -1.0, 1.0) if mirrored else (1.0, 1.0, 1.0)
+    housing = trimesh.creation.icosphere(2, 0.3)
+    if name == "shells":  # one within the other
+        housing += trimesh.creation.icosphere(2, 0.2)
+    housing.export(tmp_path / "housing.obj")
+    rooms = []
+    for is_housed in (False, True):
+        scene = Scene()
+        for wall in (Box(0.1, 6.0, 6.0), Sphere(0.5)):
+            scene.add(wall, RigidTransform(RollPitchYaw(0.1, 0.2, 0.3), [1.5, 0.3, 0.2]), moves=not moves)
+        if is_housed:
+            shape = SHAPES[name](rng)[0] if name in SHAPES else Mesh(str(tmp_path / "housing.obj"), scale)
+            shape = Convex(str(tmp_path / "housing.obj"), scale) if name == "hull" else shape
+            scene.add(shape, RigidTransform(), moves=moves)
+        caster, poses = scene.caster()
+        rooms.append(caster.cast(poses, np.array([0.005, 0.01, -0.01]), directions))
+    assert np.isfinite(rooms[0]).sum() > 100
+    assert rooms[0] == pytest.approx(rooms[1], abs=1e-5)
 
 
 def test_the_bounding_spheres_change_no_bit(monkeypatch):
