@@ -15,6 +15,7 @@ from drake_twin.values import is_true
 # What `drake_twin.description.sensors` reads, and what has no meaning here: sensors are always on and not drawn.
 _OF_ALL_SENSORS = (
     *("pose", "origin", "update_rate", "topic", "frame_id", "gz_frame_id", "ignition_frame_id"),
+    "camera/optical_frame_id",
     *("always_on", "visualize", "enable_metrics", "plugin/ros", "plugin/frame_name"),
 )
 

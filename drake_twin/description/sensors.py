@@ -24,7 +24,7 @@ SENSOR_PLUGINS = {
     "gazebo_ros_imu": ("link", "bodyName", "updateRate"),  # ROS 1's, which still stands in files
 }
 
-_FRAMES = ("frame_id", "gz_frame_id", "ignition_frame_id", "plugin/frame_name")
+_FRAMES = ("camera/optical_frame_id", "frame_id", "gz_frame_id", "ignition_frame_id", "plugin/frame_name")
 
 
 def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:

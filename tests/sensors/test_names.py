@@ -64,6 +64,15 @@ def test_without_a_bridge_a_sensor_is_below_the_robots_namespace(tmp_path, senso
 
 
 @pytest.mark.parametrize(
+    ("more", "frame"), [("", "other"), ("<optical_frame_id>imu_link</optical_frame_id>", "r/imu_link")]
+)
+def test_a_camera_has_its_optical_frame(tmp_path, more, frame):
+    twin = robot_with(tmp_path, gazebo(f"<gz_frame_id>other</gz_frame_id><camera>{more}</camera>", kind="camera"))
+    assert {found for _, found, _ in table(twin).values()} == {frame}
+    assert not [text for text in twin.warnings if "optical" in text]
+
+
+@pytest.mark.parametrize(
     ("plugin", "expected"),
     [
         ('<plugin name="p" filename="libgazebo_ros_imu_sensor.so"/>', ("/r/p/out", "r/base_footprint")),
