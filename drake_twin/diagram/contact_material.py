@@ -19,7 +19,7 @@ from pydrake.multibody.plant import CoulombFriction
 
 from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape
-from drake_twin.diagram.rims_and_corners import recess_of
+from drake_twin.diagram.rims_and_corners import CORNER_STIFFNESS, recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
 # A face yields as if its model stood on a spring of this natural frequency, squared (1/s²): whatever the size and mass,
@@ -31,9 +31,9 @@ _FACE_STIFFNESS = 4e5
 # The least of that for the smallest face: what stands on it sinks by 75 µm at most.
 _SMALL_FACE_STIFFNESS = 1.3e5
 
-# Every face is as stiff as this at least (N/m): whoever squeezes or pushes a light thing knows nothing of its weight.
-# 70 N sink in by 0.07 mm.
-_LEAST_STIFFNESS = 1e6
+# Nothing is softer than a compact thing of this mass (kg): what pushes it may be stronger than its weight. Its faces have
+# 3e5 to 1e6 N/m at least. Loose cylinders are left out: at a step of 10 ms a coin as stiff as this falls over.
+_LEAST_BORNE = 2.5
 
 _RIGID = 1e12  # N/m; for a point of a static shape
 
@@ -88,14 +88,26 @@ def candidates(
 
 def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     properties = ProximityProperties()
+    stiffness = POINT_STIFFNESS * shape.mass
+    if shape.is_static:
+        stiffness = _RIGID
+    elif shape.point_stiffness is not None:
+        stiffness = shape.point_stiffness * shape.mass
+        if shape.is_corner:
+            stiffness = max(stiffness, CORNER_STIFFNESS * _borne(shape))
     AddContactMaterial(
         dissipation=_CORNER_DISSIPATION if shape.is_corner else _DISSIPATION,
-        point_stiffness=_RIGID if shape.is_static else (shape.point_stiffness or POINT_STIFFNESS) * shape.mass,
+        point_stiffness=stiffness,
         friction=CoulombFriction(friction, friction),
         properties=properties,
     )
     properties.AddProperty("material", "relaxation_time", _DEFAULTS.relaxation_time)
     return properties
+
+
+def _borne(shape: ContactShape) -> float:
+    """Return the mass that a shape's faces and corners bear at least (kg)."""
+    return shape.mass if shape.is_loose and isinstance(shape.shape, Cylinder) else max(shape.mass, _LEAST_BORNE)
 
 
 def _margin(shape: ContactShape, depth: float | None) -> float:
@@ -123,7 +135,7 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
     modulus = 0.0
     for least, width, length, height in faces:
         stiffness = max(least, 6 * UPRIGHT * height / width**2)  # 1/s²; a body stands on an even face by the latter
-        bears = max(stiffness * shape.mass, _LEAST_STIFFNESS)
+        bears = max(stiffness * shape.mass, least * _borne(shape))
         modulus = max(modulus, bears / (filled * width * length) * (depth or height / 2))
     return modulus
 

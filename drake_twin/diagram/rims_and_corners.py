@@ -34,12 +34,12 @@ _LEAST = 1e-4  # m
 # The balls in the corners have a radius of this part of the smallest side: so much too early a body tips.
 _BALL = 0.005
 
-# How stiff a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest face, so
+# How stiff a ball in a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest face, so
 # that its yielding lets the body tip by 0.5 % too early. With more, little is left for the face: on a slope of 0.95 of
 # the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver regularizes the
 # friction of a point the more, the more that point bears. So there are two balls in each corner.
-_STIFFNESS = 4e4
-_SLIM = 20.0
+CORNER_STIFFNESS = 2e4  # of each ball
+_SLIM = 10.0
 _BALLS = 2
 
 _FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
@@ -99,7 +99,7 @@ def _corners(shape: ContactShape) -> Iterator[ContactShape]:
         return
     smallest, _, largest = sorted(np.ptp(points, axis=0).tolist())
     radius = _BALL * smallest
-    stiffness = max(_STIFFNESS, _SLIM * UPRIGHT * largest / smallest**2) / _BALLS
+    stiffness = max(CORNER_STIFFNESS, _SLIM * UPRIGHT * largest / smallest**2)
     for number, point in enumerate(np.repeat(_moved_inside(points, radius), _BALLS, axis=0)):
         part = _point(shape, f"corner{number}", Sphere(radius), point.tolist(), stiffness)
         yield replace(part, is_corner=True)

@@ -24,7 +24,7 @@ from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, 
 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
 _UNSEEN = ("/friction/", "|corner")  # in the names of shapes that brake joints, or that are parts of other shapes
-_STEP = 1e-5  # behind the back of a triangle, a ray goes on (m, and relative to its way so far)
+_STEP = 1e-5  # so far behind the back of a triangle a ray begins again (m, and relative to its way)
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
 
 
