@@ -31,8 +31,8 @@ _FACE_STIFFNESS = 4e5
 # The least of that for the smallest face: what stands on it sinks by 75 µm at most.
 _SMALL_FACE_STIFFNESS = 1.3e5
 
-# Nothing is softer than a compact thing of this mass (kg): what pushes it may be stronger than its weight. Its faces have
-# 3e5 to 1e6 N/m at least. Loose cylinders are left out: at a step of 10 ms a coin as stiff as this falls over.
+# Nothing is softer than a compact thing of this mass (kg): what pushes it may be stronger than its weight. Its faces
+# have 3e5 to 1e6 N/m at least. Loose cylinders are left out: at a step of 10 ms a coin as stiff as this falls over.
 _LEAST_BORNE = 2.5
 
 _RIGID = 1e12  # N/m; for a point of a static shape

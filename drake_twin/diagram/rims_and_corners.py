@@ -34,10 +34,10 @@ _LEAST = 1e-4  # m
 # The balls in the corners have a radius of this part of the smallest side: so much too early a body tips.
 _BALL = 0.005
 
-# How stiff a ball in a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest face, so
-# that its yielding lets the body tip by 0.5 % too early. With more, little is left for the face: on a slope of 0.95 of
-# the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver regularizes the
-# friction of a point the more, the more that point bears. So there are two balls in each corner.
+# How stiff a ball in a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest
+# face, so that its yielding lets the body tip by 0.5 % too early. With more, little is left for the face: on a slope of
+# 0.95 of the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver
+# regularizes the friction of a point the more, the more that point bears. So there are two balls in each corner.
 CORNER_STIFFNESS = 2e4  # of each ball
 _SLIM = 10.0
 _BALLS = 2
