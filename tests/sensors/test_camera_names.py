@@ -249,12 +249,12 @@ def test_bad_input_is_one_paragraph_with_file_and_line(tmp_path, text, message):
 
 
 def test_what_has_no_effect_is_said(tmp_path):
-    more = "<optical_frame_id>o</optical_frame_id><visibility_mask>3</visibility_mask><save><path>x</path></save>"
+    more = "<visibility_mask>3</visibility_mask><save><path>x</path></save>"
     text = camera(more=more, rate=0).replace("</height></image>", "</height><format>RGB_FLOAT32</format></image>")
     with twin_with(tmp_path, text) as twin:
         ignored = {item.what for item in twin.findings if item.kind is Kind.IGNORED}
         warnings = texts(twin.findings, Kind.WARNING)
-    assert {f"<{tag}> in <camera> of sensor 's'" for tag in ("optical_frame_id", "visibility_mask", "save")} <= ignored
+    assert {f"<{tag}> in <camera> of sensor 's'" for tag in ("visibility_mask", "save")} <= ignored
     assert any("format RGB_FLOAT32 is not supported" in item for item in warnings)
     assert any("a picture at every step" in item for item in warnings)
 
