@@ -404,10 +404,9 @@ def test_position_limits_are_off_unless_the_manager_enforces_them(make, more_typ
     assert "is cut" not in caplog.text
 
 
-@pytest.mark.parametrize(
-    "more_types", ["", ENFORCED]
-)  # Gazebo's DART holds 3 rad/s under a limit of 3 and a command of 50
+@pytest.mark.parametrize("more_types", ["", ENFORCED])
 def test_a_velocity_is_clamped_to_the_joints_limit_whatever_the_manager_enforces(make, more_types, caplog):
+    """As in Gazebo: DART holds 3 rad/s under a limit of 3 and a command of 50."""
     twin = make("velocities", more_types=more_types)
     twin.publish("/r/velocities/commands", [0.0, 30.0])
     twin.advance_to(2.0)

@@ -42,7 +42,7 @@ _RIGID = 1e12  # N/m; for a point of a static shape
 _DISSIPATION = 5.0
 
 # The same for corners, which may be slow, since the face beside them comes out: what rocks from edge to edge stops.
-_CORNER_DISSIPATION = 1000.0
+_CORNER_DISSIPATION = 1e4
 
 # Faces that are closer than this take part in the solution of a step before they touch (m), so that they do not sink
 # into each other in a step. Without it, at a step of 10 ms, a box that is set down sticks where it should slide:

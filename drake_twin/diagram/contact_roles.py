@@ -19,6 +19,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
+from typing import NamedTuple
 
 from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, HalfSpace, RoleAssign, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
@@ -61,6 +62,17 @@ class Variant:
     friction: float
 
 
+class _Class(NamedTuple):
+    """What decides on the variants of a shape."""
+
+    group: Group | None
+    is_static: bool
+    friction: float
+    role: str
+    is_loose: bool
+    is_corner: bool
+
+
 def usual_role(shape: ContactShape) -> str:
     """Return the role of a shape towards most partners."""
     if not shape.is_flat:
@@ -83,26 +95,24 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
         what = f"the ground's friction cannot be varied beside more than {_MOST_STATIC} shapes or several planes"
         raise InputError(f"{what}: set world.ground_friction")
     classes = [
-        (shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose, shape.is_corner)
+        _Class(shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose, shape.is_corner)
         for shape in shapes
     ]
-    needs: dict[tuple[Group | None, bool, float, str, bool, bool], set[Variant]] = {key: set() for key in classes}
+    needs: dict[_Class, set[Variant]] = {key: set() for key in classes}
     for one, other in combinations_with_replacement(needs, 2):
-        if not _meet(one[0], other[0]) or (one[1] and other[1]):
+        if not _meet(one, other):
             continue
-        if (one[5] and not other[1]) or (other[5] and not one[1]):
+        if common is not None and (one.is_static or other.is_static):
+            moving, fixed = (other, one) if one.is_static else (one, other)
+            needs[fixed].add(Variant(_ONE_FOR_ALL, fixed.role, fixed.friction))
+            needs[moving].add(Variant(_ONE_FOR_ALL, moving.role, towards(common, moving.friction)))
             continue
-        if common is not None and (one[1] or other[1]):
-            moving, fixed = (other, one) if one[1] else (one, other)
-            needs[fixed].add(Variant(_ONE_FOR_ALL, fixed[3], fixed[2]))
-            needs[moving].add(Variant(_ONE_FOR_ALL, moving[3], towards(common, moving[2])))
-            continue
-        roles = one[3], other[3]
-        if roles == (SOFT, SOFT) and (one[4] or other[4]):
-            assert one[0] is not None
-            assert other[0] is not None
-            roles = (SOFT, HARD) if one[0] < other[0] else (HARD, SOFT)
-        level = min(one[2], other[2])
+        roles = one.role, other.role
+        if roles == (SOFT, SOFT) and (one.is_loose or other.is_loose):
+            assert one.group is not None
+            assert other.group is not None
+            roles = (SOFT, HARD) if one.group < other.group else (HARD, SOFT)
+        level = min(one.friction, other.friction)
         needs[one].add(Variant(level, roles[0], level))
         needs[other].add(Variant(level, roles[1], level))
     if common is not None:
@@ -132,11 +142,16 @@ def _inexact(common: float, static: Collection[float], moving: Collection[float]
                 yield f"the world has too many shapes: {what}"
 
 
-def _meet(one: Group | None, other: Group | None) -> bool:
-    """Return whether shapes of two groups meet; those of one model do if its bodies collide with each other."""
-    if one is None or other is None or one.model != other.model:
+def _meet(one: _Class, other: _Class) -> bool:
+    """Return whether shapes of two classes meet.
+
+    Those of one model do if its bodies collide with each other; corners meet what does not move.
+    """
+    if (one.is_static and other.is_static) or one.is_corner > other.is_static or other.is_corner > one.is_static:
+        return False
+    if one.group is None or other.group is None or one.group.model != other.group.model:
         return True
-    return one != other and min(one.body, other.body) >= 0
+    return one.group != other.group and min(one.group.body, other.group.body) >= 0
 
 
 @dataclass(frozen=True)

@@ -35,8 +35,8 @@ _LEAST = 1e-4  # m
 _BALL = 0.005
 
 # How stiff a ball in a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest
-# face, so that its yielding lets the body tip by 0.5 % too early. With more, little is left for the face: on a slope of
-# 0.95 of the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver
+# face, so that its yielding lets the body tip by 0.25 % too early. With more, little is left for the face: on a slope
+# of 0.95 of the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver
 # regularizes the friction of a point the more, the more that point bears. So there are two balls in each corner.
 CORNER_STIFFNESS = 2e4  # of each ball
 _SLIM = 10.0
@@ -90,8 +90,9 @@ def _rims(shape: ContactShape, radius: float, length: float) -> Iterator[Contact
 
 def _corners(shape: ContactShape) -> Iterator[ContactShape]:
     form = shape.shape
+    signs = np.array(list(product((-1.0, 1.0), repeat=3)))
     if isinstance(form, Box):
-        points = np.array(list(product((-0.5, 0.5), repeat=3))) * form.size()
+        points = 0.5 * signs * form.size()
     else:
         assert isinstance(form, Convex)
         points = corners_of(form.GetConvexHull())
@@ -99,8 +100,9 @@ def _corners(shape: ContactShape) -> Iterator[ContactShape]:
         return
     smallest, _, largest = sorted(np.ptp(points, axis=0).tolist())
     radius = _BALL * smallest
+    inside = points - radius * signs if isinstance(form, Box) else _moved_inside(points, radius)
     stiffness = max(CORNER_STIFFNESS, _SLIM * UPRIGHT * largest / smallest**2)
-    for number, point in enumerate(np.repeat(_moved_inside(points, radius), _BALLS, axis=0)):
+    for number, point in enumerate(np.repeat(inside, _BALLS, axis=0)):
         part = _point(shape, f"corner{number}", Sphere(radius), point.tolist(), stiffness)
         yield replace(part, is_corner=True)
 

@@ -229,16 +229,18 @@ def _add_servo(
     plant: MultibodyPlant,
 ) -> JointServo:
     description = plan.description
+    fastest = np.array([velocity_limit(description, joint) for joint in joints])
     limits = np.full((3, len(joints), 2), [-np.inf, np.inf])
     for index, joint in enumerate(joints):
         if joint is None:
             continue
         effort = description.joints_by_name[joint].limits.effort
-        fastest = velocity_limit(description, joint)
-        limits[1:, index] = (-fastest, fastest), (-effort, effort)  # the motor's, whether or not commands are clamped
+        # The motor's, whether or not commands are clamped.
+        limits[1:, index] = (-fastest[index], fastest[index]), (-effort, effort)
         for row, interface in enumerate(COMMANDS if plan.enforce_limits else ()):
             lower, upper = description.limits_of_command(joint, interface)
-            limits[row, index] = (lower, upper) if lower <= upper else (-np.inf, np.inf)
+            if lower <= upper:
+                limits[row, index] = max(lower, limits[row, index, 0]), min(upper, limits[row, index, 1])
     driving = {name: item for name, item in controllers.items() if item.claims}
     active = {item.name for item in plan.controllers if item.state == ACTIVE}
     holds = [plan.start_positions.get(joint or "", 0.0) for joint in joints]
@@ -249,14 +251,13 @@ def _add_servo(
             mode: [0.0 if servo is None else servo.velocity_as_position(mode) for servo in in_plant.gains]
             for mode in MODES
         }
-    velocities = np.array([velocity_limit(description, joint) for joint in joints])
     still = np.zeros(len(joints)).tolist()
-    own_velocities = {BRAKE: still, REST: still, UP: velocities.tolist(), DOWN: (-velocities).tolist()}
+    own_velocities = {BRAKE: still, REST: still, UP: fastest.tolist(), DOWN: (-fastest).tolist()}
     sizes = {name: len(item.interfaces) for name, item in driving.items()}
     has_efforts = any(interface.name == "effort" for item in driving.values() for interface in item.interfaces)
     # An effort acts up to the joint's velocity limit: see `effort_gains`.
     limited = {
-        index: (plant.get_joint_actuator(actuator), float(velocities[index]))
+        index: (plant.get_joint_actuator(actuator), float(fastest[index]))
         for index, actuator in enumerate(plant.GetJointActuatorIndices(in_plant.instance))
         if (gains := in_plant.gains[index]) is not None and gains.effort.d > gains.of(FREE).d
     }

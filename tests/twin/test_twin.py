@@ -120,9 +120,8 @@ def test_the_right_finger_mimics_the_left():
 
 
 def test_a_command_beyond_the_limits_is_driven_up_to_the_joints_as_in_gazebo(twin):
-    twin.publish(
-        WHEELS_1, [30, 30, 30, 30]
-    )  # ros2_control allows 15, which nobody enforces; the joint 20, as Gazebo's physics do
+    # ros2_control allows 15, which nobody enforces; the joint allows 20, as Gazebo's physics do.
+    twin.publish(WHEELS_1, [30, 30, 30, 30])
     twin.advance_to(2.0)
     assert wheel_velocities(twin) == pytest.approx([20] * 4, rel=0.005)
 
