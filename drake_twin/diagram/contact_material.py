@@ -41,8 +41,11 @@ _RIGID = 1e12  # N/m; for a point of a static shape
 # it creeps out, at 1 it jumps.
 _DISSIPATION = 5.0
 
-# The same for corners, which may be slow, since the face beside them comes out: what rocks from edge to edge stops.
-_CORNER_DISSIPATION = 1e4
+# The same for corners, which may be slow, since the face beside them comes out: what rocks from edge to edge stops. It
+# grows with their stiffness, as they move by less, up to a limit. With four times the least a crate brakes the rover
+# that pushes it; with six times the limit Drake's solver failed where a slim bar fell over.
+_CORNER_DISSIPATION = 500.0
+_MOST_CORNER_DISSIPATION = 1e4
 
 # Faces that are closer than this take part in the solution of a step before they touch (m), so that they do not sink
 # into each other in a step. Without it, at a step of 10 ms, a box that is set down sticks where it should slide:
@@ -88,15 +91,17 @@ def candidates(
 
 def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     properties = ProximityProperties()
-    stiffness = POINT_STIFFNESS * shape.mass
+    stiffness, dissipation = POINT_STIFFNESS * shape.mass, _DISSIPATION
     if shape.is_static:
         stiffness = _RIGID
     elif shape.point_stiffness is not None:
         stiffness = shape.point_stiffness * shape.mass
         if shape.is_corner:
             stiffness = max(stiffness, CORNER_STIFFNESS * _borne(shape))
+            relative = shape.point_stiffness / CORNER_STIFFNESS
+            dissipation = min(_CORNER_DISSIPATION * relative, _MOST_CORNER_DISSIPATION)
     AddContactMaterial(
-        dissipation=_CORNER_DISSIPATION if shape.is_corner else _DISSIPATION,
+        dissipation=dissipation,
         point_stiffness=stiffness,
         friction=CoulombFriction(friction, friction),
         properties=properties,

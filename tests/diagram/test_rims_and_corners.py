@@ -1,5 +1,7 @@
 """The points beside the faces of loose shapes: where they are, and what they meet."""
 
+import subprocess
+import sys
 from itertools import product
 
 import numpy as np
@@ -78,6 +80,15 @@ def test_corners_meet_what_does_not_move_and_nothing_else(tmp_path):
     }  # fmt: skip
     assert meets == {("HalfSpace", "corner")}
     assert not [item for item in twin.collision_shapes if isinstance(item.shape, Sphere) and item.model != "thing2"]
+
+
+def test_the_corners_of_boxes_need_no_scipy(tmp_path):
+    (tmp_path / "box.urdf").write_text(BODY.format(shape='<box size="0.1 0.1 0.1"/>'))
+    program = (
+        "import sys; from drake_twin import TwinBuilder; TwinBuilder().robot('r', sys.argv[1]).build()\n"
+        "assert 'scipy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program, str(tmp_path / "box.urdf")], check=True)
 
 
 def test_hundreds_of_loose_boxes_have_no_corners_and_that_is_said(tmp_path):

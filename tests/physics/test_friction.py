@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from hands import CONTROLLERS, hand
 from scenes import G, Scene, box, every_engine, plane, position, sphere, static_box, static_mesh, velocity
 
 BOX = (0.2, 0.3, 0.1)
@@ -57,34 +58,12 @@ def test_a_ball_that_slides_is_braked_by_the_smaller_friction_until_it_rolls(tmp
     assert velocity(twin, "ball")[0] == pytest.approx(SPEED * 5 / 7, rel=0.01)
 
 
-PUSHER = """<robot name="gripper"><link name="world"/>
-<link name="lift"><inertial><mass value="1"/>
-<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="lift_joint" type="prismatic"><parent link="world"/><child link="lift"/><axis xyz="0 0 1"/>
-<origin xyz="0 0 0.15"/><limit lower="-1" upper="1" effort="500" velocity="1"/></joint>
-{pads}
-<ros2_control name="c" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>
-<joint name="lift_joint"><command_interface name="velocity"/><state_interface name="position"/></joint>
-<joint name="left_joint"><command_interface name="effort"/><state_interface name="position"/></joint>
-<joint name="right_joint"><command_interface name="effort"/><state_interface name="position"/></joint>
-</ros2_control></robot>"""
-
 PAD = """<link name="{name}"><inertial><mass value="0.1"/>
 <inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial>
 <collision><geometry><box size="0.06 0.02 0.06"/></geometry></collision></link>
-<joint name="{name}_joint" type="prismatic"><parent link="lift"/><child link="{name}"/><axis xyz="0 {inwards} 0"/>
+<joint name="{name}_joint" type="prismatic"><parent link="hand"/><child link="{name}"/><axis xyz="0 {inwards} 0"/>
 <origin xyz="0 {y} 0"/><limit lower="0" upper="0.1" effort="100" velocity="1"/></joint>
 <gazebo reference="{name}"><mu1>{friction}</mu1><mu2>{friction}</mu2></gazebo>"""
-
-CONTROLLERS = """
-controller_manager:
-  ros__parameters:
-    update_rate: 100
-    lift: {type: forward_command_controller/ForwardCommandController}
-    grip: {type: forward_command_controller/ForwardCommandController}
-lift: {ros__parameters: {joints: [lift_joint], interface_name: velocity}}
-grip: {ros__parameters: {joints: [left_joint, right_joint], interface_name: effort}}
-"""
 
 
 def gripper(friction):
@@ -92,7 +71,7 @@ def gripper(friction):
         PAD.format(name=name, y=side * 0.062, inwards=-side, friction=friction)
         for name, side in (("left", 1), ("right", -1))
     ]
-    return PUSHER.format(pads="".join(pads))
+    return hand("".join(pads), z=0.15)
 
 
 @every_engine
