@@ -3,22 +3,18 @@
 from collections.abc import Iterator
 from math import pi
 
-import numpy as np
 from pydrake.geometry import (
     AddCompliantHydroelasticProperties,
     AddContactMaterial,
     AddRigidHydroelasticProperties,
-    Box,
     Cylinder,
-    HalfSpace,
     ProximityProperties,
     SceneGraphConfig,
     Shape,
 )
 from pydrake.multibody.plant import CoulombFriction
 
-from drake_twin.description.hull import corners_of
-from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape
+from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape, extent_of
 from drake_twin.diagram.rims_and_corners import CORNER_STIFFNESS, recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
@@ -52,8 +48,6 @@ _MOST_CORNER_DISSIPATION = 1e4
 # friction follows from the depth at the start of a step.
 _MARGIN = 1e-3
 _MARGIN_OF_THIN = 0.05  # relative to the smallest side
-
-_THINNEST = 1e-6  # m
 
 # Drake adds to a shape what it lacks of these when a context is created, and then makes its faces once more.
 _DEFAULTS = SceneGraphConfig().default_proximity_properties
@@ -118,7 +112,7 @@ def _borne(shape: ContactShape) -> float:
 def _margin(shape: ContactShape, depth: float | None) -> float:
     if depth is None:  # with a margin, such hulls sink in by millimeters
         return 0.0
-    margin = min(_MARGIN, _MARGIN_OF_THIN * float(min(_extent(shape.shape))))
+    margin = min(_MARGIN, _MARGIN_OF_THIN * float(min(extent_of(shape.shape))))
     if shape.is_loose and isinstance(shape.shape, Cylinder):  # its side must not brake the rims that it rolls on
         return min(margin, recess_of(shape.shape.radius()) / 2)
     return margin
@@ -129,7 +123,7 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
 
     The pressure rises to it behind each face, to one depth or to the middle.
     """
-    smallest, middle, largest = sorted(_extent(shape.shape).tolist())
+    smallest, middle, largest = sorted(extent_of(shape.shape).tolist())
     # Of each face: the stiffness that it has at least, its sides, and how tall the body is that stands on it.
     faces = (
         (_FACE_STIFFNESS, middle, largest, smallest),
@@ -148,13 +142,3 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
 def _resolution(shape: Shape) -> float:
     """Return the edge length of a cylinder's facets (m); boxes and hulls have their own."""
     return shape.radius() / 3 if isinstance(shape, Cylinder) else 1.0
-
-
-def _extent(shape: Shape) -> np.ndarray:
-    """Return the side lengths of a shape's bounding box (m)."""
-    assert not isinstance(shape, HalfSpace)
-    if isinstance(shape, Box):
-        return np.array(shape.size())
-    if isinstance(shape, Cylinder):
-        return np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
-    return np.asarray(np.maximum(np.ptp(corners_of(shape.GetConvexHull()), axis=0), _THINNEST))

@@ -71,6 +71,7 @@ class _Class(NamedTuple):
     role: str
     is_loose: bool
     is_corner: bool
+    bears_corners: bool
 
 
 def usual_role(shape: ContactShape) -> str:
@@ -95,7 +96,15 @@ def variants(shapes: Sequence[ContactShape], warnings: list[str]) -> list[list[V
         what = f"the ground's friction cannot be varied beside more than {_MOST_STATIC} shapes or several planes"
         raise InputError(f"{what}: set world.ground_friction")
     classes = [
-        _Class(shape.group, shape.is_static, shape.friction, usual_role(shape), shape.is_loose, shape.is_corner)
+        _Class(
+            shape.group,
+            shape.is_static,
+            shape.friction,
+            usual_role(shape),
+            shape.is_loose,
+            shape.is_corner,
+            shape.bears_corners,
+        )
         for shape in shapes
     ]
     needs: dict[_Class, set[Variant]] = {key: set() for key in classes}
@@ -145,9 +154,11 @@ def _inexact(common: float, static: Collection[float], moving: Collection[float]
 def _meet(one: _Class, other: _Class) -> bool:
     """Return whether shapes of two classes meet.
 
-    Those of one model do if its bodies collide with each other; corners meet what does not move.
+    Those of one model do if its bodies collide with each other; corners meet what bears them.
     """
-    if (one.is_static and other.is_static) or one.is_corner > other.is_static or other.is_corner > one.is_static:
+    if one.is_static and other.is_static:
+        return False
+    if one.is_corner > other.bears_corners or other.is_corner > one.bears_corners:
         return False
     if one.group is None or other.group is None or one.group.model != other.group.model:
         return True
@@ -219,7 +230,7 @@ class Registry:
                 if (not item.shape.is_static if level == _ONE_FOR_ALL else item.shape.friction > level)
             )
         corners = [item for item in self._registered if item.shape.is_corner]
-        others = [item for item in self._registered if not item.shape.is_corner and not item.shape.is_static]
+        others = [item for item in self._registered if not item.shape.is_corner and not item.shape.bears_corners]
         self._exclude_within(corners)
         self._exclude_between(corners, others)
         self._exclude_within(roles[HARD])

@@ -2,19 +2,37 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import fsum, sqrt
+from math import fsum, inf, sqrt
 
-from pydrake.geometry import Capsule, Convex, Ellipsoid, GeometryId, Mesh, Shape, Sphere
+import numpy as np
+from pydrake.geometry import (
+    Box,
+    CalcVolume,
+    Capsule,
+    Convex,
+    Cylinder,
+    Ellipsoid,
+    GeometryId,
+    HalfSpace,
+    Mesh,
+    Shape,
+    Sphere,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 
+from drake_twin.description.hull import corners_of
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.wheels import WheelFinder
 from drake_twin.scenario import POINT
 
 _ROUND = (Sphere, Capsule, Ellipsoid)
 _LEAST_MASS = 1e-3  # kg
+_THINNEST = 1e-6  # m
+
+# What is thinner is pressed out on the wrong side where a corner has passed its middle in a step (m).
+_THICK = 0.05
 
 # A body falls over on contacts that yield more to a side than they bear of its weight: they have ten times the
 # stiffness that this needs (m/s²).
@@ -57,7 +75,8 @@ class ContactShape:
         is_loose: Whether its whole model is one moving rigid body, such as a crate.
         mass: The mass that it may have to bear (kg).
         point_stiffness: How stiff it is where it touches in a point (a natural frequency squared, 1/s²); None as usual.
-        is_corner: Whether it is a ball in a corner of a loose shape: it meets only what does not move.
+        is_corner: Whether it is a ball in a corner of a loose shape.
+        bears_corners: Whether such balls meet it: it does not move, and is so thick that they do not pass its middle.
     """
 
     geometry: GeometryId | None
@@ -74,6 +93,26 @@ class ContactShape:
     mass: float
     point_stiffness: float | None = None
     is_corner: bool = False
+    bears_corners: bool = False
+
+
+def extent_of(shape: Shape) -> np.ndarray:
+    """Return the side lengths of the box around a box, a cylinder or a hull, in its frame (m)."""
+    if isinstance(shape, Box):
+        return np.array(shape.size())
+    if isinstance(shape, Cylinder):
+        return np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
+    return np.asarray(np.maximum(np.ptp(corners_of(shape.GetConvexHull()), axis=0), _THINNEST))
+
+
+def _thickness(shape: Shape) -> float:
+    """Return how thick a shape is at least (m): as if it filled the box around it but for its smallest side."""
+    if isinstance(shape, HalfSpace):
+        return inf
+    if isinstance(shape, _ROUND):
+        return float(np.cbrt(CalcVolume(shape)))
+    _, middle, largest = sorted(extent_of(shape).tolist())
+    return float(CalcVolume(shape)) / (middle * largest)
 
 
 class ShapeReader:
@@ -121,6 +160,7 @@ class ShapeReader:
             friction=friction,
             group=group,
             is_static=is_static,
+            bears_corners=is_static and _thickness(shape) >= _THICK,
             is_flat=contact != POINT and not isinstance(shape, _ROUND),
             is_wheel=wheel is not None,
             is_loose=not is_static and model is not None and self._is_one_body(model, body),

@@ -5,8 +5,8 @@ ellipsoids that touch in points.
 
 The force on a facet acts at its middle, so that a face cannot bear a body closer to its edge than by half a facet:
 pushed at its top, a body of 10 by 30 cm would tip at 0.7 of the force that it should. So boxes and hulls have small
-balls in their corners. They meet what does not move; on a moving body, whose own edges may be anywhere, Drake may
-find the wrong side of it for a ball that has sunk in.
+balls in their corners. They meet what does not move and is thick; of a thin or a moving body Drake may find the
+wrong side for a ball that has sunk in.
 """
 
 from collections.abc import Iterator, Sequence
