@@ -112,7 +112,7 @@ def _thickness(shape: Shape) -> float:
     if isinstance(shape, _ROUND):
         return float(np.cbrt(CalcVolume(shape)))
     _, middle, largest = sorted(extent_of(shape).tolist())
-    return float(CalcVolume(shape)) / (middle * largest)
+    return float(CalcVolume(shape) / (middle * largest))
 
 
 class ShapeReader:

@@ -3,6 +3,7 @@
 import { $, element, setText } from "./dom.js";
 
 const FRAMES = 30; // of a video, per second
+const PART = 500; // ms of a video that are handed over at once: what is recorded is not held in the encoder
 const KINDS = ["video/webm;codecs=vp9", "video/webm", "video/mp4"];
 
 function save(blob, name) {
@@ -50,7 +51,7 @@ export class Capture {
       setText(this.video, "Video");
       save(new Blob(parts, { type: kind }), `drake_twin.${kind.includes("mp4") ? "mp4" : "webm"}`);
     });
-    this.recorder.start();
+    this.recorder.start(PART);
     setText(this.video, "End video");
   }
 
