@@ -51,6 +51,7 @@ class ControllerSetup:
         tells_of_motion: Whether to stop the advance when a commanded velocity becomes zero or nonzero.
         active_at_start: Whether a new Context of the diagram has it active.
         measures_late: Whether what it reads of the robot is delayed.
+        robot: The robot's name, which is its model's in Gazebo.
     """
 
     name: str
@@ -69,6 +70,7 @@ class ControllerSetup:
     tells_of_motion: bool = False
     active_at_start: bool = False
     measures_late: bool = False
+    robot: str = ""
 
     def frame(self, frame_id: str) -> str:
         """Return a frame's name on ``/tf``: links of this robot get the robot's frame prefix."""

@@ -14,7 +14,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
 from drake_twin.controllers.registry import controller
 from drake_twin.description.drake_urdf import drake_link_name
-from drake_twin.sensors.pose_sensor import PoseSensor
+from drake_twin.sensors.pose_sensor import MeasuredPose, PoseSensor
 from drake_twin.systems.no_message import set_value
 
 _INTERFACES = (*(f"position.{axis}" for axis in "xyz"), *(f"orientation.{axis}" for axis in "xyzw"))
@@ -117,10 +117,9 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
             return None
         frame = self.setup.parameters.frame_id
         is_link = frame in self.setup.description.links
-        return PoseSensor(
-            plant.GetBodyByName(drake_link_name(self._link), instance).index(),
-            plant.GetBodyByName(drake_link_name(frame), instance).index() if is_link else plant.world_body().index(),
-        )
+        body = plant.GetBodyByName(drake_link_name(self._link), instance)
+        reference = plant.GetBodyByName(drake_link_name(frame), instance) if is_link else plant.world_body()
+        return PoseSensor([MeasuredPose(body.index(), reference.index())])
 
     def get_values_input_port(self) -> InputPort:
         """Return the port ``values``."""

@@ -30,7 +30,10 @@ FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update
 
 JointInterface = tuple[str, str]
 
-PLANAR_MOVE = "gazebo_ros/PlanarMove"  # the twin's own type: ros2_controllers has nothing like it
+# The twin's own types: ros2_controllers has nothing like them.
+PLANAR_MOVE = "gazebo_ros/PlanarMove"
+ODOMETRY_PUBLISHER = "gz_sim/OdometryPublisher"
+POSE_PUBLISHER = "gz_sim/PosePublisher"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
     (LINEAR_Y, "velocity"),

@@ -15,6 +15,16 @@ _GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.s
 _CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
 _CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 
+# Kinds of plugins whose work the twin does without them.
+DONE_HERE = frozenset(
+    (
+        *("physics-system", "user-commands-system", "scene-broadcaster-system", "sensors-system", "imu-system"),
+        *("forcetorque-system", "force-torque-system", "contact-system", "navsat-system", "nav-sat-system"),
+        *("magnetometer-system", "altimeter-system", "air-pressure-system", "logical-camera-system"),
+        *("gazebo_ros_init", "gazebo_ros_factory", "gazebo_ros_clock", "gazebo_ros_state"),
+    )
+)
+
 
 def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
     """Read the plugins at a path of a document: ``gazebo/plugin`` in a URDF, ``model/plugin`` in an SDF."""
@@ -174,6 +184,15 @@ class PluginReader:
     def number(self, tag: str, default: float) -> float:
         """Read the first element of a name as a finite number."""
         return next(iter(self.numbers(tag)), default)
+
+    def vector(self, tag: str) -> tuple[float, float, float]:
+        """Read the first element of a name as three finite numbers; zeros without it."""
+        text = self.text(tag, "0 0 0")
+        try:
+            x, y, z = map(parse_number, text.split())
+        except ValueError:
+            raise self.error(f"<{tag}> is {text!r}, which is not three finite numbers") from None
+        return x, y, z
 
     def flag(self, tag: str, default: bool) -> bool:
         """Read the first element of a name as a flag: ``true``, ``1``, ``false`` or ``0``."""

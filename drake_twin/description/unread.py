@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from lxml import etree
 
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
-from drake_twin.description.gazebo_plugins import plugin_kind
+from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.unused_contact import is_unused
@@ -14,10 +14,6 @@ from drake_twin.description.used_elements import DRAKE, REPORTED, ROS2_CONTROL, 
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, at_places
 
-_SENSOR_SYSTEMS = (
-    *("sensors-system", "imu-system", "forcetorque-system", "contact-system", "navsat-system"),
-    *("magnetometer-system", "altimeter-system", "air-pressure-system"),
-)
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
     "buoyancy": "the twin has no water and no air",
@@ -25,7 +21,6 @@ _PLUGINS = {
     "hydrodynamics": "the twin has no water and no air",
     "wind": "the twin has no water and no air",
     "thruster": "the twin has no water and no air",
-    **dict.fromkeys(_SENSOR_SYSTEMS, "sensors are simulated without it"),
     "battery": "the twin has no batteries",
 }
 
@@ -92,7 +87,8 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str
                 yield plugin, f"the attribute {attribute} of <plugin>"
         return
     called = f"{name} ({filename})" if name and filename else name or filename or "?"
-    if plugin_kind(GazeboPlugin(filename, name)) in SENSOR_PLUGINS:
+    kind = plugin_kind(GazeboPlugin(filename, name))
+    if kind in SENSOR_PLUGINS or kind in DONE_HERE:
         return
     close = get_close_matches(filename.rpartition("/")[2], known_libraries(), n=1, cutoff=0.85)
     absent = "the twin has no such plugin" + (f". Did you mean {close[0]!r}?" if close else "")

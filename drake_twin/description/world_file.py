@@ -13,8 +13,9 @@ from typing import Any
 
 from lxml import etree
 
+from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
-from drake_twin.description.robot_description import Pose, RobotDescription, Vector3
+from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
@@ -39,9 +40,6 @@ _EMPTY = """<sdf version="1.9"><world name="{name}">
 
 # Worlds that are built in, for where their file is missing.
 BUILT_IN_WORLDS = ("empty.sdf", "empty.world", "default.sdf")
-
-# Plugins whose work the twin does itself.
-_DONE_HERE = ("physics", "usercommands", "scenebroadcaster", "gazeborosinit", "gazeborosfactory", "gazeborosclock")
 
 # Elements of a world that are used; and those that are not worth a finding.
 _USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates"}
@@ -172,7 +170,6 @@ def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlRead
     if not plugins:
         return None
     from drake_twin.description.gazebo_drives import is_drive
-    from drake_twin.description.robot_description import GazeboPlugin
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
     if not any(is_drive(plugin) or "ros2_control" in plugin.filename + plugin.name for plugin in found):
@@ -389,9 +386,7 @@ class _World:
                 continue
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
-                names = f"{child.get('filename', '')} {child.get('name', '')}"
-                plain = names.lower().replace("_", "").replace("-", "")
-                if any(done in plain for done in _DONE_HERE):
+                if plugin_kind(GazeboPlugin(child.get("filename", ""), child.get("name", ""))) in DONE_HERE:
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename')}"
             if is_window == (child.tag == "gui"):

@@ -161,6 +161,7 @@ def _add_controllers(
             tells_of_motion=True,
             active_at_start=item.state == ACTIVE,
             measures_late=plan.robot.measurement_delay > 0,
+            robot=plan.name,
         )
         kind = controller_class(item.type)
         assert kind is not None, "a controller of an unknown type has a problem"

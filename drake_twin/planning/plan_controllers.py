@@ -10,7 +10,7 @@ from typing import Any
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class, controller_types
 from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerManagerParameters, ControllerParameters
-from drake_twin.description.gazebo_drive import GazeboDrive
+from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER, GazeboDrive
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.yaml_document import ValuePath
@@ -71,6 +71,7 @@ def plan_controllers(
         plans[name] = plan
         if name in chosen:
             findings += ignored
+    _leave_one_transform(plans, chosen, robot)
     _check_references(plans, by_name)
     for name in plans.keys() - chosen.keys():
         plans[name] = replace(plans[name], error=None)  # irrelevant until it is loaded
@@ -87,6 +88,18 @@ def plan_controllers(
             findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", place))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
+
+
+def _leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:
+    """Let gz-sim's OdometryPublisher leave the base's transform to a drive, unless a bridge takes it to ``/tf``."""
+    names = [name for name in chosen if name in plans]
+    with_transform = {name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)}
+    for name in [name for name in with_transform if plans[name].type == ODOMETRY_PUBLISHER]:
+        wiring = plans[name].wiring
+        topic = "" if wiring is None else wiring.gz_topics.get("tf_odometry", "").format(model=robot.name)
+        if len(with_transform) > 1 and robot.remappings.get(f"/{topic.lstrip('/')}") != "/tf":
+            plans[name] = replace(plans[name], parameters=replace(plans[name].parameters, enable_odom_tf=False))
+            with_transform.remove(name)
 
 
 _UNSTAMPED = "_unstamped"

@@ -1,4 +1,7 @@
-"""The pose of a link."""
+"""The poses of links."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -9,8 +12,25 @@ from drake_twin.sensors.plant_reader import PlantReader
 from drake_twin.systems.weak_callback import weakly
 
 
+@dataclass(frozen=True)
+class MeasuredPose:
+    """The pose of a frame P on a link B in a frame F on another link R.
+
+    Attributes:
+        body: B's body.
+        reference: R's body; the world body for the world.
+        X_BP: The pose of P in B.
+        X_RF: The pose of F in R.
+    """
+
+    body: BodyIndex
+    reference: BodyIndex
+    X_BP: RigidTransform = field(default_factory=RigidTransform)
+    X_RF: RigidTransform = field(default_factory=RigidTransform)
+
+
 class PoseSensor(PlantReader):
-    """Measure the true pose of a link in the world or in another link. It has no ``<sensor>`` tag of its own.
+    """Measure true poses of links. It has no ``<sensor>`` tag of its own.
 
     .. pydrake_system::
 
@@ -18,24 +38,26 @@ class PoseSensor(PlantReader):
         input_ports:
         - body_poses
         output_ports:
-        - pose
+        - poses
 
     - ``body_poses``: the plant's port of this name.
-    - ``pose``: vector ``[x y z, qx qy qz qw]`` (m), computed on demand.
+    - ``poses``: vector of ``[x y z, qx qy qz qw]`` (m) for each pose, computed on demand.
 
     Args:
-        body: The link's body.
-        reference: The body in whose frame the pose is; the world body for the world.
+        poses: What is measured.
     """
 
-    def __init__(self, body: BodyIndex, reference: BodyIndex):
+    def __init__(self, poses: Sequence[MeasuredPose]):
         super().__init__()
-        self._body, self._reference = int(body), int(reference)
+        self._measured = tuple((int(pose.body), int(pose.reference), pose.X_BP, pose.X_RF.inverse()) for pose in poses)
         self._poses = self.declare_plant_input("body_poses")
-        self.DeclareVectorOutputPort("pose", 7, weakly(self._calc_pose), self.plant_tickets())
+        self.DeclareVectorOutputPort("poses", 7 * len(self._measured), weakly(self._calc_poses), self.plant_tickets())
 
-    def _calc_pose(self, context: Context, output: BasicVector) -> None:
-        poses = self._poses.Eval(context)
-        X_RB: RigidTransform = poses[self._reference].inverse() @ poses[self._body]
-        w, x, y, z = X_RB.rotation().ToQuaternion().wxyz()
-        output.SetFromVector(np.append(X_RB.translation(), [x, y, z, w]))
+    def _calc_poses(self, context: Context, output: BasicVector) -> None:
+        poses: list[RigidTransform] = self._poses.Eval(context)
+        values = np.empty((len(self._measured), 7))
+        for row, (body, reference, X_BP, X_FR) in zip(values, self._measured, strict=True):
+            X_FP = X_FR @ poses[reference].inverse() @ poses[body] @ X_BP
+            row[:3] = X_FP.translation()
+            row[[6, 3, 4, 5]] = X_FP.rotation().ToQuaternion().wxyz()
+        output.SetFromVector(values.ravel())

@@ -2,7 +2,11 @@ import pytest
 from urdf_text import parse_urdf
 
 from drake_twin.description.gazebo_plugins import PluginReader, plugin_kind, plugin_node_name, ros_topic
+from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin
+from drake_twin.description.unread import unread_in_urdf
+from drake_twin.description.world_file import read_world
+from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
 
@@ -81,3 +85,23 @@ def test_values_are_read_with_checks_that_name_the_line():
         reader.number("c", 0.0)
     with pytest.raises(InputError, match=r"<e> is 'yes', which is neither true nor false"):
         reader.flag("e", False)
+
+
+@pytest.mark.parametrize(
+    ("filename", "name"),
+    [
+        ("gz-sim-sensors-system", "gz::sim::systems::Sensors"),
+        ("libignition-gazebo6-imu-system.so", "ignition::gazebo::systems::Imu"),
+        ("", "gz::sim::systems::SceneBroadcaster"),
+        ("ignition-gazebo-physics-system", ""),
+        ("gz-sim-user-commands-system", "gz::sim::systems::UserCommands"),
+        ("libgazebo_ros_state.so", "state"),
+        ("gz-sim-forcetorque-system", "gz::sim::systems::ForceTorque"),
+    ],
+)
+def test_what_the_twin_does_by_itself_is_no_finding_in_a_robot_or_a_world(tmp_path, filename, name):
+    plugin = f'<plugin filename="{filename}" name="{name}"/>'
+    urdf = f'<robot name="r"><link name="l"/><gazebo>{plugin}</gazebo></robot>'
+    assert unread_in_urdf(XmlReader(urdf, tmp_path / "r.urdf")) == []
+    (tmp_path / "w.sdf").write_text(f'<sdf version="1.9"><world name="w">{plugin}</world></sdf>')
+    assert read_world(str(tmp_path / "w.sdf"), PackageIndex((), {})).findings == ()

@@ -1,0 +1,33 @@
+"""The base of broadcasters of a robot's true motion, which no sensor of its file measures."""
+
+from typing import Any
+
+from pydrake.systems.framework import InputPort
+
+from drake_twin.controllers.sensor_broadcaster import SensorBroadcaster
+from drake_twin.description.robot_description import RobotDescription
+
+
+class TruthBroadcaster(SensorBroadcaster):
+    """Publish what a system of its own, `own_sensor`, measures in the plant; a subclass tells how many values."""
+
+    kind = ""
+
+    @classmethod
+    def sensor_name(cls, parameters: Any) -> str:
+        """Return an empty name: there is no sensor in the robot's file."""
+        return ""
+
+    @classmethod
+    def problem(cls, parameters: Any, description: RobotDescription) -> str | None:
+        """Return None: each robot has a pose."""
+        return None
+
+    def num_values(self) -> int:
+        """Return the size of the port of the values."""
+        raise NotImplementedError
+
+    def declare_sensor_input(self, name: str) -> InputPort:
+        """Declare the vector input port of the values."""
+        self._sensor: InputPort = self.DeclareVectorInputPort(name, self.num_values())
+        return self._sensor
