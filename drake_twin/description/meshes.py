@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import struct
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -201,7 +202,9 @@ def _bytes(file: Path) -> bytes:
 def _reading(file: Path) -> Iterator[None]:
     """Turn any exception of the readers and exporters of meshes into an `InputError`: broken files raise all kinds."""
     try:
-        yield
+        with warnings.catch_warnings():  # what NumPy 2.5 says to pycollada, which no user can change
+            warnings.filterwarnings("ignore", "Setting the shape on a NumPy array", DeprecationWarning)
+            yield
     except InputError:
         raise
     except ModuleNotFoundError:  # trimesh needs another package to guess the encoding of bytes that are not text

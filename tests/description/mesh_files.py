@@ -1,5 +1,6 @@
 """Mesh files for the tests of meshes."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,9 @@ def box(extents=(1.0, 2.0, 3.0), offset=(0.0, 0.0, 0.0)) -> trimesh.Trimesh:
 
 
 def write(mesh: trimesh.Trimesh, file: Path, **options) -> Path:
-    content = mesh.export(file_type=file.suffix[1:].lower(), **options)
+    with warnings.catch_warnings():  # what NumPy 2.5 says to pycollada
+        warnings.filterwarnings("ignore", "Setting the shape on a NumPy array", DeprecationWarning)
+        content = mesh.export(file_type=file.suffix[1:].lower(), **options)
     file.write_bytes(content.encode() if isinstance(content, str) else content)
     return file
 
