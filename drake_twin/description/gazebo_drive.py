@@ -42,6 +42,20 @@ PLANAR_INTERFACES: tuple[JointInterface, ...] = (
 
 
 @dataclass(frozen=True)
+class Servo:
+    """How a joint follows a command: as a PD controller, or as fast as its limits allow.
+
+    Attributes:
+        proportional: The effort for an error of the command: N·m/rad or N/m, of a velocity N·m·s/rad or N·s/m. None for
+            a servo that is there in the next step.
+        derivative: The effort against a velocity, of a position's servo (N·m·s/rad or N·s/m).
+    """
+
+    proportional: float | None = None
+    derivative: float = 0.0
+
+
+@dataclass(frozen=True)
 class GazeboDrive:
     """A plugin as a controller.
 
@@ -55,6 +69,8 @@ class GazeboDrive:
         types: Topic of the controller → the ROS type that the plugin or its bridge has there, where it is another one.
         interfaces: (joint, command interface) for each actuator that it needs.
         efforts: Joint → the largest effort that the plugin gives it (N·m or N).
+        velocities: Joint → the largest velocity that the plugin gives it (rad/s or m/s).
+        servos: (joint, command interface) → how the plugin follows a command, if not as the twin does by itself.
         start: Joint → the position (rad or m) that the plugin commands at the start.
         true_odometry: Whether its odometry is the true pose in the world, and not computed from the wheels.
         not_started: Why the plugin cannot work.
@@ -69,6 +85,8 @@ class GazeboDrive:
     types: Mapping[str, str] = field(default_factory=dict)
     interfaces: tuple[JointInterface, ...] = ()
     efforts: Mapping[str, float] = field(default_factory=dict)
+    velocities: Mapping[str, float] = field(default_factory=dict)
+    servos: Mapping[JointInterface, Servo] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
     true_odometry: bool = False
     not_started: str | None = None

@@ -1,6 +1,8 @@
 """The plugins of Gazebo classic and gz-sim that command single joints or publish their states, as controllers."""
 
-from drake_twin.description.gazebo_drive import CannotWorkError, DrivePlugin, GazeboDrive, gazebo_plugin
+from dataclasses import replace
+
+from drake_twin.description.gazebo_drive import CannotWorkError, DrivePlugin, GazeboDrive, Servo, gazebo_plugin
 
 
 @gazebo_plugin("libgazebo_ros_joint_state_publisher.so")
@@ -32,14 +34,43 @@ def _joint_states(
 
 @gazebo_plugin("gz-sim-joint-position-controller-system")
 def joint_position_controller_system(plugin: DrivePlugin) -> GazeboDrive:
-    """Convert ``gz-sim-joint-position-controller-system`` to a controller of positions."""
-    return _joint_commands(plugin, "position", "joint/{joint}/{index}/cmd_pos")
+    """Convert ``gz-sim-joint-position-controller-system`` to a controller of positions, with its PID as servo.
+
+    With ``<use_velocity_commands>`` the joint moves at ``<cmd_max>``, and is there at once.
+    """
+    drive = _joint_commands(plugin, "position", "joint/{joint}/{index}/cmd_pos")
+    if not plugin.flag("use_velocity_commands", False):
+        return _with_pid(plugin, drive, Servo(plugin.number("p_gain", 1.0), plugin.number("d_gain", 0.01)))
+    fastest = plugin.number("cmd_max", 1000.0)
+    return replace(
+        drive,
+        servos=dict.fromkeys(drive.interfaces, Servo()),
+        velocities={joint: fastest for joint, _ in drive.interfaces},
+    )
 
 
 @gazebo_plugin("gz-sim-joint-controller-system")
 def joint_controller_system(plugin: DrivePlugin) -> GazeboDrive:
-    """Convert ``gz-sim-joint-controller-system`` to a controller of velocities."""
-    return _joint_commands(plugin, "velocity", "joint/{joint}/cmd_vel")
+    """Convert ``gz-sim-joint-controller-system`` to a controller of velocities, with its PID if it commands forces."""
+    drive = _joint_commands(plugin, "velocity", "joint/{joint}/cmd_vel")
+    if not plugin.flag("use_force_commands", False):
+        return drive
+    return _with_pid(plugin, drive, Servo(plugin.number("p_gain", 1.0)))
+
+
+def _with_pid(plugin: DrivePlugin, drive: GazeboDrive, servo: Servo) -> GazeboDrive:
+    """Return a drive with the servo of its PID; what has no part in Drake's servo is a warning."""
+    largest = min(abs(plugin.number(tag, 1000.0)) for tag in ("cmd_max", "cmd_min"))
+    others = ["i_gain", "cmd_offset"] if "position" in dict(drive.interfaces).values() else ["i_gain", "d_gain"]
+    unused = [f"<{tag}> is not simulated" for tag in others if plugin.number(tag, 0.0)]
+    for tag in ("i_max", "i_min"):
+        plugin.has(tag)  # without an integral part they mean nothing
+    return replace(
+        drive,
+        servos=dict.fromkeys(drive.interfaces, servo),
+        efforts={joint: largest for joint, _ in drive.interfaces},
+        warnings=(*drive.warnings, *unused),
+    )
 
 
 def _joint_commands(plugin: DrivePlugin, interface: str, default_topic: str) -> GazeboDrive:
@@ -49,7 +80,6 @@ def _joint_commands(plugin: DrivePlugin, interface: str, default_topic: str) -> 
     default = plugin.text("sub_topic", default_topic.format(joint=joints[0], index=plugin.text("joint_index", "0")))
     gz = plugin.text("topic", f"/model/{{model}}/{default}")
     ros = gz.strip("/") if plugin.has("topic") else default
-    gains = [tag for tag in ("p_gain", "i_gain", "d_gain", "use_force_commands") if plugin.has(tag)]
     start = plugin.number("initial_position", 0.0) if interface == "position" else 0.0
     kind = f"{interface}_controllers/JointGroup{interface.title()}Controller"
     return GazeboDrive(
@@ -60,5 +90,4 @@ def _joint_commands(plugin: DrivePlugin, interface: str, default_topic: str) -> 
         types={"commands": "std_msgs/msg/Float64"},
         interfaces=tuple((joint, interface) for joint in joints),
         start=dict.fromkeys(joints, start) if start else {},
-        warnings=tuple(f"<{tag}> is not used: the twin chooses the joint's gains" for tag in gains),
     )

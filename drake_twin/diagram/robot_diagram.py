@@ -19,7 +19,7 @@ from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.plant_inputs import PlantInputs, free_name
 from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add_read_sensors
 from drake_twin.diagram.servo_assignment import assign
-from drake_twin.diagram.servo_gains import BRAKE, DOWN, EFFORT, FREE, MODES, REST, SETTLING_TIME, UP, velocity_limit
+from drake_twin.diagram.servo_gains import BRAKE, DOWN, EFFORT, FREE, MODES, REST, UP, velocity_limit
 from drake_twin.errors import InputError, TwinError, described
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
@@ -157,7 +157,7 @@ def _add_controllers(
             },
             true_odometry=item.wiring is not None and item.wiring.true_odometry,
             physics_step=0.0 if continuous else time_step,
-            position_time_constant=plan.position_time_constant or SETTLING_TIME,
+            position_time_constant=plan.position_time_constant,
             tells_of_motion=True,
             active_at_start=item.state == ACTIVE,
             measures_late=plan.robot.measurement_delay > 0,

@@ -6,7 +6,7 @@ never depend on another's. The command interface that drives a joint decides whi
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import fsum, inf
+from math import fsum, inf, pi, sqrt
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -27,10 +27,13 @@ _VELOCITY_ERROR_UNDER_GRAVITY = 2.5e-4
 _VELOCITY_ERROR_UNDER_CONTACT = 1e-2
 _RELATIVE_ERROR_UNDER_DAMPING = 5e-4  # relative to the commanded velocity
 
-# A position servo settles in about this time without overshoot (s), and sags by this much under gravity (rad or m).
-SETTLING_TIME = 0.2
+# A position servo sags by at most this much under gravity, and under its share of the robot's weight (rad or m).
 _SAG_UNDER_GRAVITY = 5e-4
 _YIELD_UNDER_CONTACT = 1e-2
+# It has its full effort where it is behind the velocity that its error asks for by this much (rad/s, m/s). In Gazebo a
+# joint that is behind at all has it.
+_FULL_EFFORT_VELOCITY = 1e-2
+_AT_ONCE = 1e-3  # error over velocity of a servo that is there in a step of Gazebo (s)
 
 # A joint that is stopped brakes as a dry friction of its effort limit would: with the full effort above this velocity.
 # Below, where less effort holds it, it is at rest (rad/s or m/s).
@@ -38,6 +41,12 @@ REST_VELOCITY = 1e-3
 
 # A commanded effort fades to nothing while the joint passes its velocity limit by this part of the limit.
 _OVER_VELOCITY_LIMIT = 0.01
+
+# Drake's solver compares forces with these tolerances, and takes the next position of a servo from the present one: the
+# rounding of that, times the stiffness, must be less, where nothing else pulls at the robot.
+_ABSOLUTE_TOLERANCE, _RELATIVE_TOLERANCE = 1e-14, 1e-6
+_LEAST_OF_SAMPLES = 0.1  # of the gravity loads of sampled configurations
+_FARTHEST = 4 * pi  # position of a joint without limits (rad)
 
 _SAMPLES = 16
 _LEAST_INERTIA = 1e-9  # keeps the damping positive: Drake ends the process if both gains are zero
@@ -52,12 +61,14 @@ class JointLoad:
         gravity: The largest gravity load, the joint's dry friction, and the drag of a base (N·m or N).
         contact: Its share of the robot's weight, if it may have to bear it (N·m or N).
         damping: The joint's viscous damping (N·m·s/rad or N·s/m).
+        stiffest: The largest stiffness of a position servo in this robot (N·m/rad or N/m).
     """
 
     inertia: float
     gravity: float
     contact: float
     damping: float = 0.0
+    stiffest: float = inf
 
 
 def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdControllerGains:
@@ -74,21 +85,37 @@ def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdController
         load.contact / _VELOCITY_ERROR_UNDER_CONTACT,
         load.damping / _RELATIVE_ERROR_UNDER_DAMPING,
     )
+    return _following_velocity(damping, continuous=continuous)
+
+
+def _following_velocity(damping: float, *, continuous: bool) -> PdControllerGains:
     return PdControllerGains(p=damping / VELOCITY_AS_POSITION if continuous else 0.0, d=damping)
 
 
-def position_gains(load: JointLoad, time_constant: float | None = None) -> PdControllerGains:
-    """Return the gains of a joint that moves to a position or holds one.
+def position_gains(
+    load: JointLoad, time_constant: float, effort_limit: float = inf, stiffest: float = inf
+) -> PdControllerGains:
+    """Return the gains of a joint that moves to a position or holds one, at a velocity of error / T.
 
-    With Kd = Kp · T the servo is overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia. The
-    joint then moves as gz_ros2_control's does, at a velocity of error / T.
+    This is the servo of gz_ros2_control, which writes such a velocity to Gazebo's physics. With Kd = Kp · T it is
+    overdamped whenever Kp ≥ 4 · inertia / T²; 16 leaves room for a varying inertia.
 
     Args:
         load: The joint's load.
-        time_constant: T (s); the default suits most joints.
+        time_constant: T (s).
+        effort_limit: The effort limit (N·m or N).
+        stiffest: The largest Kp (N·m/rad or N/m). Where it leaves too little, T is longer.
     """
-    T = time_constant or SETTLING_TIME
-    stiffness = max(16.0 * load.inertia / T**2, load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT)
+    T = time_constant
+    effort = effort_limit if np.isfinite(effort_limit) else 0.0
+    stiffness = max(
+        16.0 * load.inertia / T**2,
+        load.gravity / _SAG_UNDER_GRAVITY,
+        load.contact / _YIELD_UNDER_CONTACT,
+        effort / (_FULL_EFFORT_VELOCITY * T),
+    )
+    if stiffness > stiffest:
+        stiffness, T = stiffest, max(T, 2.0 * sqrt(load.inertia / stiffest))
     return PdControllerGains(p=stiffness, d=stiffness * T)
 
 
@@ -117,7 +144,7 @@ def effort_gains(effort_limit: float, velocity_limit: float, *, continuous: bool
     if not (np.isfinite((effort_limit, velocity_limit)).all() and velocity_limit > 0):
         return _NO_GAINS
     damping = max(effort_limit / (_OVER_VELOCITY_LIMIT * velocity_limit), _LEAST_INERTIA)
-    return PdControllerGains(p=damping / VELOCITY_AS_POSITION if continuous else 0.0, d=damping)
+    return _following_velocity(damping, continuous=continuous)
 
 
 # In a continuous plant a velocity v is commanded as the position v · this (s).
@@ -131,7 +158,8 @@ BRAKE, REST, UP, DOWN = "brake", "rest", "up", "down"
 MODES = (HOLD, POSITION, VELOCITY, EFFORT, FREE, BRAKE, REST, UP, DOWN)
 
 # Drake ends the process if both gains are zero. This damping has no effect.
-_NO_GAINS = PdControllerGains(p=0.0, d=1e-9)
+_LEAST_DAMPING = 1e-9
+_NO_GAINS = PdControllerGains(p=0.0, d=_LEAST_DAMPING)
 
 
 @dataclass(frozen=True)
@@ -144,6 +172,7 @@ class ServoGains:
         brake: For a joint that comes to rest.
         effort: For a commanded effort.
         effort_limit: The largest effort of the actuator (N·m or N).
+        limits_velocity: Whether a far position is approached at the joint's velocity limit; a plugin's own PD does not.
     """
 
     position: PdControllerGains
@@ -151,6 +180,7 @@ class ServoGains:
     brake: PdControllerGains
     effort: PdControllerGains
     effort_limit: float
+    limits_velocity: bool = True
 
     def velocity_as_position(self, mode: str) -> float:
         """Return the lead of a position that replaces a velocity (s): damping over stiffness; 0 without stiffness."""
@@ -213,8 +243,8 @@ def servo_gains(
             )
     gains = {
         actuator.index(): ServoGains(
-            position_gains(load, plan.position_time_constant),
-            velocity_gains(load, continuous=continuous),
+            _position_gains(plan, actuator, load),
+            _velocity_gains(plan, actuator, load, continuous=continuous),
             brake_gains(load, actuator.effort_limit()),
             effort_gains(
                 actuator.effort_limit(),
@@ -222,6 +252,7 @@ def servo_gains(
                 continuous=continuous,
             ),
             actuator.effort_limit(),
+            limits_velocity=_own_pd(plan, actuator) is None,
         )
         for (plan, actuator), load in zip(servos, loads, strict=True)
     }
@@ -229,6 +260,32 @@ def servo_gains(
         plan.name: known.get(plan.name) or tuple(gains.get(index) for index in plant.GetJointActuatorIndices(instance))
         for plan, instance, _ in robots
     }
+
+
+def _position_gains(plan: RobotPlan, actuator: JointActuator, load: JointLoad) -> PdControllerGains:
+    own = _own_pd(plan, actuator)
+    if own is not None:
+        return own
+    at_once = (actuator.joint().name(), "position") in plan.servos
+    T = _AT_ONCE if at_once else plan.position_time_constant
+    return position_gains(load, T, actuator.effort_limit(), load.stiffest)
+
+
+def _own_pd(plan: RobotPlan, actuator: JointActuator) -> PdControllerGains | None:
+    """Return the gains that a plugin gives the position of a joint; None if it leaves them to the twin."""
+    servo = plan.servos.get((actuator.joint().name(), "position"))
+    if servo is None or servo.proportional is None:
+        return None
+    return PdControllerGains(p=max(servo.proportional, 0.0), d=max(servo.derivative, _LEAST_DAMPING))
+
+
+def _velocity_gains(
+    plan: RobotPlan, actuator: JointActuator, load: JointLoad, *, continuous: bool
+) -> PdControllerGains:
+    servo = plan.servos.get((actuator.joint().name(), "velocity"))
+    if servo is None or servo.proportional is None:
+        return velocity_gains(load, continuous=continuous)
+    return _following_velocity(max(servo.proportional, _LEAST_DAMPING), continuous=continuous)
 
 
 def set_gains(
@@ -265,8 +322,10 @@ def _joint_loads(
     context = plant.CreateDefaultContext()
     context.SetTimeStateAndParametersFrom(start)
     velocities = [actuator.joint().velocity_start() for _, actuator in actuators]
-    inertia = np.full(len(actuators), _LEAST_INERTIA)
+    inertia, least_inertia = np.full(len(actuators), _LEAST_INERTIA), np.full(len(actuators), inf)
     gravity = np.zeros(len(actuators))
+    own = {plan.name: _velocities_of(plant, instance) for plan, instance, _ in robots}
+    pulls = dict.fromkeys(own, inf)
     samplers = [np.random.default_rng(0) for _ in robots]  # one per robot: its samples do not depend on other robots
     for sample in range(_SAMPLES):
         for sampler, (plan, instance, layout) in zip(samplers, robots, strict=True):
@@ -274,8 +333,12 @@ def _joint_loads(
                 q = plant.GetPositions(context, instance)
                 _sample_joints(q, plan, layout, sampler)
                 plant.SetPositions(context, instance, q)
-        inertia = np.maximum(inertia, np.diag(plant.CalcMassMatrix(context))[velocities])
-        gravity = np.maximum(gravity, np.abs(plant.CalcGravityGeneralizedForces(context)[velocities]))
+        masses = np.diag(plant.CalcMassMatrix(context))
+        loads = np.abs(plant.CalcGravityGeneralizedForces(context))
+        inertia, least_inertia = np.maximum(inertia, masses[velocities]), np.minimum(least_inertia, masses[velocities])
+        gravity = np.maximum(gravity, loads[velocities])
+        for name, mine in own.items():
+            pulls[name] = min(pulls[name], float(np.linalg.norm(loads[mine] / np.sqrt(masses[mine]))))
     g = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
     weights = {plan.name: g * plant.CalcTotalMass(start, [instance]) for plan, instance, _ in robots}
     return [
@@ -284,9 +347,35 @@ def _joint_loads(
             gravity=float(load) + _friction(plan, actuator) + _drag(plan, actuator),
             contact=_contact_load(plant, start, plan, actuator, float(m), weights[plan.name]),
             damping=float(actuator.joint().GetDampingVector(start)[0]),
+            stiffest=_stiffest(plant.time_step(), actuator, float(least), pulls[plan.name]),
         )
-        for (plan, actuator), m, load in zip(actuators, inertia, gravity, strict=True)
+        for (plan, actuator), m, least, load in zip(actuators, inertia, least_inertia, gravity, strict=True)
     ]
+
+
+def _velocities_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> np.ndarray:
+    """Return the indices of a robot's velocities."""
+    marked = np.zeros(plant.num_velocities())
+    plant.SetVelocitiesInArray(instance, np.ones(plant.num_velocities(instance)), marked)
+    return np.flatnonzero(marked)
+
+
+def _stiffest(time_step: float, actuator: JointActuator, inertia: float, pull: float) -> float:
+    """Return the largest stiffness with which Drake's solver converges (N·m/rad or N/m).
+
+    Args:
+        time_step: The plant's time step (s); 0 for a continuous one, whose solver has no such limit.
+        actuator: The actuator.
+        inertia: The joint's smallest inertia (kg·m² or kg).
+        pull: The least of the robot's gravity loads over the square root of their inertias, as the solver scales them.
+    """
+    if time_step == 0.0:
+        return inf
+    lower, upper = actuator.joint().position_lower_limits()[0], actuator.joint().position_upper_limits()[0]
+    farthest = max(abs(lower), abs(upper)) if np.isfinite((lower, upper)).all() else _FARTHEST
+    rounding = 0.5 * np.finfo(float).eps * farthest * time_step / sqrt(max(inertia, _LEAST_INERTIA))
+    tolerance = _ABSOLUTE_TOLERANCE + _RELATIVE_TOLERANCE * _LEAST_OF_SAMPLES * time_step * pull
+    return float(tolerance / rounding) if rounding > 0.0 else inf
 
 
 def _friction(plan: RobotPlan, actuator: JointActuator) -> float:

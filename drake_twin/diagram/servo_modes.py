@@ -11,7 +11,7 @@ it to the joint's limit, with any value of ``enforce_command_limits``.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from math import isnan
+from math import inf, isnan
 
 import numpy as np
 
@@ -46,6 +46,7 @@ _REACHED = 1e-2
 _FAR = 100.0
 
 _ROUNDING = 1e-9
+_LEAST_STIFFNESS = 1e-9  # of a servo whose file gives it none
 
 
 @dataclass(frozen=True)
@@ -98,8 +99,8 @@ def driven_joints(
             driven.append(None)
         else:
             limits = description.joints_by_name[joint].limits
-            p, d = servo.position.p, servo.position.d
-            fastest = velocity_limit(description, joint)
+            p, d = max(servo.position.p, _LEAST_STIFFNESS), servo.position.d
+            fastest = velocity_limit(description, joint) if servo.limits_velocity else inf
             driven.append(DrivenJoint(p, d / p, servo.effort_limit / p, limits.lower, limits.upper, fastest))
     return tuple(driven)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import inf
 
 from drake_twin.description.gazebo_drive import PLANAR_MOVE, GazeboDrive
 from drake_twin.description.planar_joints import commanded_planar_joints
@@ -48,16 +49,18 @@ def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_ba
 
 
 def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive]) -> RobotDescription:
-    """Return the robot with a command interface for each joint that a plugin commands, and the plugin's effort limits.
+    """Return the robot with a command interface for each joint that a plugin commands, and the plugin's limits.
 
     If a plugin commands the base, the robot gets the joints for it.
     """
     interfaces: dict[str, list[str]] = {}
     efforts: dict[str, float] = {}
+    velocities: dict[str, float] = {}
     for drive in drives:
         for joint, interface in drive.interfaces:
             interfaces.setdefault(joint, []).append(interface)
         efforts.update(drive.efforts)
+        velocities.update(drive.velocities)
     if not interfaces:
         return description
     base_joints = tuple(joint for joint in commanded_planar_joints(description.root_link) if joint.name in interfaces)
@@ -71,7 +74,7 @@ def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive])
         if joint.name not in interfaces and joint.name not in description.controlled_joints
     ]
     system = HardwareSystem("gazebo", "system", "", tuple(commanded + others))
-    joints = tuple(_limited(joint, efforts) for joint in description.joints)
+    joints = tuple(_limited(joint, efforts, velocities) for joint in description.joints)
     return replace(description, systems=(*description.systems, system), joints=joints, base_joints=base_joints)
 
 
@@ -82,7 +85,10 @@ def _states(description: RobotDescription, joint: str) -> tuple[StateInterface, 
     return known.state_interfaces if known else (StateInterface("position"), StateInterface("velocity"))
 
 
-def _limited(joint: Joint, efforts: Mapping[str, float]) -> Joint:
-    if joint.name not in efforts:
-        return joint
-    return replace(joint, limits=replace(joint.limits, effort=min(joint.limits.effort, efforts[joint.name])))
+def _limited(joint: Joint, efforts: Mapping[str, float], velocities: Mapping[str, float]) -> Joint:
+    limits = joint.limits
+    if joint.name in efforts:
+        limits = replace(limits, effort=min(limits.effort, efforts[joint.name]))
+    if joint.name in velocities:
+        limits = replace(limits, velocity=min(limits.velocity or inf, velocities[joint.name]))
+    return joint if limits is joint.limits else replace(joint, limits=limits)

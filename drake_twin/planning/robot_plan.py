@@ -7,6 +7,7 @@ from math import inf, nan
 
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
+from drake_twin.description.gazebo_drive import JointInterface, Servo
 from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
@@ -37,7 +38,8 @@ class RobotPlan:
         update_rate: Its controller manager's rate (Hz).
         enforce_limits: Whether commands are clamped to the joints' limits.
         hold_joints: Whether an unclaimed joint is held.
-        position_time_constant: Error / velocity of its position servos (s); None for the twin's own.
+        position_time_constant: Error / velocity of its position servos (s).
+        servos: (joint, command interface) → how a Gazebo plugin follows its commands.
         frame_prefix: The prefix of its link names in tf messages.
         start_positions: Movable joint → start position (rad or m).
         findings: The findings of its files: entries that were not used as they are.
@@ -53,10 +55,11 @@ class RobotPlan:
     update_rate: float
     enforce_limits: bool
     hold_joints: bool
-    position_time_constant: float | None
+    position_time_constant: float
     frame_prefix: str
     start_positions: Mapping[str, float]
     findings: tuple[Finding, ...] = ()
+    servos: Mapping[JointInterface, Servo] = field(default_factory=dict)
     hardware_states: Mapping[str, str] = field(default_factory=dict)
     strictness: int = 1
     uses_inactive_hardware: bool = False
@@ -185,6 +188,7 @@ def plan_robot(
         enforce_limits=manager.enforce_command_limits,
         hold_joints=_hold_joints(description),
         position_time_constant=_position_time_constant(description, manager.update_rate),
+        servos={key: servo for drive in drives for key, servo in drive.servos.items()},
         frame_prefix=frame_prefix,
         start_positions=positions,
         findings=tuple(
@@ -218,8 +222,16 @@ def _hold_joints(description: RobotDescription) -> bool:
     return next((text.strip().lower() not in ("false", "0") for text in _settings(description, "hold_joints")), True)
 
 
-def _position_time_constant(description: RobotDescription, update_rate: float) -> float | None:
-    """Return the time constant of gz_ros2_control's velocity, gain · error · update rate; None without a gain."""
+# Hardware that follows a commanded position within an update: classic Gazebo's sets it, mock hardware copies it.
+_AT_ONCE = ("gazebo_ros2_control/", "mock_components/", "fake_components/")
+_PROPORTIONAL_GAIN = 0.1  # gz_ros2_control's default
+
+
+def _position_time_constant(description: RobotDescription, update_rate: float) -> float:
+    """Return error over velocity of the robot's position servos (s).
+
+    gz_ros2_control's velocity is gain · error · update rate; what is no hardware of a simulation is taken for it.
+    """
     for text in _settings(description, "position_proportional_gain"):
         try:
             gain = float(text)
@@ -230,7 +242,9 @@ def _position_time_constant(description: RobotDescription, update_rate: float) -
                 f"position_proportional_gain is {text!r}, which is not a positive number", file=description.file
             )
         return 1.0 / (gain * update_rate)
-    return None
+    systems = [system for system in description.systems if system.plugin]
+    at_once = bool(systems) and all(system.plugin.startswith(_AT_ONCE) for system in systems)
+    return 1.0 / ((1.0 if at_once else _PROPORTIONAL_GAIN) * update_rate)
 
 
 def _unused_interfaces(description: RobotDescription) -> list[str]:

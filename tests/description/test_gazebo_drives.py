@@ -10,7 +10,7 @@ from urdf_text import parse_urdf
 from drake_twin import TwinBuilder
 from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import read_controllers
-from drake_twin.description.gazebo_drive import PLANAR_MOVE
+from drake_twin.description.gazebo_drive import PLANAR_MOVE, Servo
 from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
@@ -273,12 +273,38 @@ def test_joint_controllers_of_gz_are_joint_group_controllers_commanded_by_a_numb
     assert (drive.topics, drive.types) == ({"commands": topic}, {"commands": "std_msgs/msg/Float64"})
     assert drive.gz_topics == {"commands": f"/model/{{model}}/{topic}"}
     assert drive.interfaces == (("fl", interface),)
-    assert drive.warnings == ("<p_gain> is not used: the twin chooses the joint's gains",)
     named = drive_of(
         "<joint_name>fl</joint_name><topic>/lift</topic><initial_position>0.2</initial_position>", filename
     )
     assert named.topics == {"commands": "lift"}
     assert named.start == ({"fl": 0.2} if interface == "position" else {})
+
+
+POSITIONS, VELOCITIES = "gz-sim-joint-position-controller-system", "gz-sim-joint-controller-system"
+
+
+@pytest.mark.parametrize(
+    ("filename", "inside", "servo", "efforts", "velocities"),
+    [  # the defaults are those of JointPositionController.cc and JointController.cc
+        (POSITIONS, "", Servo(1.0, 0.01), {"fl": 1000}, {}),
+        (POSITIONS, "<p_gain>30</p_gain><d_gain>2</d_gain><cmd_max>5</cmd_max>", Servo(30, 2), {"fl": 5}, {}),
+        (POSITIONS, "<cmd_max>20</cmd_max><cmd_min>-4</cmd_min>", Servo(1.0, 0.01), {"fl": 4}, {}),
+        (POSITIONS, "<use_velocity_commands>1</use_velocity_commands><cmd_max>3</cmd_max>", Servo(), {}, {"fl": 3}),
+        (VELOCITIES, "<use_force_commands>true</use_force_commands><p_gain>0.2</p_gain>", Servo(0.2), {"fl": 1000}, {}),
+        (VELOCITIES, "", None, {}, {}),
+    ],
+)
+def test_joint_controllers_of_gz_have_their_own_servos(filename, inside, servo, efforts, velocities):
+    drive = drive_of(f"<joint_name>fl</joint_name>{inside}", filename)
+    assert list(drive.servos.values()) == ([] if servo is None else [servo])
+    assert (drive.efforts, drive.velocities) == (efforts, velocities)
+    assert drive.warnings == ()
+
+
+def test_an_integral_part_is_said_not_to_be_simulated():
+    drive = drive_of("<joint_name>fl</joint_name><i_gain>0.1</i_gain><i_max>1</i_max>", POSITIONS)
+    assert drive.warnings == ("<i_gain> is not simulated",)
+    assert drive_of("<joint_name>fl</joint_name><i_gain>0</i_gain>", POSITIONS).warnings == ()
 
 
 def test_several_plugins_of_a_kind_have_names_of_their_own_and_other_plugins_are_left_out():

@@ -29,7 +29,7 @@ def test_a_velocity_servo_yields_by_its_bound_under_gravity():
 
 def test_a_position_servo_sags_by_its_bound_and_is_overdamped():
     load = JointLoad(inertia=0.1, gravity=5.0, contact=0.0)
-    position = position_gains(load)
+    position = position_gains(load, 0.1)
     assert load.gravity / position.p <= 5e-4
     assert position.d**2 >= 4 * position.p * load.inertia
 
@@ -52,6 +52,19 @@ def test_a_position_servo_approaches_at_the_error_over_its_time_constant_and_is_
     assert gains.p <= 100 * load.inertia / time_constant**2  # and not stiffer than it has to be
 
 
+def test_a_position_servo_has_its_effort_where_it_is_behind_by_a_centimeter_a_second():
+    gains = position_gains(JointLoad(inertia=0.015, gravity=0.0, contact=0.0), 0.1, 20.0)
+    assert gains.d * 1e-2 == pytest.approx(20.0)
+    assert gains.d / gains.p == pytest.approx(0.1)
+
+
+def test_a_position_servo_that_may_not_be_stiff_is_slower_and_as_damped():
+    load = JointLoad(inertia=0.1, gravity=0.0, contact=0.0)
+    gains = position_gains(load, 1e-3, 100.0, stiffest=1e4)
+    assert gains.p == 1e4
+    assert gains.d**2 >= 4 * gains.p * load.inertia * (1 - 1e-12)
+
+
 def test_a_joint_brakes_with_all_its_effort_above_the_velocity_of_rest():
     load = JointLoad(inertia=0.1, gravity=5.0, contact=1.0)
     gains = brake_gains(load, 7.0)
@@ -66,7 +79,7 @@ def test_an_effort_without_limits_has_no_gains(effort, velocity):
 
 def test_each_way_of_driving_a_joint_has_its_gains_and_none_has_none_at_all():
     load = JointLoad(inertia=0.1, gravity=5.0, contact=0.0)
-    position, velocity, brake = position_gains(load), velocity_gains(load), brake_gains(load, 7.0)
+    position, velocity, brake = position_gains(load, 0.1), velocity_gains(load), brake_gains(load, 7.0)
     effort = effort_gains(7.0, 2.0)
     servo = ServoGains(position, velocity, brake, effort, 7.0)
     expected = {"hold": position, "position": position, "velocity": velocity, "up": velocity, "down": velocity}
@@ -84,14 +97,14 @@ BODY = (
 )
 
 
-def one_joint(folder, kind, axis, limits, *, mount="", origin="0 0 0", more="", **options):
+def one_joint(folder, kind, axis, limits, *, mount="", origin="0 0 0", more="", kind_of="position", **options):
     """A robot of a base of 10 kg and a part of 2 kg, its joint held."""
     (folder / "r.urdf").write_text(
         f'<robot name="r">{mount}{BODY.format("base", "0 0 0", 10)}{BODY.format("part", origin, 2)}'
         f'<joint name="j" type="{kind}"><parent link="base"/><child link="part"/><axis xyz="{axis}"/>'
         f"<limit {limits}/>{more}</joint>"
         '<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>'
-        '<joint name="j"><command_interface name="position"/></joint></ros2_control></robot>'
+        f'<joint name="j"><command_interface name="{kind_of}"/></joint></ros2_control></robot>'
     )
     return TwinBuilder().robot("r", folder / "r.urdf", **options).build()
 
@@ -102,7 +115,7 @@ G = 9.81
 
 def test_a_load_that_pulls_down_counts_as_one_that_pulls_up(tmp_path):
     for axis in ("0 0 1", "0 0 -1"):
-        twin = one_joint(tmp_path, "prismatic", axis, 'lower="-1" upper="1" effort="1e3" velocity="1"', mount=MOUNT)
+        twin = one_joint(tmp_path, "prismatic", axis, 'lower="-1" upper="1" effort="30" velocity="1"', mount=MOUNT)
         ((p, _),) = gains(twin, "r")
         assert p == pytest.approx(2 * G / 5e-4, rel=1e-3)
         twin.advance_to(1.0)
@@ -120,26 +133,38 @@ def test_a_load_that_comes_only_where_the_joint_goes_is_known_from_the_start(tmp
     assert abs(twin.robot_state("r").positions[0] - 1.5) < 6e-4
 
 
-@pytest.mark.parametrize(("effort_limit", "load"), [(1e6, 12 * G * 0.1), (5.0, 5.0)])
-def test_a_wheel_bears_the_robots_weight_at_its_radius_of_gyration_up_to_its_effort(tmp_path, effort_limit, load):
-    """The radius is √(0.02 / 2) = 0.1 m; a position yields by 10 mrad."""
-    twin = one_joint(tmp_path, "continuous", "0 1 0", f'effort="{effort_limit}" velocity="9"', xyz=(0, 0, 5))
+def test_a_position_yields_by_10_mrad_under_the_robots_weight():
+    assert position_gains(JointLoad(inertia=1e-6, gravity=0.0, contact=12.0), 1.0).p == pytest.approx(1200)
+
+
+def test_a_wheel_bears_the_robots_weight_at_its_radius_of_gyration(tmp_path):
+    """The radius is √(0.02 / 2) = 0.1 m; a velocity yields by 10 mrad/s."""
+    twin = one_joint(tmp_path, "continuous", "0 1 0", 'effort="1e6" velocity="9"', xyz=(0, 0, 5), kind_of="velocity")
+    twin.publish("/r/forward_velocity_controller/commands", [1.0])
+    twin.advance_to(0.01)
+    ((_, d),) = gains(twin, "r")
+    assert d == pytest.approx(12 * G * 0.1 / 1e-2, rel=1e-3)
+
+
+def test_a_held_wheel_has_its_effort_a_millimeter_away(tmp_path):
+    twin = one_joint(tmp_path, "continuous", "0 1 0", 'effort="5" velocity="9"', xyz=(0, 0, 5))
     ((p, _),) = gains(twin, "r")
-    assert p == pytest.approx(load / 1e-2, rel=1e-3)
+    assert p * 1e-3 == pytest.approx(5.0)
 
 
 def test_a_servo_overcomes_its_joints_dry_friction(tmp_path):
     friction = '<dynamics friction="0.7"/>'
-    limits = 'effort="100" velocity="9"'
-    twin = one_joint(tmp_path, "continuous", "0 1 0", limits, mount=MOUNT, more=friction, xyz=(0, 0, 5))
+    limits = 'lower="-1" upper="1" effort="1" velocity="9"'
+    twin = one_joint(tmp_path, "revolute", "0 1 0", limits, mount=MOUNT, more=friction, xyz=(0, 0, 5))
     stiffness = [p for p, _ in gains(twin, "r") if p > 0]
     assert stiffness == [pytest.approx(0.7 / 5e-4, rel=1e-3)]
 
 
-@pytest.mark.parametrize("make", [velocity_gains, position_gains])
-def test_a_joint_without_any_load_still_has_damping(make):
+def test_a_joint_without_any_load_still_has_damping():
     # Drake ends the process at the first step when p and d are both zero.
-    assert make(JointLoad(inertia=1e-9, gravity=0.0, contact=0.0)).d > 0
+    load = JointLoad(inertia=1e-9, gravity=0.0, contact=0.0)
+    assert velocity_gains(load).d > 0
+    assert position_gains(load, 0.1).d > 0
 
 
 def test_a_robots_gains_do_not_depend_on_its_neighbours():

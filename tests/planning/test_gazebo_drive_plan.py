@@ -131,12 +131,65 @@ def test_gz_names_its_topics_by_the_model_and_ros_by_the_bridge(make):
 def test_a_joint_position_controller_of_gz_takes_a_float(make):
     twin = make(
         """<gazebo><plugin filename="gz-sim-joint-position-controller-system" name="p"><joint_name>left</joint_name>
-        <topic>left/position</topic></plugin></gazebo>"""
+        <topic>left/position</topic><p_gain>20</p_gain><d_gain>3</d_gain></plugin></gazebo>"""
     )
     assert twin.topics()["/cart/left/position"] == "std_msgs/msg/Float64"
     twin.publish("/cart/left/position", {"data": 0.2})
     twin.advance_to(3.0)
     assert twin.robot_state("cart").positions[0] == pytest.approx(0.2, abs=0.01)
+
+
+PENDULUM = """<robot name="p"><link name="world"/><link name="base"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="fix" type="fixed"><parent link="world"/><child link="base"/></joint>
+  <link name="disc"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
+    </inertial></link>
+  <joint name="j" type="revolute"><parent link="base"/><child link="disc"/><axis xyz="0 0 1"/>
+    <limit lower="-3" upper="3" effort="50" velocity="1"/></joint>
+  <gazebo><plugin filename="gz-sim-{kind}-system" name="c"><joint_name>j</joint_name>{inside}</plugin></gazebo>
+</robot>"""
+
+
+@pytest.mark.parametrize("engine", ["discrete", "cenic"])
+def test_a_pid_of_gz_swings_as_the_equation_of_its_gains(tmp_path, engine):
+    text = PENDULUM.format(kind="joint-position-controller", inside="<p_gain>4</p_gain><d_gain>0.4</d_gain>")
+    (tmp_path / "p.urdf").write_text(text)
+    twin = TwinBuilder(engine=engine).robot("p", tmp_path / "p.urdf").build()
+    twin.publish("/p/joint/j/0/cmd_pos", {"data": 0.5})
+    twin.advance_to(0.02)
+    (q,), (v,) = twin.robot_state("p").positions, twin.robot_state("p").velocities
+    for time in (0.3, 0.6, 1.0):
+        twin.advance_to(time)
+        # 0.1 q'' + 0.4 q' + 4 (q - 0.5) = 0 from the state at 0.02 s
+        decay, turning = 2.0, np.sqrt(40.0 - 4.0)
+        since = time - 0.02
+        cosine, sine = np.cos(turning * since), np.sin(turning * since)
+        e = q - 0.5
+        expected = 0.5 + np.exp(-decay * since) * (e * cosine + (v + decay * e) / turning * sine)
+        assert twin.robot_state("p").positions[0] == pytest.approx(expected, abs=0.01)
+
+
+def test_velocity_commands_of_gz_are_there_at_once_at_their_velocity(tmp_path):
+    inside = "<use_velocity_commands>true</use_velocity_commands><cmd_max>0.5</cmd_max>"
+    (tmp_path / "p.urdf").write_text(PENDULUM.format(kind="joint-position-controller", inside=inside))
+    twin = TwinBuilder().robot("p", tmp_path / "p.urdf").build()
+    twin.publish("/p/joint/j/0/cmd_pos", {"data": 0.5})
+    twin.advance_to(0.5)
+    state = twin.robot_state("p")
+    assert state.positions[0] == pytest.approx(0.25, abs=0.01)
+    assert state.velocities[0] == pytest.approx(0.5, rel=0.01)
+    twin.advance_to(1.1)
+    assert twin.robot_state("p").positions[0] == pytest.approx(0.5, abs=1e-3)
+
+
+@pytest.mark.parametrize("engine", ["discrete", "cenic"])
+def test_forces_of_gzs_joint_controller_follow_a_velocity_by_their_gain(tmp_path, engine):
+    inside = "<use_force_commands>1</use_force_commands><p_gain>0.2</p_gain>"
+    (tmp_path / "p.urdf").write_text(PENDULUM.format(kind="joint-controller", inside=inside))
+    twin = TwinBuilder(engine=engine).robot("p", tmp_path / "p.urdf").build()
+    twin.publish("/p/joint/j/cmd_vel", {"data": 0.8})
+    twin.advance_to(0.5)
+    assert twin.robot_state("p").velocities[0] == pytest.approx(0.8 * (1 - np.exp(-0.2 / 0.1 * 0.5)), rel=0.02)
 
 
 def test_the_cadre_rovers_wheels_turn_as_their_plugin_says(corpus):

@@ -142,7 +142,14 @@ def test_a_proportional_gain_is_of_the_error_in_each_update(cart):
     gain = '<hardware><param name="position_proportional_gain">0.05</param></hardware><joint name="left_joint"><c'
     plan = cart(file=TWO_WHEELS.replace('<joint name="left_joint"><c', gain))
     assert plan.position_time_constant == pytest.approx(1 / (0.05 * 50))  # s, at 50 Hz
-    assert cart().position_time_constant is None
+    assert cart().position_time_constant == pytest.approx(1 / (0.1 * 50))  # gz_ros2_control's default
+
+
+@pytest.mark.parametrize("plugin", ["gazebo_ros2_control/GazeboSystem", "mock_components/GenericSystem"])
+def test_hardware_that_sets_positions_follows_within_an_update(cart, plugin):
+    hardware = f'<hardware><plugin>{plugin}</plugin></hardware><joint name="left_joint"><c'
+    plan = cart(file=TWO_WHEELS.replace('<joint name="left_joint"><c', hardware))
+    assert plan.position_time_constant == pytest.approx(1 / 50)
 
 
 def test_dry_friction_is_modelled_where_there_is_some_and_a_follower_has_its_leaders(cart):
