@@ -15,7 +15,7 @@ class TruthBroadcaster(SensorBroadcaster):
 
     @classmethod
     def sensor_name(cls, parameters: Any) -> str:
-        """Return an empty name: there is no sensor in the robot's file."""
+        """Return an empty name: the robot's file has no such sensor."""
         return ""
 
     @classmethod

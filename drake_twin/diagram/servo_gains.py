@@ -6,7 +6,7 @@ never depend on another's. The command interface that drives a joint decides whi
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import fsum, inf, pi, sqrt
+from math import inf, sqrt
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -15,6 +15,7 @@ from pydrake.systems.framework import Context
 
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
+from drake_twin.diagram.joint_loads import JointLoad, joint_loads
 from drake_twin.errors import InputError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.state_layout import StateLayout
@@ -41,34 +42,6 @@ REST_VELOCITY = 1e-3
 
 # A commanded effort fades to nothing while the joint passes its velocity limit by this part of the limit.
 _OVER_VELOCITY_LIMIT = 0.01
-
-# Drake's solver compares forces with these tolerances, and takes the next position of a servo from the present one: the
-# rounding of that, times the stiffness, must be less, where nothing else pulls at the robot.
-_ABSOLUTE_TOLERANCE, _RELATIVE_TOLERANCE = 1e-14, 1e-6
-_LEAST_OF_SAMPLES = 0.1  # of the gravity loads of sampled configurations
-_FARTHEST = 4 * pi  # position of a joint without limits (rad)
-
-_SAMPLES = 16
-_LEAST_INERTIA = 1e-9  # keeps the damping positive: Drake ends the process if both gains are zero
-
-
-@dataclass(frozen=True)
-class JointLoad:
-    """The load of a joint.
-
-    Attributes:
-        inertia: The joint's largest inertia (kg·m² or kg).
-        gravity: The largest gravity load, the joint's dry friction, and the drag of a base (N·m or N).
-        contact: Its share of the robot's weight, if it may have to bear it (N·m or N).
-        damping: The joint's viscous damping (N·m·s/rad or N·s/m).
-        stiffest: The largest stiffness of a position servo in this robot (N·m/rad or N/m).
-    """
-
-    inertia: float
-    gravity: float
-    contact: float
-    damping: float = 0.0
-    stiffest: float = inf
 
 
 def velocity_gains(load: JointLoad, *, continuous: bool = False) -> PdControllerGains:
@@ -127,7 +100,7 @@ def brake_gains(load: JointLoad, effort_limit: float) -> PdControllerGains:
         effort_limit: The effort limit (N·m or N).
     """
     if np.isfinite(effort_limit):
-        return PdControllerGains(p=0.0, d=max(effort_limit / REST_VELOCITY, _LEAST_INERTIA))
+        return PdControllerGains(p=0.0, d=max(effort_limit / REST_VELOCITY, _LEAST_DAMPING))
     return PdControllerGains(p=0.0, d=max(velocity_gains(load).d, (load.gravity + load.contact) / REST_VELOCITY))
 
 
@@ -143,7 +116,7 @@ def effort_gains(effort_limit: float, velocity_limit: float, *, continuous: bool
     """
     if not (np.isfinite((effort_limit, velocity_limit)).all() and velocity_limit > 0):
         return _NO_GAINS
-    damping = max(effort_limit / (_OVER_VELOCITY_LIMIT * velocity_limit), _LEAST_INERTIA)
+    damping = max(effort_limit / (_OVER_VELOCITY_LIMIT * velocity_limit), _LEAST_DAMPING)
     return _following_velocity(damping, continuous=continuous)
 
 
@@ -233,7 +206,7 @@ def servo_gains(
                 servos.append((plan, actuator))
     new = [robot for robot in robots if robot[0].name not in known]
     continuous = plant.time_step() == 0.0
-    loads = _joint_loads(plant, new, servos, plant.CreateDefaultContext() if context is None else context)
+    loads = joint_loads(plant, new, servos, plant.CreateDefaultContext() if context is None else context)
     for (plan, actuator), load in zip(servos, loads, strict=True):
         if not np.isfinite((load.inertia, load.gravity, load.contact)).all():
             raise InputError(
@@ -308,103 +281,3 @@ def set_gains(
             actuator.set_controller_gains(servo.of(mode))
             if mode != EFFORT:  # where it is the commanded effort: see `JointServo`
                 actuator.set_effort_limit(servo.effort_limit)
-
-
-def _joint_loads(
-    plant: MultibodyPlant,
-    robots: Sequence[tuple[RobotPlan, ModelInstanceIndex, StateLayout]],
-    actuators: Sequence[tuple[RobotPlan, JointActuator]],
-    start: Context,
-) -> list[JointLoad]:
-    """Return the largest inertia and gravity load of each actuated joint over sampled configurations."""
-    if not actuators:
-        return []
-    context = plant.CreateDefaultContext()
-    context.SetTimeStateAndParametersFrom(start)
-    velocities = [actuator.joint().velocity_start() for _, actuator in actuators]
-    inertia, least_inertia = np.full(len(actuators), _LEAST_INERTIA), np.full(len(actuators), inf)
-    gravity = np.zeros(len(actuators))
-    own = {plan.name: _velocities_of(plant, instance) for plan, instance, _ in robots}
-    pulls = dict.fromkeys(own, inf)
-    samplers = [np.random.default_rng(0) for _ in robots]  # one per robot: its samples do not depend on other robots
-    for sample in range(_SAMPLES):
-        for sampler, (plan, instance, layout) in zip(samplers, robots, strict=True):
-            if sample > 0:  # the first sample is the start configuration
-                q = plant.GetPositions(context, instance)
-                _sample_joints(q, plan, layout, sampler)
-                plant.SetPositions(context, instance, q)
-        masses = np.diag(plant.CalcMassMatrix(context))
-        loads = np.abs(plant.CalcGravityGeneralizedForces(context))
-        inertia, least_inertia = np.maximum(inertia, masses[velocities]), np.minimum(least_inertia, masses[velocities])
-        gravity = np.maximum(gravity, loads[velocities])
-        for name, mine in own.items():
-            pulls[name] = min(pulls[name], float(np.linalg.norm(loads[mine] / np.sqrt(masses[mine]))))
-    g = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
-    weights = {plan.name: g * plant.CalcTotalMass(start, [instance]) for plan, instance, _ in robots}
-    return [
-        JointLoad(
-            inertia=float(m),
-            gravity=float(load) + _friction(plan, actuator) + _drag(plan, actuator),
-            contact=_contact_load(plant, start, plan, actuator, float(m), weights[plan.name]),
-            damping=float(actuator.joint().GetDampingVector(start)[0]),
-            stiffest=_stiffest(plant.time_step(), actuator, float(least), pulls[plan.name]),
-        )
-        for (plan, actuator), m, least, load in zip(actuators, inertia, least_inertia, gravity, strict=True)
-    ]
-
-
-def _velocities_of(plant: MultibodyPlant, instance: ModelInstanceIndex) -> np.ndarray:
-    """Return the indices of a robot's velocities."""
-    marked = np.zeros(plant.num_velocities())
-    plant.SetVelocitiesInArray(instance, np.ones(plant.num_velocities(instance)), marked)
-    return np.flatnonzero(marked)
-
-
-def _stiffest(time_step: float, actuator: JointActuator, inertia: float, pull: float) -> float:
-    """Return the largest stiffness with which Drake's solver converges (N·m/rad or N/m).
-
-    Args:
-        time_step: The plant's time step (s); 0 for a continuous one, whose solver has no such limit.
-        actuator: The actuator.
-        inertia: The joint's smallest inertia (kg·m² or kg).
-        pull: The least of the robot's gravity loads over the square root of their inertias, as the solver scales them.
-    """
-    if time_step == 0.0:
-        return inf
-    lower, upper = actuator.joint().position_lower_limits()[0], actuator.joint().position_upper_limits()[0]
-    farthest = max(abs(lower), abs(upper)) if np.isfinite((lower, upper)).all() else _FARTHEST
-    rounding = 0.5 * np.finfo(float).eps * farthest * time_step / sqrt(max(inertia, _LEAST_INERTIA))
-    tolerance = _ABSOLUTE_TOLERANCE + _RELATIVE_TOLERANCE * _LEAST_OF_SAMPLES * time_step * pull
-    return float(tolerance / rounding) if rounding > 0.0 else inf
-
-
-def _friction(plan: RobotPlan, actuator: JointActuator) -> float:
-    return fsum(joint.friction for joint in plan.friction_joints if joint.name == actuator.joint().name())
-
-
-def _drag(plan: RobotPlan, actuator: JointActuator) -> float:
-    """Return the load that sliding wheels may put on a joint that moves the base."""
-    is_of_base = any(joint.name == actuator.joint().name() for joint in plan.description.base_joints)
-    return float(actuator.effort_limit()) if is_of_base else 0.0
-
-
-def _contact_load(
-    plant: MultibodyPlant, context: Context, plan: RobotPlan, actuator: JointActuator, inertia: float, weight: float
-) -> float:
-    """Return the load of a joint that bears the robot's weight: at a wheel's radius of gyration, or along a slide."""
-    if plan.model.is_fixed:
-        return 0.0
-    joint = actuator.joint()
-    lever = 1.0
-    if joint.type_name() == "revolute":
-        outboard = plant.GetBodiesKinematicallyAffectedBy([joint.index()])
-        mass = fsum(plant.get_body(index).get_mass(context) for index in outboard)
-        lever = float(np.sqrt(inertia / mass)) if mass > 0 else 0.0
-    return min(weight * lever, float(actuator.effort_limit()))
-
-
-def _sample_joints(q: np.ndarray, plan: RobotPlan, layout: StateLayout, sampler: np.random.Generator) -> None:
-    for joint in plan.description.movable_joints:
-        lower = joint.limits.lower if np.isfinite(joint.limits.lower) else -np.pi
-        upper = joint.limits.upper if np.isfinite(joint.limits.upper) else np.pi
-        q[layout.positions[joint.name]] = sampler.uniform(lower, max(lower, upper))

@@ -1,9 +1,8 @@
 """The plan of a robot whose files have been read: its model, its controllers, its frames."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from math import inf, nan
 
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
@@ -22,6 +21,7 @@ from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.plan_controllers import plan_controllers
 from drake_twin.planning.sensor_plan import SensorPlan, plan_sensors
+from drake_twin.planning.servo_plan import hold_joints, position_time_constant
 from drake_twin.scenario import Robot, ScenarioError
 
 _SAME = 1e-6  # rad or m; positions that differ by less are the same
@@ -186,8 +186,8 @@ def plan_robot(
         controllers=controllers,
         update_rate=manager.update_rate,
         enforce_limits=manager.enforce_command_limits,
-        hold_joints=_hold_joints(description),
-        position_time_constant=_position_time_constant(description, manager.update_rate),
+        hold_joints=hold_joints(description),
+        position_time_constant=position_time_constant(description, manager.update_rate),
         servos={key: servo for drive in drives for key, servo in drive.servos.items()},
         frame_prefix=frame_prefix,
         start_positions=positions,
@@ -207,44 +207,6 @@ def plan_robot(
         uses_inactive_hardware=manager.uses_inactive_hardware,
         sensors=sensors,
     )
-
-
-def _settings(description: RobotDescription, name: str) -> Iterator[str]:
-    """Yield a setting of gz_ros2_control from the places where a robot file may have it: hardware and plugin."""
-    for system in description.systems:
-        if name in system.parameters:
-            yield system.parameters[name]
-    for plugin in description.plugins:
-        yield from plugin.elements.get(name, ())
-
-
-def _hold_joints(description: RobotDescription) -> bool:
-    return next((text.strip().lower() not in ("false", "0") for text in _settings(description, "hold_joints")), True)
-
-
-# Hardware that follows a commanded position within an update: classic Gazebo's sets it, mock hardware copies it.
-_AT_ONCE = ("gazebo_ros2_control/", "mock_components/", "fake_components/")
-_PROPORTIONAL_GAIN = 0.1  # gz_ros2_control's default
-
-
-def _position_time_constant(description: RobotDescription, update_rate: float) -> float:
-    """Return error over velocity of the robot's position servos (s).
-
-    gz_ros2_control's velocity is gain · error · update rate; what is no hardware of a simulation is taken for it.
-    """
-    for text in _settings(description, "position_proportional_gain"):
-        try:
-            gain = float(text)
-        except ValueError:
-            gain = nan
-        if not 0 < gain < inf:
-            raise InputError(
-                f"position_proportional_gain is {text!r}, which is not a positive number", file=description.file
-            )
-        return 1.0 / (gain * update_rate)
-    systems = [system for system in description.systems if system.plugin]
-    at_once = bool(systems) and all(system.plugin.startswith(_AT_ONCE) for system in systems)
-    return 1.0 / ((1.0 if at_once else _PROPORTIONAL_GAIN) * update_rate)
 
 
 def _unused_interfaces(description: RobotDescription) -> list[str]:

@@ -3,10 +3,10 @@ import pytest
 from conftest import ARM, ROVER
 
 from drake_twin import TwinBuilder
+from drake_twin.diagram.joint_loads import JointLoad
 from drake_twin.diagram.servo_gains import (
     MODES,
     REST_VELOCITY,
-    JointLoad,
     ServoGains,
     brake_gains,
     effort_gains,
@@ -97,16 +97,37 @@ BODY = (
 )
 
 
-def one_joint(folder, kind, axis, limits, *, mount="", origin="0 0 0", more="", kind_of="position", **options):
+def one_joint(
+    folder,
+    kind,
+    axis,
+    limits,
+    *,
+    mount="",
+    origin="0 0 0",
+    more="",
+    kind_of="position",
+    rate=100,
+    gain="",
+    time_step=None,
+    **options,
+):
     """A robot of a base of 10 kg and a part of 2 kg, its joint held."""
     (folder / "r.urdf").write_text(
         f'<robot name="r">{mount}{BODY.format("base", "0 0 0", 10)}{BODY.format("part", origin, 2)}'
         f'<joint name="j" type="{kind}"><parent link="base"/><child link="part"/><axis xyz="{axis}"/>'
         f"<limit {limits}/>{more}</joint>"
-        '<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin></hardware>'
+        '<ros2_control name="s" type="system"><hardware><plugin>gz_ros2_control/GazeboSimSystem</plugin>'
+        f"{gain}</hardware>"
         f'<joint name="j"><command_interface name="{kind_of}"/></joint></ros2_control></robot>'
     )
-    return TwinBuilder().robot("r", folder / "r.urdf", **options).build()
+    kind = f"forward_{kind_of}_controller"
+    (folder / "r.yaml").write_text(
+        f"controller_manager: {{ros__parameters: {{update_rate: {rate}, {kind}: {{type: {kind_of}_controllers/"
+        f"JointGroup{kind_of.title()}Controller}}}}}}\n{kind}: {{ros__parameters: {{joints: [j]}}}}\n"
+    )
+    builder = TwinBuilder(time_step=time_step)
+    return builder.robot("r", folder / "r.urdf", controllers=[folder / "r.yaml"], **options).build()
 
 
 MOUNT = '<link name="world"/><joint name="m" type="fixed"><parent link="world"/><child link="base"/></joint>'
@@ -165,6 +186,18 @@ def test_a_joint_without_any_load_still_has_damping():
     load = JointLoad(inertia=1e-9, gravity=0.0, contact=0.0)
     assert velocity_gains(load).d > 0
     assert position_gains(load, 0.1).d > 0
+
+
+@pytest.mark.parametrize(("rate", "step"), [(500, 0.001), (1000, 0.001), (100, 0.01)])
+def test_a_joint_that_nothing_pulls_at_comes_to_rest_at_any_rate(tmp_path, rate, step):
+    """Drake's solver would not converge with the stiffness of so short a time constant."""
+    gain = '<param name="position_proportional_gain">1.0</param>'
+    limits = 'lower="-6" upper="6" effort="1000" velocity="9"'
+    options = {"mount": MOUNT, "xyz": (0, 0, 5), "rate": rate, "gain": gain, "time_step": step}
+    twin = one_joint(tmp_path, "revolute", "0 0 1", limits, **options)
+    twin.publish("/r/forward_position_controller/commands", [1.0])
+    twin.advance_to(2.0)
+    assert twin.robot_state("r").positions[0] == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_robots_gains_do_not_depend_on_its_neighbours():

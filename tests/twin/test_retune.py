@@ -18,7 +18,7 @@ VALUES = {
     "r.left_link.izz": 0.125,
     "r.left_link.ixx": 0.875,
     "r.left.damping": 2.0,
-    "r.right_link.mass": 2.0,
+    "r.right_link.mass": 8.0,
     "r.right_link.izz": 0.25,
 }
 LIMITS = '<limit effort="50.0" velocity="20"/>'
@@ -31,7 +31,7 @@ def edited(text):
     right, joints = right.split("</link>", 1)
     left = left.replace('mass value="1"', 'mass value="4"').replace('izz="0.5"', 'izz="0.125"')
     left = left.replace('ixx="1"', 'ixx="0.875"')
-    right = right.replace('mass value="1"', 'mass value="2"').replace('izz="0.5"', 'izz="0.25"')
+    right = right.replace('mass value="1"', 'mass value="8"').replace('izz="0.5"', 'izz="0.25"')
     joints = joints.replace(LIMITS, LIMITS + '<dynamics damping="2.0"/>', 1)
     return f"{base}{left}{right}</link>{joints}"
 

@@ -1,0 +1,49 @@
+"""How a robot's files say that its joints follow commands: the settings of gz_ros2_control and other hardware."""
+
+from collections.abc import Iterator
+from math import inf, nan
+
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.errors import InputError
+
+
+def _settings(description: RobotDescription, name: str) -> Iterator[str]:
+    """Yield a setting of gz_ros2_control from the places where a robot file may have it: hardware and plugin."""
+    for system in description.systems:
+        if name in system.parameters:
+            yield system.parameters[name]
+    for plugin in description.plugins:
+        yield from plugin.elements.get(name, ())
+
+
+def hold_joints(description: RobotDescription) -> bool:
+    """Return whether a joint that no controller claims is held."""
+    return next((text.strip().lower() not in ("false", "0") for text in _settings(description, "hold_joints")), True)
+
+
+# Hardware that follows a commanded position within an update: classic Gazebo's sets it, mock hardware copies it.
+_AT_ONCE = ("gazebo_ros2_control/", "mock_components/", "fake_components/")
+_PROPORTIONAL_GAIN = 0.1  # gz_ros2_control's default
+
+
+def position_time_constant(description: RobotDescription, update_rate: float) -> float:
+    """Return error over velocity of the robot's position servos (s).
+
+    gz_ros2_control's velocity is gain · error · update rate; the hardware of real robots is taken for it.
+
+    Raises:
+        InputError: If the file's gain is not a positive number.
+    """
+    for text in _settings(description, "position_proportional_gain"):
+        try:
+            gain = float(text)
+        except ValueError:
+            gain = nan
+        if not 0 < gain < inf:
+            raise InputError(
+                f"position_proportional_gain is {text!r}, which is not a positive number", file=description.file
+            )
+        return 1.0 / (gain * update_rate)
+    systems = [system for system in description.systems if system.plugin]
+    at_once = bool(systems) and all(system.plugin.startswith(_AT_ONCE) for system in systems)
+    return 1.0 / ((1.0 if at_once else _PROPORTIONAL_GAIN) * update_rate)
