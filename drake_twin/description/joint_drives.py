@@ -58,6 +58,53 @@ def joint_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     return _with_pid(plugin, drive, Servo(plugin.number("p_gain", 1.0)))
 
 
+@gazebo_plugin("gz-sim-apply-joint-force-system")
+def apply_joint_force_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-apply-joint-force-system`` to a controller of efforts."""
+    return _joint_commands(plugin, "effort", "joint/{joint}/cmd_force")
+
+
+@gazebo_plugin("gz-sim-joint-trajectory-controller-system")
+def joint_trajectory_controller_system(plugin: DrivePlugin) -> GazeboDrive:
+    """Convert ``gz-sim-joint-trajectory-controller-system`` to a joint_trajectory_controller, with its PIDs as servos.
+
+    Gains stand in the file in the order of the joints. A joint without any has none and is not driven, as in gz-sim.
+    """
+    named = plugin.joints("joint_name", required=False)
+    joints = named or tuple(joint.name for joint in plugin.description.movable_joints)
+
+    def of_joints(tag: str, default: float = 0.0) -> tuple[float, ...]:
+        given = plugin.numbers(tag)[: len(joints)]
+        return (*given, *[default] * (len(joints) - len(given)))
+
+    proportional, derivative = of_joints("position_p_gain"), of_joints("position_d_gain")
+    of_velocity, largest = of_joints("velocity_p_gain"), of_joints("position_cmd_max", 1000.0)
+    starts = of_joints("initial_position")
+    unused = ("position_i_gain", "velocity_i_gain", "velocity_d_gain", "position_cmd_offset", "velocity_cmd_offset")
+    for tag in ("position_i_min", "position_i_max", "velocity_i_min", "velocity_i_max", "position_cmd_min"):
+        plugin.has(tag)
+    topics, gz_topics = plugin.gz_topics({"joint_trajectory": ("topic", "joint_trajectory")})
+    parameters = {
+        "joints": list(joints),
+        "command_interfaces": ["position"],
+        "state_interfaces": ["position", "velocity"],
+    }
+    return GazeboDrive(
+        plugin.plugin,
+        plugin.controller("joint_trajectory_controller/JointTrajectoryController", parameters),
+        topics=topics,
+        gz_topics=gz_topics,
+        interfaces=tuple((joint, "position") for joint in joints),
+        efforts=dict(zip(joints, largest, strict=True)),
+        servos={
+            (joint, "position"): Servo(p, d + v)
+            for joint, p, d, v in zip(joints, proportional, derivative, of_velocity, strict=True)
+        },
+        start={joint: start for joint, start in zip(joints, starts, strict=True) if start},
+        warnings=tuple(f"<{tag}> is not simulated" for tag in unused if any(plugin.numbers(tag))),
+    )
+
+
 def _with_pid(plugin: DrivePlugin, drive: GazeboDrive, servo: Servo) -> GazeboDrive:
     """Return a drive with the servo of its PID; what has no part in Drake's servo is a warning."""
     largest = min(abs(plugin.number(tag, 1000.0)) for tag in ("cmd_max", "cmd_min"))

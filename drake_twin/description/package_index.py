@@ -128,6 +128,34 @@ class PackageIndex:
             raise InputError("the file does not exist", file=path)
         return Path(os.path.abspath(path))
 
+    def resolve_as_started(self, address: str, base: str | Path | None = None) -> Path:
+        """Find a file whose relative path the robot's file means from where the simulator is started.
+
+        This may be beside the file, in a workspace with the package ``my_robot`` of ``./my_robot/config/file.yaml``
+        (below ``src``, ``install`` or ``share``, too), or in the working directory.
+
+        Raises:
+            InputError: As `resolve`.
+        """
+        try:
+            return self.resolve(address, base)
+        except InputError:
+            if "://" in address or Path(address).is_absolute():
+                raise
+            inside = Path(address).parts
+            for index, name in enumerate(inside[:-1]):
+                if name in (".", "..", "src", "install", "share"):
+                    continue
+                try:
+                    package = self.find(name, base)
+                except InputError:
+                    continue
+                if (file := package.joinpath(*inside[index + 1 :])).is_file():
+                    return file
+            if Path(address).is_file():
+                return Path(os.path.abspath(address))
+            raise
+
     def _candidates(self, package: str, near: str | Path | None) -> Iterator[Path]:
         for folder in self._folders:
             yield from _in_folder(folder, package)
@@ -139,7 +167,8 @@ class PackageIndex:
                 if own_package.parent.name == "share":
                     yield from _in_prefix(own_package.parents[1], package)
                     yield from _in_prefix(own_package.parents[2], package)
-                yield from _in_folder(workspace_of(own_package), package)
+                for workspace in workspaces_of(own_package):
+                    yield from _in_folder(workspace, package)
         for prefix in self._prefixes:
             yield from _in_prefix(prefix, package)
         for folder in self._resource_folders:
@@ -148,8 +177,8 @@ class PackageIndex:
 
     def _source_folders(self, near: str | Path | None) -> list[Path]:
         own_package = None if near is None else containing_package(near)
-        workspace = [] if own_package is None else [workspace_of(own_package)]
-        return [*self._folders, *workspace, *self._resource_folders, share_folder("models")]
+        workspaces = [] if own_package is None else workspaces_of(own_package)
+        return [*self._folders, *workspaces, *self._resource_folders, share_folder("models")]
 
 
 def absolute_path(name: str | Path) -> str:
@@ -240,10 +269,12 @@ def _is_named(place: Path, package: str) -> bool:
 
 def workspace_of(package: Path) -> Path:
     """Return the folder whose packages a package sees: its colcon workspace's ``src``, or its parent folder."""
-    for folder in list(package.parents)[:_SEARCH_DEPTH]:
-        if folder.name == "src":
-            return folder
-    return package.parent
+    return workspaces_of(package)[0]
+
+
+def workspaces_of(package: Path) -> list[Path]:
+    """Return that folder, and those around it: a repository with a ``src`` may be in the ``src`` of a workspace."""
+    return [folder for folder in list(package.parents)[:_SEARCH_DEPTH] if folder.name == "src"] or [package.parent]
 
 
 @lru_cache(maxsize=256)

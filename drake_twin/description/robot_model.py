@@ -5,6 +5,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lxml import etree
+
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
@@ -129,6 +131,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.sdf import prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
 
+    text, file = included_model(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
@@ -136,6 +139,31 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     return RobotModel(
         description, prepared, "sdf", is_fixed, findings=(*findings, *unread_in_sdf(XmlReader(text, file)))
     )
+
+
+def included_model(text: str, file: Path, packages: PackageIndex) -> tuple[str, Path]:
+    """Return the model that an SDF file consists of, where it is only an ``<include>``, and that model's file.
+
+    Raises:
+        InputError: If the model is not found.
+    """
+    reader = XmlReader(text, file)
+    includes = reader.root.findall("include")
+    if reader.root.tag != "sdf" or len(includes) != 1 or reader.root.find("model") is not None:
+        return text, file
+    from drake_twin.description.sdf_includes import SdfIncludes
+
+    addresses = SdfIncludes(packages)
+    found = addresses.model(includes[0], reader, (file,))
+    if found is None:
+        missing = [
+            f"{name}: searched {each.searched}. {each.advice}" for name, each in addresses.addresses.missing.items()
+        ]
+        reasons = missing or [finding.what for finding in addresses.findings]
+        raise reader.error(includes[0], f"the model is not included: {'; '.join(reasons)}")
+    root = etree.Element("sdf", version=".".join(map(str, found.version)))
+    root.append(found.element)
+    return etree.tostring(root, encoding="unicode"), found.reader.file or file
 
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:

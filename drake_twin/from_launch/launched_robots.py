@@ -12,6 +12,7 @@ from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose
+from drake_twin.description.robot_model import included_model
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -301,13 +302,13 @@ class LaunchedRobots:
             raise InputError(f"cannot read the file ({error})", file=file) from None
         if path.is_dir():
             raise InputError("it is a folder, not a robot file", file=path)
-        return _read(str(path), text, path)
+        return _read(str(path), *included_model(text, path, self._packages))
 
     def _text_source(self, text: str, what: str) -> _Source:
         """Return a description's text as a file of the cache, at the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_file(f"robot.{suffix}", text)
-        return _read(str(path), text, path)
+        return _read(str(path), *included_model(text, path, self._packages))
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:

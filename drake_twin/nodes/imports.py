@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from drake_twin.nodes.program import Program
 
 _FOLDER = Path(__file__).parent
-ROOTS = frozenset(file.parent.name for file in _FOLDER.glob("*/__init__.py"))
+_OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
+ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
 Source = Callable[[str], ModuleType | None]  # a module's full name → the module
 
@@ -98,7 +99,10 @@ def stand_in(name: str) -> ModuleType | None:
     Raises:
         ModuleNotFoundError: If the tree lacks a module of a package that it has.
     """
-    if name.partition(".")[0] not in ROOTS:
+    root = name.partition(".")[0]
+    if root in _OF_LAUNCH_FILES:
+        return importlib.import_module(f"drake_twin.ros2.{name}")
+    if root not in ROOTS:
         return None
     path = _FOLDER.joinpath(*name.split("."))
     if not path.with_suffix(".py").is_file() and not (path / "__init__.py").is_file():

@@ -230,7 +230,7 @@ def _controller_manager(
     if not files:
         return ControllerManagerParameters() if robot.added_controllers else _default_controllers(description)
     try:
-        resolved = [packages.resolve(file, description.file) for file in files]
+        resolved = [packages.resolve_as_started(file, description.file) for file in files]
     except InputError as error:
         raise ScenarioError((*path, "controllers"), str(error)) from None
     parameters = read_controllers(resolved, robot.topic_namespace, placeholders)

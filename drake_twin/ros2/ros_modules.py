@@ -83,7 +83,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         os.environ.update(_ROS_ENVIRONMENT)
         for name in _DEFAULTS:
             os.environ.setdefault(name, "")
-        os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", "")])
+        os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", ""), _simulators_folder()])
         os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
         sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
         sys.stdout = sys.stderr  # what launch files print does not belong to the program's result
@@ -159,14 +159,36 @@ def _lasts(name: str, module: types.ModuleType | None) -> bool:
     return bool(places) and str(Path(places[0]).resolve()).startswith(_LASTING_FOLDERS)
 
 
+# What launch files look for on PATH before they start it, which the twin does in its place.
+_SIMULATORS = ("gz", "ign", "gazebo", "gzserver", "gzclient", "rviz2")
+
+
 def _xacro_folder() -> str:
     """Return a folder with a ``xacro`` command, for launch files that start it themselves."""
     folder = scratch_folder() / "bin"
-    script = folder / "xacro"
-    if not script.exists():
-        folder.mkdir(exist_ok=True)
-        code = f"import sys; sys.path.insert(0, {str(_PACKAGE.parent)!r}); "
-        code += "from drake_twin.ros2.xacro_program import main; sys.exit(main())"
-        script.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(code)} "$@"\n')
-        script.chmod(0o755)
+    _add_program(folder / "xacro", _python("drake_twin.ros2.xacro_program"))
     return str(folder)
+
+
+def _simulators_folder() -> str:
+    """Return a folder with programs of Gazebo and ROS for launch files that look whether they are there.
+
+    It is the last one on PATH. ``ros2`` answers about packages; a simulator only tells a version.
+    """
+    folder = scratch_folder() / "simulators"
+    _add_program(folder / "ros2", _python("drake_twin.ros2.package_command"))
+    for name in _SIMULATORS:
+        _add_program(folder / name, 'case "$*" in *--version*) echo "Gazebo Sim, version 8.0.0";; esac')
+    return str(folder)
+
+
+def _python(module: str) -> str:
+    code = f"import sys; sys.path.insert(0, {str(_PACKAGE.parent)!r}); from {module} import main; sys.exit(main())"
+    return f'exec {shlex.quote(sys.executable)} -c {shlex.quote(code)} "$@"'
+
+
+def _add_program(file: Path, script: str) -> None:
+    if not file.exists():
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(f"#!/bin/sh\n{script}\n")
+        file.chmod(0o755)

@@ -265,10 +265,11 @@ def test_joint_state_publishers_broadcast_their_joints():
     [
         ("gz-sim-joint-position-controller-system", "position", "joint/fl/0/cmd_pos"),
         ("gz-sim-joint-controller-system", "velocity", "joint/fl/cmd_vel"),
+        ("gz-sim-apply-joint-force-system", "effort", "joint/fl/cmd_force"),
     ],
 )
 def test_joint_controllers_of_gz_are_joint_group_controllers_commanded_by_a_number(filename, interface, topic):
-    drive = drive_of("<joint_name>fl</joint_name><p_gain>3</p_gain>", filename)
+    drive = drive_of("<joint_name>fl</joint_name>", filename)
     assert drive.controller.type == f"{interface}_controllers/JointGroup{interface.title()}Controller"
     assert (drive.topics, drive.types) == ({"commands": topic}, {"commands": "std_msgs/msg/Float64"})
     assert drive.gz_topics == {"commands": f"/model/{{model}}/{topic}"}
@@ -299,6 +300,21 @@ def test_joint_controllers_of_gz_have_their_own_servos(filename, inside, servo, 
     assert list(drive.servos.values()) == ([] if servo is None else [servo])
     assert (drive.efforts, drive.velocities) == (efforts, velocities)
     assert drive.warnings == ()
+
+
+def test_a_trajectory_controller_of_gz_has_gains_for_each_joint():
+    drive = drive_of(
+        "<topic>arm/trajectory</topic><joint_name>fl</joint_name><position_p_gain>10</position_p_gain>"
+        "<position_d_gain>1</position_d_gain><position_cmd_max>5</position_cmd_max>"
+        "<joint_name>fr</joint_name><position_p_gain>20</position_p_gain><velocity_p_gain>3</velocity_p_gain>"
+        "<initial_position>0.3</initial_position><position_i_gain>0.5</position_i_gain>",
+        "gz-sim-joint-trajectory-controller-system",
+    )
+    assert drive.controller.type == "joint_trajectory_controller/JointTrajectoryController"
+    assert drive.topics == {"joint_trajectory": "arm/trajectory"}
+    assert drive.servos == {("fl", "position"): Servo(10, 4), ("fr", "position"): Servo(20, 0)}
+    assert (drive.efforts, drive.start) == ({"fl": 5, "fr": 1000}, {"fl": 0.3})
+    assert drive.warnings == ("<position_i_gain> is not simulated",)
 
 
 def test_an_integral_part_is_said_not_to_be_simulated():

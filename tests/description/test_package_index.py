@@ -223,3 +223,23 @@ def test_a_package_is_found_by_the_name_that_its_setup_py_registers(tmp_path):
     (package / "resource" / "short_gz_sim").touch()
     index = PackageIndex([tmp_path / "src"], environment={})
     assert index.find("short_gz_sim") == index.find("short")
+
+
+@pytest.mark.parametrize("address", ["./rover/config/c.yaml", "rover/config/c.yaml", "src/rover/config/c.yaml"])
+def test_a_path_from_where_the_simulator_is_started_is_found_by_its_package(tmp_path, address):
+    rover = package(tmp_path / "checkout", "rover")
+    (rover / "config").mkdir()
+    (rover / "config" / "c.yaml").touch()
+    found = index(tmp_path).resolve_as_started(address, tmp_path / "cache" / "robot.urdf")
+    assert found == rover / "config" / "c.yaml"
+
+
+def test_a_path_from_the_working_directory_is_found(tmp_path, monkeypatch):
+    (tmp_path / "c.yaml").touch()
+    monkeypatch.chdir(tmp_path)
+    assert index().resolve_as_started("c.yaml", tmp_path / "cache" / "robot.urdf") == tmp_path / "c.yaml"
+
+
+def test_a_path_that_is_nowhere_is_refused_as_any_other(tmp_path):
+    with pytest.raises(InputError, match="the file does not exist"):
+        index(package(tmp_path / "rover")).resolve_as_started("./rover/none.yaml", tmp_path / "robot.urdf")

@@ -54,6 +54,33 @@ def test_every_way_to_spawn_an_entity(tmp_path, form):
     assert not_started(launch.scenario) == ()
 
 
+MARKER = """<sdf version="1.9"><model name="marker"><link name="link"><inertial><mass>1</mass></inertial></link>
+</model></sdf>"""
+
+
+def test_texts_that_only_include_a_model_are_that_model(tmp_path):
+    write(tmp_path / "models" / "marker" / "model.sdf", MARKER)
+    write(
+        tmp_path / "models" / "marker" / "model.config",
+        "<model><name>marker</name><sdf version='1.9'>model.sdf</sdf></model>",
+    )
+    text = "<sdf version='1.9'><include><uri>model://marker</uri></include></sdf>"
+    resources = f"AppendEnvironmentVariable('GZ_SIM_RESOURCE_PATH', {str(tmp_path / 'models')!r}),"
+    pair = [create("-string", text, "-name", name, "-x", x) for name, x in (("one", "1"), ("two", "2"))]
+    launch = launched(tmp_path, resources, *pair)
+    assert [(plan.name, plan.robot.xyz, plan.description.links) for plan in launch.plans] == [
+        ("one", (1, 0, 0), ("link",)),
+        ("two", (2, 0, 0), ("link",)),
+    ]
+    assert [plan.frame_prefix for plan in launch.plans] == ["", "two/"]
+
+
+def test_a_text_that_includes_a_missing_model_says_so(tmp_path):
+    text = "<sdf version='1.9'><include><uri>model://nowhere</uri></include></sdf>"
+    with pytest.raises(InputError, match="the model is not included: nowhere"):
+        launched(tmp_path, create("-string", text, "-name", "one"))
+
+
 def test_an_entity_without_a_name_has_its_descriptions(tmp_path):
     assert list(robots(launched_hinge(tmp_path))) == ["hinge"]
     launch = launched(tmp_path, publisher(write_hinge(tmp_path)), node("gazebo_ros", "spawn_entity.py", "-entity", "r"))

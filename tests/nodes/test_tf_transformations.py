@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from drake_twin.nodes import tf_transformations as stand_in
+from drake_twin.ros2 import tf_transformations as stand_in
 
 X, Y, Z = (1, 0, 0), (0, 1, 0), (0, 0, 1)
 AXES = [

@@ -10,6 +10,7 @@ from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.substitution import SomeSubstitutionsType, Substitution
 from drake_twin.ros2.launch.substitutions.substitution_failure import AbsentFailure, SubstitutionFailure
 from drake_twin.ros2.launch.utilities.normalize_to_list_of_substitutions_impl import normalize_to_list_of_substitutions
+from drake_twin.ros2.package_command import about_package
 from drake_twin.ros2.packages import absent_package_in
 from drake_twin.ros2.xacro_command import run_xacro
 
@@ -42,7 +43,7 @@ class Command(Substitution):
             raise SubstitutionFailure(f"the command {command!r} cannot be split into words ({error})") from None
         if not words:
             raise SubstitutionFailure("the command is empty")
-        expanded = run_xacro(words, context) or _parameter_of_node(words, context)
+        expanded = run_xacro(words, context) or _parameter_of_node(words, context) or _of_package(words, context)
         output, warnings = _run(command, words) if expanded is None else expanded
         if warnings.strip() and on_stderr != "ignore":
             context.log.append(f"{words[0]}: {warnings.strip()}")
@@ -66,6 +67,12 @@ def _parameter_of_node(words: Sequence[str], context: LaunchContext) -> tuple[st
         if process.full_name == node and values:
             return str(values[-1]), ""
     raise AbsentFailure(f"{' '.join(words)!r} asks for a parameter of {node}, which this launch file does not start")
+
+
+def _of_package(words: Sequence[str], context: LaunchContext) -> tuple[str, str] | None:
+    """Return what ``ros2 pkg prefix`` or ``ros2 pkg xml`` prints; None for another command."""
+    answer = about_package(words, lambda name: context.packages.find(name, context.current_launch_file))
+    return None if answer is None else (answer, "")
 
 
 def _run(command: str, words: Sequence[str]) -> tuple[str, str]:
