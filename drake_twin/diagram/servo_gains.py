@@ -77,18 +77,15 @@ def position_gains(
         load: The joint's load.
         time_constant: T (s).
         effort_limit: The effort limit (N·m or N).
-        stiffest: The largest Kp (N·m/rad or N/m). Where it leaves too little, T is longer.
+        stiffest: The largest Kp (N·m/rad or N/m), but for what bears the load. Where it leaves too little, T is longer.
     """
     T = time_constant
+    bears = max(load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT)
     effort = effort_limit if np.isfinite(effort_limit) else 0.0
-    stiffness = max(
-        16.0 * load.inertia / T**2,
-        load.gravity / _SAG_UNDER_GRAVITY,
-        load.contact / _YIELD_UNDER_CONTACT,
-        effort / (_FULL_EFFORT_VELOCITY * T),
-    )
+    stiffness = max(bears, 16.0 * load.inertia / T**2, effort / (_FULL_EFFORT_VELOCITY * T))
     if stiffness > stiffest:
-        stiffness, T = stiffest, max(T, 2.0 * sqrt(load.inertia / stiffest))
+        stiffness = max(stiffest, bears)
+        T = max(T, 2.0 * sqrt(load.inertia / stiffness))
     return PdControllerGains(p=stiffness, d=stiffness * T)
 
 

@@ -83,8 +83,10 @@ def _work(connection: Connection, parent: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of a terminal
     _die_with(parent)
     end_module_search()
-    from drake_twin.sweeps.episode import Runner
-
+    try:
+        from drake_twin.sweeps.episode import Runner
+    except Exception:  # the sweep's own process fails in the same way, and says why
+        os._exit(1)
     with contextlib.suppress(EOFError, OSError):
         connection.send(None)  # an episode that it is given from here on may be the reason if it ends
         run = Runner(connection.recv()).run

@@ -177,6 +177,8 @@ def in_mujoco(mode, value, gains, times):
 @pytest.mark.parametrize(("mode", "value"), [("position", 3.0), ("velocity", 2.5), ("effort", 0.9), ("effort", -2.0)])
 def test_a_pendulum_moves_as_in_mujoco(tmp_path, engine, bound, mode, value):
     urdf = rotor(mode, axis="0 1 0", center="0 0 -0.5").replace('rpy="0.3 -0.2 0.5"', "")
+    gain = '<hardware><param name="position_proportional_gain">0.05</param></hardware>'  # a lag of 0.2 s at 100 Hz
+    urdf = urdf.replace('type="system">', f'type="system">{gain}')
     twin = twin_of(tmp_path, engine, urdf, G, accuracy=1e-7)
     command(twin, mode, value)
     actuator = twin.plant.GetJointActuatorByName("joint")
