@@ -38,6 +38,10 @@ class Place:
 LOST = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
 
 _MOST_LINES = 8  # in a sentence
+_MOST_TOLD = 5  # lines of a run that does not ask for all findings
+
+# What changes how a robot looks, and not what it does.
+_OF_LOOKS = ("<material>", "<visual>", "<scene>", "<light>", "<script>", "<color>", "<shadows>", "<grid>", "<gui>")
 
 
 @saved("Finding")
@@ -121,6 +125,19 @@ def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
     return [
         (kind, f"{', '.join(robots)}: {sentence}" if robots else sentence) for (kind, sentence), robots in about.items()
     ]
+
+
+def most_telling(findings: Sequence[Finding]) -> list[str]:
+    """Return a few lines of the findings, kind by kind, first what changes the robot; the last tells of the rest."""
+    sentences = grouped(findings)
+    if len(sentences) <= _MOST_TOLD:
+        return [f"{kind}: {sentence}" for kind, sentence in sentences]
+    kinds = list(Kind)
+    ranked = sorted(sentences, key=lambda each: (any(tag in each[1] for tag in _OF_LOOKS), kinds.index(each[0])))
+    rest = ranked[_MOST_TOLD - 1 :]
+    numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
+    told = [f"{kind}: {sentence}" for kind, sentence in ranked[: _MOST_TOLD - 1]]
+    return [*told, f"and {len(rest)} more findings ({numbers}): --findings prints them all"]
 
 
 def strict_text(lost: Iterable[Finding]) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from drake_twin.cli.target import Target
 from drake_twin.errors import InputError
-from drake_twin.findings import counted, grouped, strict_text
+from drake_twin.findings import counted, grouped, most_telling, strict_text
 from drake_twin.program import say
 
 if TYPE_CHECKING:
@@ -14,15 +14,17 @@ if TYPE_CHECKING:
 
 
 def announce(twin: "Twin", target: Target, options: argparse.Namespace) -> None:
-    """Print what became of the files, and what the options ask to print.
+    """Print what became of the files (all of it if asked for, or else a few lines), and what the options ask to print.
 
     Raises:
         InputError: If ``--strict`` does not accept a finding, or a topic to echo is unknown.
     """
     for line in target.log:
         say(f"launch: {line}", sys.stderr)
-    for kind, sentence in grouped(twin.findings):
-        say(f"{kind}: {sentence}", sys.stderr)
+    everything = options.findings or options.strict is not None
+    found = [f"{kind}: {text}" for kind, text in grouped(twin.findings)] if everything else most_telling(twin.findings)
+    for line in found:
+        say(line, sys.stderr)
     if lost := counted(twin.findings, options.strict):
         raise InputError(f"--strict: {strict_text(lost)}, see above")
     if target.paused:

@@ -136,6 +136,9 @@ def _add_state(group: argparse._ArgumentGroup) -> None:
 
 
 def _add_output(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--findings", action="store_true", help="print all that became of the files, not only the most telling of it"
+    )
     group.add_argument("--topics", action="store_true", help="print the topics and their types at the start")
     group.add_argument("--controllers", action="store_true", help="print each robot's controllers at the start")
     group.add_argument(
