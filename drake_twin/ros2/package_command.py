@@ -19,7 +19,7 @@ def about_package(words: Sequence[str], share_of: Callable[[str], Path]) -> str 
         share_of: Returns a package's share folder.
 
     Raises:
-        InputError: If there is no such package, or its ``package.xml`` cannot be read.
+        InputError: If the package is not found, or its ``package.xml`` cannot be read.
     """
     if [Path(words[0]).name, *words[1:2]] != ["ros2", "pkg"] or len(words) < 4 or words[2] not in ("prefix", "xml"):
         return None
