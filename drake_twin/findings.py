@@ -133,11 +133,16 @@ def most_telling(findings: Sequence[Finding]) -> list[str]:
     if len(sentences) <= _MOST_TOLD:
         return [f"{kind}: {sentence}" for kind, sentence in sentences]
     kinds = list(Kind)
-    ranked = sorted(sentences, key=lambda each: (any(tag in each[1] for tag in _OF_LOOKS), kinds.index(each[0])))
+    ranked = sorted(sentences, key=lambda each: (_is_of_looks(*each), kinds.index(each[0])))
     rest = ranked[_MOST_TOLD - 1 :]
     numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
     told = [f"{kind}: {sentence}" for kind, sentence in ranked[: _MOST_TOLD - 1]]
     return [*told, f"and {len(rest)} more findings ({numbers}): --findings prints them all"]
+
+
+def _is_of_looks(kind: Kind, sentence: str) -> bool:
+    is_of_a_file = kind in (Kind.IGNORED, Kind.WARNING, Kind.MENDED)
+    return kind is Kind.WINDOW or (is_of_a_file and any(tag in sentence for tag in _OF_LOOKS))
 
 
 def strict_text(lost: Iterable[Finding]) -> str:

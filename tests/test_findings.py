@@ -31,6 +31,12 @@ def test_what_does_not_start_comes_first_and_looks_come_last():
     ]
 
 
+def test_a_window_comes_last_and_looks_are_those_of_files():
+    started = [Finding(Kind.NOT_STARTED, "controller <light> of r")]
+    lines = most_telling([*findings(6, Kind.WINDOW, "rviz {}"), *started, *findings(1, Kind.FAILED, "controller {}")])
+    assert lines[:2] == ["failed: r: controller 0", "not started: controller <light> of r"]
+
+
 def test_the_same_of_several_robots_is_one_line():
     each = [Finding(Kind.IGNORED, f"<thing {number}>", robot=robot) for number in range(5) for robot in ("a", "b")]
     assert most_telling(each)[0] == "ignored: a, b: <thing 0>"

@@ -40,7 +40,7 @@ class OdometryPublisherParameters:
         rpy_offset: Its roll, pitch and yaw there (rad).
         gaussian_noise: The standard deviation of the noise, for the covariances.
         enable_odom_tf: Whether the transform is published.
-        tf_frame_prefix_enable: Whether the namespace goes before both frames.
+        tf_frame_prefix_enable: Whether the namespace goes before the odometry's frame.
     """
 
     odom_frame: str = "odom"
@@ -87,12 +87,9 @@ class OdometryPublisher(TruthBroadcaster):
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup, "motion")
         parameters: OdometryPublisherParameters = setup.parameters
-        self._frames = odometry_frames(
-            setup,
-            parameters.odom_frame,
-            parameters.robot_base_frame,
-            prefix_enable=parameters.tf_frame_prefix_enable,
-        )
+        named = (setup, parameters.odom_frame, parameters.robot_base_frame)
+        odom_frame, _ = odometry_frames(*named, prefix_enable=parameters.tf_frame_prefix_enable)
+        self._frames = odom_frame, odometry_frames(*named)[1]
         self._covariance = np.diag([parameters.gaussian_noise**2] * 6).ravel()
         kind = "nav_msgs/msg/Odometry"
         self.declare_topic_output("odom", kind, self._calc_odom, self._present())

@@ -158,6 +158,11 @@ class DrivePlugin(PluginReader):
         return ros, gz
 
 
+def of_model(topic: str, model: str) -> str:
+    """Return a topic of gz's transport with the model's name in the place of ``{model}``."""
+    return topic.replace("{model}", model)
+
+
 Convert: TypeAlias = Callable[[DrivePlugin], GazeboDrive]
 
 # Kind of plugin, as `plugin_kind` names it → the function that converts it.

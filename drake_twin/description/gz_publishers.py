@@ -1,5 +1,6 @@
 """The systems of gz-sim that publish where a model is, as controllers that command nothing."""
 
+from drake_twin.description.controllers_yaml import HIGHEST_RATE
 from drake_twin.description.gazebo_drive import (
     ODOMETRY_PUBLISHER,
     POSE_PUBLISHER,
@@ -8,6 +9,8 @@ from drake_twin.description.gazebo_drive import (
     GazeboDrive,
     gazebo_plugin,
 )
+
+_MOST_NOISE = 1e6  # m, rad and their rates
 
 
 @gazebo_plugin("gz-sim-odometry-publisher-system")
@@ -18,13 +21,16 @@ def odometry_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
     if dimensions not in (2, 3):
         raise CannotWorkError(f"<dimensions> is {dimensions:g}, which is neither 2 nor 3")
     base = "base_footprint" if "base_footprint" in description.links else description.root_link
+    noise = plugin.number("gaussian_noise", 0.0)
+    if not 0.0 <= noise <= _MOST_NOISE:
+        raise plugin.error(f"<gaussian_noise> is {noise:g}, which is not from 0 to {_MOST_NOISE:g}")
     parameters = {
         "odom_frame": plugin.text("odom_frame", "odom"),
         "robot_base_frame": plugin.text("robot_base_frame", base),
         "dimensions": int(dimensions),
         "xyz_offset": list(plugin.vector("xyz_offset")),
         "rpy_offset": list(plugin.vector("rpy_offset")),
-        "gaussian_noise": plugin.number("gaussian_noise", 0.0),
+        "gaussian_noise": noise,
         "tf_frame_prefix_enable": not plugin.has("odom_frame"),
     }
     parameters |= _rate(plugin, "odom_publish_frequency", 50.0)
@@ -35,13 +41,12 @@ def odometry_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
             "tf_odometry": ("tf_topic", "pose"),
         }
     )
-    noise = ("<gaussian_noise> is in the covariances, and not in the values",) if parameters["gaussian_noise"] else ()
     return GazeboDrive(
         plugin.plugin,
         plugin.controller(ODOMETRY_PUBLISHER, parameters),
         topics=topics,
         gz_topics=gz_topics,
-        warnings=noise,
+        warnings=("<gaussian_noise> is in the covariances, and not in the values",) if noise else (),
     )
 
 
@@ -72,4 +77,4 @@ def pose_publisher_system(plugin: DrivePlugin) -> GazeboDrive:
 def _rate(plugin: DrivePlugin, tag: str, default: float) -> dict[str, float]:
     """Return the rate of a publisher (Hz); one that publishes in each step does so as often as the controllers here."""
     rate = plugin.number(tag, default)
-    return {"update_rate": rate} if rate > 0.0 else {}
+    return {"update_rate": rate} if 0.0 < rate < HIGHEST_RATE else {}

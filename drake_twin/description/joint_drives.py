@@ -1,6 +1,7 @@
 """The plugins of Gazebo classic and gz-sim that command single joints or publish their states, as controllers."""
 
 from dataclasses import replace
+from math import inf
 
 from drake_twin.description.gazebo_drive import CannotWorkError, DrivePlugin, GazeboDrive, Servo, gazebo_plugin
 
@@ -40,8 +41,11 @@ def joint_position_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     """
     drive = _joint_commands(plugin, "position", "joint/{joint}/{index}/cmd_pos")
     if not plugin.flag("use_velocity_commands", False):
-        return _with_pid(plugin, drive, Servo(plugin.number("p_gain", 1.0), plugin.number("d_gain", 0.01)))
+        servo = _servo(plugin.number("p_gain", 1.0), plugin.number("d_gain", 0.01))
+        return _with_pid(plugin, drive, servo, i_gain=0.1, unused=("i_gain", "cmd_offset"))
     fastest = plugin.number("cmd_max", 1000.0)
+    if fastest <= 0.0:
+        raise CannotWorkError(f"<cmd_max> is {fastest:g}, which is not a velocity to move at")
     return replace(
         drive,
         servos=dict.fromkeys(drive.interfaces, Servo()),
@@ -55,7 +59,7 @@ def joint_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     drive = _joint_commands(plugin, "velocity", "joint/{joint}/cmd_vel")
     if not plugin.flag("use_force_commands", False):
         return drive
-    return _with_pid(plugin, drive, Servo(plugin.number("p_gain", 1.0)))
+    return _with_pid(plugin, drive, _servo(plugin.number("p_gain", 1.0)), unused=("i_gain", "d_gain", "cmd_offset"))
 
 
 @gazebo_plugin("gz-sim-apply-joint-force-system")
@@ -78,10 +82,14 @@ def joint_trajectory_controller_system(plugin: DrivePlugin) -> GazeboDrive:
         return (*given, *[default] * (len(joints) - len(given)))
 
     proportional, derivative = of_joints("position_p_gain"), of_joints("position_d_gain")
-    of_velocity, largest = of_joints("velocity_p_gain"), of_joints("position_cmd_max", 1000.0)
+    of_velocity = of_joints("velocity_p_gain")
+    limits = zip(of_joints("position_cmd_min"), of_joints("position_cmd_max", -1.0), strict=True)
+    efforts = {
+        joint: effort for joint, bounds in zip(joints, limits, strict=True) if (effort := _largest(*bounds)) < inf
+    }
     starts = of_joints("initial_position")
     unused = ("position_i_gain", "velocity_i_gain", "velocity_d_gain", "position_cmd_offset", "velocity_cmd_offset")
-    for tag in ("position_i_min", "position_i_max", "velocity_i_min", "velocity_i_max", "position_cmd_min"):
+    for tag in ("position_i_min", "position_i_max", "velocity_i_min", "velocity_i_max"):
         plugin.has(tag)
     topics, gz_topics = plugin.gz_topics({"joint_trajectory": ("topic", "joint_trajectory")})
     parameters = {
@@ -95,9 +103,9 @@ def joint_trajectory_controller_system(plugin: DrivePlugin) -> GazeboDrive:
         topics=topics,
         gz_topics=gz_topics,
         interfaces=tuple((joint, "position") for joint in joints),
-        efforts=dict(zip(joints, largest, strict=True)),
+        efforts={joint: effort for joint, effort in efforts.items() if effort < inf},
         servos={
-            (joint, "position"): Servo(p, d + v)
+            (joint, "position"): _servo(p, d + v)
             for joint, p, d, v in zip(joints, proportional, derivative, of_velocity, strict=True)
         },
         start={joint: start for joint, start in zip(joints, starts, strict=True) if start},
@@ -105,18 +113,51 @@ def joint_trajectory_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     )
 
 
-def _with_pid(plugin: DrivePlugin, drive: GazeboDrive, servo: Servo) -> GazeboDrive:
-    """Return a drive with the servo of its PID; what has no part in Drake's servo is a warning."""
-    largest = min(abs(plugin.number(tag, 1000.0)) for tag in ("cmd_max", "cmd_min"))
-    others = ["i_gain", "cmd_offset"] if "position" in dict(drive.interfaces).values() else ["i_gain", "d_gain"]
-    unused = [f"<{tag}> is not simulated" for tag in others if plugin.number(tag, 0.0)]
+def _servo(proportional: float, derivative: float = 0.0) -> Servo:
+    if not (proportional >= 0.0 and 0.0 <= derivative < inf):
+        gains = f"{proportional:g} and {derivative:g}"
+        raise CannotWorkError(f"its proportional and derivative gains are {gains}: a joint would run away")
+    return Servo(proportional, derivative)
+
+
+def _largest(lowest: float, highest: float) -> float:
+    """Return the largest effort of a PID: the smaller of its two bounds, as Drake has one for both directions.
+
+    It is infinite where the range is empty, which means no limit to gz-math.
+    """
+    if highest < lowest:
+        return inf
+    bounds = [abs(bound) for bound in (lowest, highest) if bound]
+    if not bounds:
+        raise CannotWorkError("its range of efforts is zero")
+    return min(bounds)
+
+
+def _with_pid(
+    plugin: DrivePlugin, drive: GazeboDrive, servo: Servo, *, i_gain: float = 0.0, unused: tuple[str, ...]
+) -> GazeboDrive:
+    """Return a drive with the servo of its PID; what has no part in Drake's servo is a warning.
+
+    Args:
+        plugin: The plugin.
+        drive: The drive.
+        servo: Its servo.
+        i_gain: The integral gain that the plugin has by default.
+        unused: The elements that have no part in it.
+    """
+    lowest, highest = plugin.number("cmd_min", -1000.0), plugin.number("cmd_max", 1000.0)
+    largest = _largest(lowest, highest)
+    values = {tag: plugin.number(tag, i_gain if tag == "i_gain" else 0.0) for tag in unused}
+    warnings = [f"<{tag}> of {value:g} is not simulated" for tag, value in values.items() if value]
+    if largest < inf and lowest != -highest:
+        warnings.append(f"efforts from {lowest:g} to {highest:g} are limited to {largest:g} in both directions")
     for tag in ("i_max", "i_min"):
         plugin.has(tag)  # without an integral part they mean nothing
     return replace(
         drive,
         servos=dict.fromkeys(drive.interfaces, servo),
-        efforts={joint: largest for joint, _ in drive.interfaces},
-        warnings=(*drive.warnings, *unused),
+        efforts={joint: largest for joint, _ in drive.interfaces} if largest < inf else {},
+        warnings=(*drive.warnings, *warnings),
     )
 
 

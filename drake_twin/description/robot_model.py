@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from lxml import etree
 
@@ -131,18 +133,26 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.sdf import prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
 
-    text, file = included_model(text, file, packages)
+    text, file, lost = included_model(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     return RobotModel(
-        description, prepared, "sdf", is_fixed, findings=(*findings, *unread_in_sdf(XmlReader(text, file)))
+        description, prepared, "sdf", is_fixed, findings=(*lost, *findings, *unread_in_sdf(XmlReader(text, file)))
     )
 
 
-def included_model(text: str, file: Path, packages: PackageIndex) -> tuple[str, Path]:
-    """Return the model that an SDF file consists of, where it is only an ``<include>``, and that model's file.
+class ModelText(NamedTuple):
+    """An SDF file's text, the file that it comes from, and what of the file that includes it is not used."""
+
+    text: str
+    file: Path
+    findings: tuple[Finding, ...] = ()
+
+
+def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
+    """Return the model that an SDF file consists of, where it is only an ``<include>``; its plugins are the model's.
 
     Raises:
         InputError: If the model is not found.
@@ -150,7 +160,7 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> tuple[str, 
     reader = XmlReader(text, file)
     includes = reader.root.findall("include")
     if reader.root.tag != "sdf" or len(includes) != 1 or reader.root.find("model") is not None:
-        return text, file
+        return ModelText(text, file)
     from drake_twin.description.sdf_includes import SdfIncludes
 
     addresses = SdfIncludes(packages)
@@ -163,7 +173,9 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> tuple[str, 
         raise reader.error(includes[0], f"the model is not included: {'; '.join(reasons)}")
     root = etree.Element("sdf", version=".".join(map(str, found.version)))
     root.append(found.element)
-    return etree.tostring(root, encoding="unicode"), found.reader.file or file
+    found.element.extend(deepcopy(includes[0].findall("plugin")))
+    lost = tuple(finding for finding in addresses.findings if not finding.what.startswith("<plugin>"))
+    return ModelText(etree.tostring(root, encoding="unicode"), found.reader.file or file, lost)
 
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:

@@ -34,6 +34,7 @@ _YIELD_UNDER_CONTACT = 1e-2
 # It has its full effort where it is behind the velocity that its error asks for by this much (rad/s, m/s). In Gazebo a
 # joint that is behind at all has it.
 _FULL_EFFORT_VELOCITY = 1e-2
+_STIFFEST = 1e5  # of what moves the joint: as good as rigid, and within what Drake's solvers take
 _AT_ONCE = 1e-3  # error over velocity of a servo that is there in a step of Gazebo (s)
 
 # A joint that is stopped brakes as a dry friction of its effort limit would: with the full effort above this velocity.
@@ -81,8 +82,9 @@ def position_gains(
     """
     T = time_constant
     bears = max(load.gravity / _SAG_UNDER_GRAVITY, load.contact / _YIELD_UNDER_CONTACT)
-    effort = effort_limit if np.isfinite(effort_limit) else 0.0
-    stiffness = max(bears, 16.0 * load.inertia / T**2, effort / (_FULL_EFFORT_VELOCITY * T))
+    moves = 16.0 * load.inertia / T**2
+    effort = effort_limit / (_FULL_EFFORT_VELOCITY * T) if np.isfinite(effort_limit) else 0.0
+    stiffness = max(bears, moves, min(effort, _STIFFEST * moves))
     if stiffness > stiffest:
         stiffness = max(stiffest, bears)
         T = max(T, 2.0 * sqrt(load.inertia / stiffness))

@@ -302,13 +302,13 @@ class LaunchedRobots:
             raise InputError(f"cannot read the file ({error})", file=file) from None
         if path.is_dir():
             raise InputError("it is a folder, not a robot file", file=path)
-        return _read(str(path), *included_model(text, path, self._packages))
+        return _read(str(path), *included_model(text, path, self._packages)[:2])
 
     def _text_source(self, text: str, what: str) -> _Source:
         """Return a description's text as a file of the cache, at the same path in every run."""
         suffix = "sdf" if "<sdf" in text[:2000] else "urdf"
         path = lasting_file(f"robot.{suffix}", text)
-        return _read(str(path), *included_model(text, path, self._packages))
+        return _read(str(path), *included_model(text, path, self._packages)[:2])
 
 
 def parameters(process: LaunchedProcess) -> dict[str, Any]:

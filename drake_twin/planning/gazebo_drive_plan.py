@@ -59,8 +59,8 @@ def with_actuators(description: RobotDescription, drives: Sequence[GazeboDrive])
     for drive in drives:
         for joint, interface in drive.interfaces:
             interfaces.setdefault(joint, []).append(interface)
-        efforts.update(drive.efforts)
-        velocities.update(drive.velocities)
+        efforts = {**drive.efforts, **efforts}  # of two plugins at a joint the first one has it
+        velocities = {**drive.velocities, **velocities}
     if not interfaces:
         return description
     base_joints = tuple(joint for joint in commanded_planar_joints(description.root_link) if joint.name in interfaces)

@@ -10,7 +10,7 @@ from typing import Any
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER, controller_class, controller_types
 from drake_twin.description.controllers_yaml import HIGHEST_RATE, ControllerManagerParameters, ControllerParameters
-from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER, GazeboDrive
+from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER, GazeboDrive, of_model
 from drake_twin.description.parameters import read_parameters
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.yaml_document import ValuePath
@@ -93,10 +93,10 @@ def plan_controllers(
 def _leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:
     """Let gz-sim's OdometryPublisher leave the base's transform to a drive, unless a bridge takes it to ``/tf``."""
     names = [name for name in chosen if name in plans]
-    with_transform = {name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)}
-    for name in [name for name in with_transform if plans[name].type == ODOMETRY_PUBLISHER]:
+    with_transform = [name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)]
+    for name in [name for name in reversed(with_transform) if plans[name].type == ODOMETRY_PUBLISHER]:
         wiring = plans[name].wiring
-        topic = "" if wiring is None else wiring.gz_topics.get("tf_odometry", "").format(model=robot.name)
+        topic = "" if wiring is None else of_model(wiring.gz_topics.get("tf_odometry", ""), robot.name)
         if len(with_transform) > 1 and robot.remappings.get(f"/{topic.lstrip('/')}") != "/tf":
             plans[name] = replace(plans[name], parameters=replace(plans[name].parameters, enable_odom_tf=False))
             with_transform.remove(name)
@@ -110,7 +110,7 @@ def _with_stamps(drive: GazeboDrive, robot: Robot) -> GazeboDrive:
     stamped = [
         own
         for own, topic in drive.gz_topics.items()
-        if own.endswith(_UNSTAMPED) and f"/{topic.format(model=robot.name).lstrip('/')}" in robot.stamped_topics
+        if own.endswith(_UNSTAMPED) and f"/{of_model(topic, robot.name).lstrip('/')}" in robot.stamped_topics
     ]
     if not stamped or drive.controller is None:
         return drive

@@ -21,7 +21,7 @@ from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.plan_controllers import plan_controllers
 from drake_twin.planning.sensor_plan import SensorPlan, plan_sensors
-from drake_twin.planning.servo_plan import hold_joints, position_time_constant
+from drake_twin.planning.servo_plan import hold_joints, plugin_servos, position_time_constant
 from drake_twin.scenario import Robot, ScenarioError
 
 _SAME = 1e-6  # rad or m; positions that differ by less are the same
@@ -188,7 +188,7 @@ def plan_robot(
         enforce_limits=manager.enforce_command_limits,
         hold_joints=hold_joints(description),
         position_time_constant=position_time_constant(description, manager.update_rate),
-        servos={key: servo for drive in drives for key, servo in drive.servos.items()},
+        servos=plugin_servos(own, drives),
         frame_prefix=frame_prefix,
         start_positions=positions,
         findings=tuple(

@@ -1,8 +1,9 @@
 """How a robot's files say that its joints follow commands: the settings of gz_ros2_control and other hardware."""
 
-from collections.abc import Iterator
-from math import inf, nan
+from collections.abc import Iterator, Sequence
+from math import nan
 
+from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import InputError
 
@@ -23,6 +24,7 @@ def hold_joints(description: RobotDescription) -> bool:
 
 # Hardware that follows a commanded position within an update: classic Gazebo's sets it, mock hardware copies it.
 _AT_ONCE = ("gazebo_ros2_control/", "mock_components/", "fake_components/")
+_SLOWEST, _FASTEST = 1e-6, 1e6  # velocity over error that a servo may have (1/s)
 _PROPORTIONAL_GAIN = 0.1  # gz_ros2_control's default
 
 
@@ -39,11 +41,25 @@ def position_time_constant(description: RobotDescription, update_rate: float) ->
             gain = float(text)
         except ValueError:
             gain = nan
-        if not 0 < gain < inf:
+        if not gain > 0:
             raise InputError(
                 f"position_proportional_gain is {text!r}, which is not a positive number", file=description.file
             )
+        if not _SLOWEST <= gain * update_rate <= _FASTEST:
+            what = f"{text!r}, and {update_rate:g} Hz times that is not from {_SLOWEST:g} to {_FASTEST:g} 1/s"
+            raise InputError(f"position_proportional_gain is {what}", file=description.file)
         return 1.0 / (gain * update_rate)
     systems = [system for system in description.systems if system.plugin]
     at_once = bool(systems) and all(system.plugin.startswith(_AT_ONCE) for system in systems)
     return 1.0 / ((1.0 if at_once else _PROPORTIONAL_GAIN) * update_rate)
+
+
+def plugin_servos(description: RobotDescription, drives: Sequence[GazeboDrive]) -> dict[JointInterface, Servo]:
+    """Return how plugins follow commands, where no ``<ros2_control>`` commands the joint: the first of two has it."""
+    servos: dict[JointInterface, Servo] = {}
+    for drive in drives:
+        for (joint, interface), servo in drive.servos.items():
+            known = description.controlled_joints.get(joint)
+            if known is None or interface not in {item.name for item in known.command_interfaces}:
+                servos.setdefault((joint, interface), servo)
+    return servos

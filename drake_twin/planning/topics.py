@@ -2,6 +2,7 @@
 
 from drake_twin.controllers.base_controller import Controller
 from drake_twin.controllers.registry import controller_class
+from drake_twin.description.gazebo_drive import of_model
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 
@@ -32,7 +33,7 @@ def controller_topic(plan: RobotPlan, controller: ControllerPlan, own: str) -> s
     topic = wiring.topics.get(own)
     if topic is None:
         return None
-    in_gazebo = wiring.gz_topics.get(own, "").format(model=plan.name)
+    in_gazebo = of_model(wiring.gz_topics.get(own, ""), plan.name)
     in_gazebo = in_gazebo if in_gazebo.startswith("/") else f"/{in_gazebo}"
     if in_gazebo in plan.robot.remappings:  # by a parameter_bridge
         return plan.robot.remapped(in_gazebo)
@@ -46,7 +47,7 @@ def topics_with_one_owner(plan: RobotPlan) -> set[str]:
     for item in plan.controllers:
         names += [name for name in robot.remappings if name.startswith(f"{namespace}/{item.name}/")]
         if item.wiring is not None:
-            names += ["/" + name.format(model=robot.name).lstrip("/") for name in item.wiring.gz_topics.values()]
+            names += ["/" + of_model(name, robot.name).lstrip("/") for name in item.wiring.gz_topics.values()]
             names += [
                 name if name.startswith("/") else f"{namespace}/{name}" for name in item.wiring.topics.values() if name
             ]

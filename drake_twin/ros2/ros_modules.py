@@ -23,7 +23,7 @@ from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
 from drake_twin.ros2.packages import scratch_folder
 from drake_twin.ros2.scopes import set_environment
 from drake_twin.ros2.stand_in_modules import ROOTS, StandInFinder, StandInLoader
-from drake_twin.ros2.xacro_program import PACKAGE_FOLDERS
+from drake_twin.ros2.xacro_program import LAUNCH_FILE, PACKAGE_FOLDERS
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 _LASTING_FOLDERS = tuple(
@@ -83,7 +83,9 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         os.environ.update(_ROS_ENVIRONMENT)
         for name in _DEFAULTS:
             os.environ.setdefault(name, "")
-        os.environ["PATH"] = os.pathsep.join([_xacro_folder(), os.environ.get("PATH", ""), _simulators_folder()])
+        places = (_xacro_folder(), os.environ.get("PATH", ""), _simulators_folder())
+        os.environ["PATH"] = os.pathsep.join(filter(None, places))
+        os.environ[LAUNCH_FILE] = os.path.abspath(file)
         os.environ[PACKAGE_FOLDERS] = os.pathsep.join(str(folder) for folder in package_folders)
         sys.argv = ["ros2", "launch", file, *(f"{name}:={value}" for name, value in arguments.items())]
         sys.stdout = sys.stderr  # what launch files print does not belong to the program's result
@@ -160,7 +162,8 @@ def _lasts(name: str, module: types.ModuleType | None) -> bool:
 
 
 # What launch files look for on PATH before they start it, which the twin does in its place.
-_SIMULATORS = ("gz", "ign", "gazebo", "gzserver", "gzclient", "rviz2")
+_GZ, _CLASSIC = "Gazebo Sim, version 8.0.0", "Gazebo multi-robot simulator, version 11.10.2"
+_SIMULATORS = {"gz": _GZ, "ign": _GZ, **dict.fromkeys(("gazebo", "gzserver", "gzclient"), _CLASSIC), "rviz2": "rviz2"}
 
 
 def _xacro_folder() -> str:
@@ -177,8 +180,9 @@ def _simulators_folder() -> str:
     """
     folder = scratch_folder() / "simulators"
     _add_program(folder / "ros2", _python("drake_twin.ros2.package_command"))
-    for name in _SIMULATORS:
-        _add_program(folder / name, 'case "$*" in *--version*) echo "Gazebo Sim, version 8.0.0";; esac')
+    for name, version in _SIMULATORS.items():
+        refused = f'*) echo "{name} $*: the twin runs in its place" >&2; exit 1'
+        _add_program(folder / name, f'case "$*" in *--version*) echo "{version}";; {refused};; esac')
     return str(folder)
 
 

@@ -12,6 +12,8 @@ from drake_twin.whole_file import write_whole
 
 # The environment variable with the folders of packages that are searched first; set while launch files run.
 PACKAGE_FOLDERS = "DRAKE_TWIN_PACKAGE_FOLDERS"
+# The launch file that runs, whose workspace's packages are found.
+LAUNCH_FILE = "DRAKE_TWIN_LAUNCH_FILE"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

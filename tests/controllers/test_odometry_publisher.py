@@ -111,6 +111,12 @@ def test_it_publishes_at_its_frequency(tmp_path):
     assert len(stamps) in (4, 5)
 
 
+def test_of_two_the_first_publishes_the_transform(tmp_path):
+    again = '<gazebo><plugin filename="gz-sim-odometry-publisher-system" name="o"><odom_frame>x</odom_frame></plugin>'
+    twin = twin_of(tmp_path, "<odom_frame>a</odom_frame>", again + "</gazebo>")
+    assert {item.header.frame_id for item in twin.latest("/tf").transforms} == {"box/a"}
+
+
 def test_a_drives_transform_comes_before_it(tmp_path):
     drive = '<gazebo><plugin filename="libgazebo_ros_planar_move.so" name="move"/></gazebo>'
     twin = twin_of(tmp_path, "", drive)

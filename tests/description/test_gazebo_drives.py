@@ -299,7 +299,31 @@ def test_joint_controllers_of_gz_have_their_own_servos(filename, inside, servo, 
     drive = drive_of(f"<joint_name>fl</joint_name>{inside}", filename)
     assert list(drive.servos.values()) == ([] if servo is None else [servo])
     assert (drive.efforts, drive.velocities) == (efforts, velocities)
-    assert drive.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("inside", "efforts", "warning"),
+    [
+        ("<cmd_min>1</cmd_min><cmd_max>-1</cmd_max>", {}, None),  # an empty range is no limit to gz-math
+        ("<cmd_min>0</cmd_min><cmd_max>10</cmd_max>", {"fl": 10}, "efforts from 0 to 10 are limited to 10"),
+    ],
+)
+def test_the_range_of_a_pid_limits_its_effort(inside, efforts, warning):
+    drive = drive_of(f"<joint_name>fl</joint_name><i_gain>0</i_gain>{inside}", POSITIONS)
+    assert drive.efforts == efforts
+    assert [each[: len(warning or "")] for each in drive.warnings] == ([] if warning is None else [warning])
+
+
+@pytest.mark.parametrize(
+    ("inside", "reason"),
+    [
+        ("<p_gain>-5</p_gain>", "gains are -5 and 0.01"),
+        ("<cmd_min>0</cmd_min><cmd_max>0</cmd_max>", "range of efforts is zero"),
+        ("<use_velocity_commands>1</use_velocity_commands><cmd_max>-1</cmd_max>", "<cmd_max> is -1"),
+    ],
+)
+def test_a_plugin_that_would_do_harm_is_not_started(inside, reason):
+    assert reason in drive_of(f"<joint_name>fl</joint_name>{inside}", POSITIONS).not_started
 
 
 def test_a_trajectory_controller_of_gz_has_gains_for_each_joint():
@@ -313,13 +337,13 @@ def test_a_trajectory_controller_of_gz_has_gains_for_each_joint():
     assert drive.controller.type == "joint_trajectory_controller/JointTrajectoryController"
     assert drive.topics == {"joint_trajectory": "arm/trajectory"}
     assert drive.servos == {("fl", "position"): Servo(10, 4), ("fr", "position"): Servo(20, 0)}
-    assert (drive.efforts, drive.start) == ({"fl": 5, "fr": 1000}, {"fl": 0.3})
+    assert (drive.efforts, drive.start) == ({"fl": 5}, {"fl": 0.3})
     assert drive.warnings == ("<position_i_gain> is not simulated",)
 
 
 def test_an_integral_part_is_said_not_to_be_simulated():
-    drive = drive_of("<joint_name>fl</joint_name><i_gain>0.1</i_gain><i_max>1</i_max>", POSITIONS)
-    assert drive.warnings == ("<i_gain> is not simulated",)
+    drive = drive_of("<joint_name>fl</joint_name><i_max>1</i_max>", POSITIONS)
+    assert drive.warnings == ("<i_gain> of 0.1 is not simulated",)  # JointPositionController.cc's default
     assert drive_of("<joint_name>fl</joint_name><i_gain>0</i_gain>", POSITIONS).warnings == ()
 
 

@@ -58,6 +58,11 @@ def test_a_position_servo_has_its_effort_where_it_is_behind_by_a_centimeter_a_se
     assert gains.d / gains.p == pytest.approx(0.1)
 
 
+def test_an_effort_that_is_no_limit_makes_no_endless_stiffness():
+    load = JointLoad(inertia=0.1, gravity=0.0, contact=0.0)
+    assert position_gains(load, 0.1, 1e30).p == pytest.approx(1e5 * 16 * 0.1 / 0.1**2)
+
+
 def test_a_position_servo_that_may_not_be_stiff_is_slower_and_as_damped():
     load = JointLoad(inertia=0.1, gravity=0.0, contact=0.0)
     gains = position_gains(load, 1e-3, 100.0, stiffest=1e4)

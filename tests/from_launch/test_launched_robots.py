@@ -75,6 +75,16 @@ def test_texts_that_only_include_a_model_are_that_model(tmp_path):
     assert [plan.frame_prefix for plan in launch.plans] == ["", "two/"]
 
 
+def test_plugins_of_the_include_are_the_models_and_what_is_lost_is_a_finding(tmp_path):
+    write(tmp_path / "models" / "marker" / "model.sdf", MARKER)
+    text = "<sdf version='1.9'><include><uri>marker/model.sdf</uri><extra/>"
+    text += "<plugin filename='gz-sim-pose-publisher-system' name='pose'/></include></sdf>"
+    file = write(tmp_path / "models" / "both.sdf", text)
+    (plan,) = launched(tmp_path, create("-file", file, "-name", "one")).plans
+    assert [item.type for item in plan.controllers] == ["gz_sim/PosePublisher"]
+    assert "<extra> in <include>" in [finding.what for finding in plan.findings]
+
+
 def test_a_text_that_includes_a_missing_model_says_so(tmp_path):
     text = "<sdf version='1.9'><include><uri>model://nowhere</uri></include></sdf>"
     with pytest.raises(InputError, match="the model is not included: nowhere"):

@@ -182,6 +182,24 @@ def test_velocity_commands_of_gz_are_there_at_once_at_their_velocity(tmp_path):
     assert twin.robot_state("p").positions[0] == pytest.approx(0.5, abs=1e-3)
 
 
+def test_of_two_plugins_at_a_joint_the_first_has_its_servo_and_its_effort(tmp_path):
+    first = "<p_gain>20</p_gain><d_gain>3</d_gain><i_gain>0</i_gain><topic>first</topic>"
+    second = "<cmd_max>0.001</cmd_max><cmd_min>-0.001</cmd_min><p_gain>0</p_gain><topic>second</topic>"
+    text = PENDULUM.format(kind="joint-position-controller", inside=first)
+    plugin = '<plugin filename="gz-sim-joint-position-controller-system" name="d"><joint_name>j</joint_name>{}</plugin>'
+    (tmp_path / "p.urdf").write_text(text.replace("</gazebo>", plugin.format(second) + "</gazebo>"))
+    twin = TwinBuilder().robot("p", tmp_path / "p.urdf").build()
+    twin.publish("/p/first", {"data": 0.5})
+    twin.advance_to(3.0)
+    assert twin.robot_state("p").positions[0] == pytest.approx(0.5, abs=1e-3)
+
+
+def test_a_topic_with_a_placeholder_that_nobody_filled_is_a_name(tmp_path):
+    text = PENDULUM.format(kind="joint-position-controller", inside="<topic>a/{b}/c</topic>")
+    (tmp_path / "p.urdf").write_text(text)
+    assert any("{b}" in topic for topic in TwinBuilder().robot("p", tmp_path / "p.urdf").build().topics())
+
+
 @pytest.mark.parametrize("engine", ["discrete", "cenic"])
 def test_forces_of_gzs_joint_controller_follow_a_velocity_by_their_gain(tmp_path, engine):
     inside = "<use_force_commands>1</use_force_commands><p_gain>0.2</p_gain>"

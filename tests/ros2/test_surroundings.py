@@ -38,6 +38,7 @@ XML = "<package format='3'><name>robots</name><version>1.2.3</version><depend>a<
     [
         ("ros2 pkg xml robots -t version", "1.2.3"),
         ("ros2 pkg xml -t depend robots", "a\nb"),
+        ("ros2 pkg xml --tag depend robots", "a\nb"),
         ("ros2 pkg xml robots", XML),
         ("ros2 pkg prefix --share robots", "{share}"),
     ],
@@ -55,6 +56,11 @@ def test_ros2_answers_about_a_package(tmp_path, command, answer, how):
 def test_ros2_says_which_package_it_does_not_find(tmp_path):
     with pytest.raises(InputError, match="nowhere"):
         launch_python(tmp_path, "LogInfo(msg=Command('ros2 pkg xml nowhere'))")
+
+
+def test_a_query_that_only_gazebo_could_answer_fails(tmp_path):
+    run = "subprocess.run(['gz', 'topic', '-l'], capture_output=True).returncode"
+    assert value_of(tmp_path, "str(code)", f"import subprocess\ncode = {run}") == "1"
 
 
 def test_another_command_of_ros2_fails(tmp_path):

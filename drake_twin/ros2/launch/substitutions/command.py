@@ -3,6 +3,7 @@
 import shlex
 import subprocess
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from drake_twin.ros2.described_substitutions import described
 from drake_twin.ros2.launch.frontend.expose import expose_substitution
@@ -71,7 +72,14 @@ def _parameter_of_node(words: Sequence[str], context: LaunchContext) -> tuple[st
 
 def _of_package(words: Sequence[str], context: LaunchContext) -> tuple[str, str] | None:
     """Return what ``ros2 pkg prefix`` or ``ros2 pkg xml`` prints; None for another command."""
-    answer = about_package(words, lambda name: context.packages.find(name, context.current_launch_file))
+    packages, near = context.packages, context.current_launch_file
+
+    def share_of(name: str) -> Path:
+        if not packages.is_present(name, near):
+            raise AbsentFailure(f"{' '.join(words)!r} asks for package {name!r}, which is absent")
+        return packages.find(name, near)
+
+    answer = about_package(words, share_of, lambda name: packages.prefix(name, near))
     return None if answer is None else (answer, "")
 
 
