@@ -28,6 +28,7 @@ def _part(attributes: str = "", names: str | None = None, **children: Part) -> P
 
 
 _TEXT = _part()
+_TEXT_OR_VALUE = _part("value")
 _ORIGIN = _part("xyz rpy")
 _GEOMETRY = _part(
     box=_part("size"),
@@ -77,12 +78,12 @@ URDF = _part(
     # The last two ask that fixed joints are not lumped together, which the twin never does.
     gazebo=_part(
         "reference",
-        mu1=_TEXT,
-        mu2=_TEXT,
-        selfCollide=_TEXT,
-        self_collide=_TEXT,
+        mu1=_TEXT_OR_VALUE,
+        mu2=_TEXT_OR_VALUE,
+        selfCollide=_TEXT_OR_VALUE,
+        self_collide=_TEXT_OR_VALUE,
         material=_TEXT,
-        static=_TEXT,
+        static=_TEXT_OR_VALUE,
         preserveFixedJoint=_TEXT,
         disableFixedJointLumping=_TEXT,
     ),

@@ -182,3 +182,10 @@ def test_a_misspelt_library_names_the_closest(tmp_path, library, close):
     (what,) = [item.what for item in load_robot_model(str(file), PackageIndex()).findings if library in item.what]
     assert ("Did you mean" in what) is (close is not None)
     assert close is None or f"Did you mean {close!r}?" in what
+
+
+@pytest.mark.parametrize("tag", ["mu1", "mu2", "selfCollide", "static"])
+def test_a_value_in_an_attribute_is_read_as_gazebo_reads_it(tmp_path, tag):
+    reference = "" if tag == "static" else ' reference="l"'
+    text = f'<robot name="r"><link name="l"/><gazebo{reference}><{tag} value="1"/></gazebo></robot>'
+    assert unread_in_urdf(XmlReader(text, tmp_path / "r.urdf")) == []
