@@ -40,8 +40,11 @@ LOST = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
 _MOST_LINES = 8  # in a sentence
 _MOST_TOLD = 5  # lines of a run that does not ask for all findings
 
-# What changes how a robot looks, and not what it does.
-_OF_LOOKS = ("<material>", "<visual>", "<scene>", "<light>", "<script>", "<color>", "<shadows>", "<grid>", "<gui>")
+# What is told last: how a robot looks, and what Gazebo's engine (DART) does not use either.
+_LEAST = (
+    *("<material>", "<visual>", "<scene>", "<light>", "<script>", "<color>", "<shadows>", "<grid>", "<gui>"),
+    *("<transmission>", "stiffness and damping of contact follow from the masses"),
+)
 
 
 @saved("Finding")
@@ -133,16 +136,16 @@ def most_telling(findings: Sequence[Finding]) -> list[str]:
     if len(sentences) <= _MOST_TOLD:
         return [f"{kind}: {sentence}" for kind, sentence in sentences]
     kinds = list(Kind)
-    ranked = sorted(sentences, key=lambda each: (_is_of_looks(*each), kinds.index(each[0])))
+    ranked = sorted(sentences, key=lambda each: (_is_least(*each), kinds.index(each[0])))
     rest = ranked[_MOST_TOLD - 1 :]
     numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
     told = [f"{kind}: {sentence}" for kind, sentence in ranked[: _MOST_TOLD - 1]]
     return [*told, f"and {len(rest)} more findings ({numbers}): --findings prints them all"]
 
 
-def _is_of_looks(kind: Kind, sentence: str) -> bool:
+def _is_least(kind: Kind, sentence: str) -> bool:
     is_of_a_file = kind in (Kind.IGNORED, Kind.WARNING, Kind.MENDED)
-    return kind is Kind.WINDOW or (is_of_a_file and any(tag in sentence for tag in _OF_LOOKS))
+    return kind is Kind.WINDOW or (is_of_a_file and any(tag in sentence for tag in _LEAST))
 
 
 def strict_text(lost: Iterable[Finding]) -> str:

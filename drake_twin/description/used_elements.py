@@ -107,6 +107,7 @@ _AXIS = _part(
     dynamics=_part(damping=_TEXT, spring_reference=_TEXT, spring_stiffness=_TEXT),
     use_parent_model_frame=_TEXT,
 )
+_SURFACE = _part(friction=_part(ode=_part(mu=_TEXT, mu2=_TEXT)))  # of which the smaller one counts
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
     pose=_POSE,
@@ -127,7 +128,7 @@ SDF_MODEL = _part(
             geometry=_SDF_GEOMETRY,
             material=_part(diffuse=_TEXT, ambient=_TEXT),
         ),
-        collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_part(friction=_part(ode=_part(mu=_TEXT)))),
+        collision=_part("name", pose=_POSE, geometry=_SDF_GEOMETRY, surface=_SURFACE),
     ),
     joint=_part(
         "name type",

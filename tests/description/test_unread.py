@@ -184,6 +184,18 @@ def test_a_misspelt_library_names_the_closest(tmp_path, library, close):
     assert close is None or f"Did you mean {close!r}?" in what
 
 
+def test_both_coefficients_of_an_sdf_are_used(tmp_path):
+    surface = "<surface><friction><ode><mu>{}</mu><mu2>{}</mu2></ode></friction></surface>"
+    box = "<geometry><box><size>0.2 0.2 0.2</size></box></geometry>"
+    for mu, mu2, told in ((0.4, 0.4, []), (1, 0.2, ["mu of l: without effect"])):
+        collision = f'<collision name="c">{box}{surface.format(mu, mu2)}</collision>'
+        inertial = "<inertial><mass>1</mass></inertial>"
+        text = f'<sdf version="1.9"><model name="m"><link name="l">{inertial}{collision}</link></model></sdf>'
+        (tmp_path / "m.sdf").write_text(text)
+        found = load_robot_model(str(tmp_path / "m.sdf"), PACKAGES).findings
+        assert [finding.what[:23] for finding in found] == told
+
+
 @pytest.mark.parametrize("tag", ["mu1", "mu2", "selfCollide", "static"])
 def test_a_value_in_an_attribute_is_read_as_gazebo_reads_it(tmp_path, tag):
     reference = "" if tag == "static" else ' reference="l"'
