@@ -215,6 +215,7 @@ class _Sorter:
         managers = requests_by_robot(found.robots, self._requests, self._findings, self._log)
         namespaces: set[str] = set()
         links: set[str] = set()
+        late: dict[float, list[str]] = {}
         for launched in found.robots:
             name = name_in_twin(launched.name)
             requests = managers.get(launched.name, [])
@@ -232,9 +233,7 @@ class _Sorter:
                 self._findings.append(Finding(Kind.WARNING, what, robot=name))
             links |= {prefix + link for link in launched.links}
             if launched.process.start_time > 0:
-                self._log.append(
-                    f"{name}: it is spawned after {launched.process.start_time:g} s in ROS, but at the start here"
-                )
+                late.setdefault(launched.process.start_time, []).append(name)
             pose = launched.pose
             robot = Robot(
                 name=name,
@@ -252,6 +251,9 @@ class _Sorter:
                 bridged=self._bridged(),
             )
             yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
+        for time, names in late.items():
+            are = "it is" if len(names) == 1 else "they are"
+            self._log.append(f"{', '.join(names)}: {are} spawned after {time:g} s in ROS, but at the start here")
 
     def _parameter_files(self, launched: LaunchedRobot, requests: Sequence[ControllerRequest]) -> tuple[str, ...]:
         given = []
