@@ -487,7 +487,7 @@ MUTANTS = (
         ("gains: REST has none", "if mode in (BRAKE, REST)", "if mode in (BRAKE,)"),
         ("gains: damping is left out", "load.damping / _RELATIVE_ERROR_UNDER_DAMPING", "0.0"),
         ("gains: a given time constant is ignored", "T = time_constant", "T = 0.25"),
-        ("gains: the effort is left out", "effort / (_FULL_EFFORT_VELOCITY * T)", "0.0"),
+        ("gains: the effort is left out", "min(effort, _STIFFEST * moves)", "0.0"),
         ("gains: as stiff as wanted", "if stiffness > stiffest:", "if stiffness < 0.0:"),
         ("gains: a brake without its limit", "effort_limit / REST_VELOCITY", "effort_limit"),
     ),
