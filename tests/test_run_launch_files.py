@@ -157,3 +157,17 @@ def test_a_launch_file_that_starts_no_robot_is_one_paragraph(capsys):
     error = refused(capsys, folder / "start_control.launch.py")
     controllers = "joint_state_broadcaster, forward_velocity_controller, drive_controller"
     assert f"starts no robot for its controllers ({controllers})" in error
+
+
+def test_a_run_tells_five_lines_of_findings_and_all_where_asked_to(tmp_path, capsys):
+    inertia = "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+    link = f"<link name='l'><inertial><mass value='1'/>{inertia}</inertial></link>"
+    odd = "".join(f"<odd{number}/>" for number in range(9))
+    (tmp_path / "r.urdf").write_text(f"<robot name='r'>{link}{odd}</robot>")
+    told = {}
+    for option in ("--headless", "--findings"):
+        assert main([str(tmp_path / "r.urdf"), "--headless", "--duration", "0.01", option]) == 0
+        told[option] = [line for line in capsys.readouterr().err.splitlines() if "launch:" not in line]
+    assert len(told["--headless"]) == 5
+    assert told["--headless"][-1].endswith("--findings prints them all")
+    assert [f"<odd{number}>" in "".join(told["--findings"]) for number in range(9)] == [True] * 9

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass, replace
-from math import atan2, cos, isfinite, isinf, isnan, nan, sin
+from math import cos, isfinite, isinf, isnan, nan, sin
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from drake_twin.description.parameters import ParameterError
 from drake_twin.errors import CommandError
 from drake_twin.saved import saved
 from drake_twin.systems.no_message import set_value
+from drake_twin.systems.rotations import along_heading, heading_of
 
 _NANOSECONDS = 1e9
 
@@ -280,9 +281,8 @@ class DriveController(PeriodicController):
         pose, velocity = layout.base_state(self.get_state_input_port().Eval(context))
         qw, qx, qy, qz, x, y, _ = pose.tolist()
         *_, angular, along_x, along_y, _ = velocity.tolist()
-        heading = atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
-        forwards = cos(heading) * along_x + sin(heading) * along_y
-        to_the_left = cos(heading) * along_y - sin(heading) * along_x
+        heading = heading_of(qw, qx, qy, qz)
+        forwards, to_the_left = along_heading(heading, along_x, along_y)
         return WheelOdometry(x, y, heading, forwards, to_the_left, angular, time)
 
     def _calc_odometry(self, context: Context, output: AbstractValue) -> None:

@@ -1,7 +1,6 @@
 """A robot's true pose and velocity as odometry, as gz-sim's OdometryPublisher publishes them."""
 
 from dataclasses import dataclass, field
-from math import atan2, cos, sin
 from typing import ClassVar
 
 import numpy as np
@@ -15,6 +14,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.odometry_frames import odometry_frames
 from drake_twin.controllers.registry import controller
+from drake_twin.controllers.sensor_broadcaster import transform_message
 from drake_twin.controllers.truth_broadcaster import TruthBroadcaster
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import ODOMETRY_PUBLISHER
@@ -23,7 +23,7 @@ from drake_twin.description.robot_description import Pose
 from drake_twin.sensors.motion_sensor import SIZE, MotionSensor
 from drake_twin.sensors.sensor_setup import transform
 from drake_twin.systems.no_message import set_value
-from drake_twin.systems.rotations import rotated
+from drake_twin.systems.rotations import along_heading, heading_of, rotated
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -147,11 +147,8 @@ class OdometryPublisher(TruthBroadcaster):
         if not self.sample(context).active:
             set_value(output, None)
             return
-        x, y, z, *quaternion = self._pose(context)
-        odom_frame, base_frame = self._frames
-        place = messages.Transform(messages.Vector3(x, y, z), messages.Quaternion(*quaternion))
-        header = messages.header(context.get_time(), odom_frame)
-        output.set_value(messages.TFMessage([messages.TransformStamped(header, base_frame, place)]))
+        transform_of_base = transform_message(context.get_time(), *self._frames, self._pose(context))
+        output.set_value(messages.TFMessage([transform_of_base]))
 
     def _pose(self, context: Context) -> list[float]:
         """Return the place (m) and the orientation (x, y, z, w)."""
@@ -167,7 +164,5 @@ class OdometryPublisher(TruthBroadcaster):
         if self.setup.parameters.dimensions == 3:
             return angular.tolist(), linear.tolist()
         x, y, z, w = quaternion
-        heading = atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
         ((along_x, along_y, _),) = rotated(np.array([[w, x, y, z]]), linear[None]).tolist()
-        forwards = cos(heading) * along_x + sin(heading) * along_y
-        return [0.0, 0.0, float(angular[2])], [forwards, cos(heading) * along_y - sin(heading) * along_x, 0.0]
+        return [0.0, 0.0, float(angular[2])], [*along_heading(heading_of(w, x, y, z), along_x, along_y), 0.0]

@@ -13,6 +13,7 @@ from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.hardware_sensor_broadcaster import HardwareSensorBroadcaster, check_given
 from drake_twin.controllers.registry import controller
+from drake_twin.controllers.sensor_broadcaster import transform_message
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.sensors.pose_sensor import MeasuredPose, PoseSensor
 from drake_twin.systems.no_message import set_value
@@ -146,11 +147,8 @@ class PoseBroadcaster(HardwareSensorBroadcaster):
         if not self.sample(context).active or not _is_pose(values) or self.odometry_frames is None:
             set_value(output, None)
             return
-        x, y, z, *quaternion = values
-        parent, child = self.odometry_frames
-        transform = messages.Transform(messages.Vector3(x, y, z), messages.Quaternion(*quaternion))
-        header = messages.header(context.get_time(), parent)
-        output.set_value(messages.TFMessage([messages.TransformStamped(header, child, transform)]))
+        transform = transform_message(context.get_time(), *self.odometry_frames, values)
+        output.set_value(messages.TFMessage([transform]))
 
 
 def _link(setup: ControllerSetup) -> str | None:

@@ -11,6 +11,7 @@ from pydrake.systems.framework import Context, OutputPort
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.registry import controller
+from drake_twin.controllers.sensor_broadcaster import transform_message
 from drake_twin.controllers.truth_broadcaster import TruthBroadcaster
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import POSE_PUBLISHER
@@ -99,11 +100,7 @@ class PosePublisher(TruthBroadcaster):
         output.set_value(
             messages.TFMessage(
                 [
-                    messages.TransformStamped(
-                        messages.header(time, parent),
-                        child,
-                        messages.Transform(messages.Vector3(*pose[:3]), messages.Quaternion(*pose[3:])),
-                    )
+                    transform_message(time, parent, child, pose)
                     for (parent, child), pose in zip(self._frames, values, strict=True)
                 ]
             )

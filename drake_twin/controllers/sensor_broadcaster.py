@@ -1,10 +1,12 @@
 """The base of the broadcasters of sensors: the port of the sensor's values, and activation."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 from pydrake.systems.framework import Context
 
+from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.sensor_reader import SensorReader
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
@@ -33,6 +35,12 @@ class SensorBroadcaster(SensorReader, StatefulController):
     def _present(self) -> set[Any]:
         """Return the dependency tickets of a message of the present time."""
         return {self.time_ticket(), self.input_port_ticket(self._sensor.get_index()), self.sample_ticket()}
+
+
+def transform_message(time: float, parent: str, child: str, pose: Sequence[float]) -> Any:
+    """Return a ``geometry_msgs/msg/TransformStamped`` of a pose x, y, z, qx, qy, qz, qw (m) at a time (s)."""
+    transform = messages.Transform(messages.Vector3(*pose[:3]), messages.Quaternion(*pose[3:]))
+    return messages.TransformStamped(messages.header(time, parent), child, transform)
 
 
 def check_covariances(setup: ControllerSetup, *names: str) -> None:

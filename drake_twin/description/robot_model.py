@@ -157,6 +157,8 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
     Raises:
         InputError: If the model is not found.
     """
+    if "<include" not in text:
+        return ModelText(text, file)
     reader = XmlReader(text, file)
     includes = reader.root.findall("include")
     if reader.root.tag != "sdf" or len(includes) != 1 or reader.root.find("model") is not None:

@@ -19,7 +19,7 @@ _LEAST_OF_SAMPLES = 0.1  # of the gravity loads of sampled configurations
 _FARTHEST = 4 * pi  # position of a joint without limits (rad)
 
 _SAMPLES = 16
-LEAST_INERTIA = 1e-9  # keeps the damping positive: Drake ends the process if both gains are zero
+_LEAST_INERTIA = 1e-9  # keeps gains positive: Drake ends the process if both are zero
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def joint_loads(
     context = plant.CreateDefaultContext()
     context.SetTimeStateAndParametersFrom(start)
     velocities = [actuator.joint().velocity_start() for _, actuator in actuators]
-    inertia, least_inertia = np.full(len(actuators), LEAST_INERTIA), np.full(len(actuators), inf)
+    inertia, least_inertia = np.full(len(actuators), _LEAST_INERTIA), np.full(len(actuators), inf)
     gravity = np.zeros(len(actuators))
     own = {plan.name: _velocities_of(plant, instance) for plan, instance, _ in robots}
     pulls = dict.fromkeys(own, inf)
@@ -95,7 +95,7 @@ def _stiffest(time_step: float, actuator: JointActuator, inertia: float, pull: f
     """Return the largest stiffness with which Drake's solver converges (N·m/rad or N/m).
 
     Args:
-        time_step: The plant's time step (s); 0 for a continuous one, whose solver has no such limit.
+        time_step: The plant's time step (s); 0 for a continuous one, in whose solver that rounding stops nothing.
         actuator: The actuator.
         inertia: The joint's smallest inertia (kg·m² or kg).
         pull: The least of the robot's gravity loads over the square root of their inertias, as the solver scales them.
@@ -104,7 +104,7 @@ def _stiffest(time_step: float, actuator: JointActuator, inertia: float, pull: f
         return inf
     lower, upper = actuator.joint().position_lower_limits()[0], actuator.joint().position_upper_limits()[0]
     farthest = max(abs(lower), abs(upper)) if np.isfinite((lower, upper)).all() else _FARTHEST
-    rounding = 0.5 * np.finfo(float).eps * farthest * time_step / sqrt(max(inertia, LEAST_INERTIA))
+    rounding = 0.5 * np.finfo(float).eps * farthest * time_step / sqrt(max(inertia, _LEAST_INERTIA))
     tolerance = _ABSOLUTE_TOLERANCE + _RELATIVE_TOLERANCE * _LEAST_OF_SAMPLES * time_step * pull
     return float(tolerance / rounding) if rounding > 0.0 else inf
 

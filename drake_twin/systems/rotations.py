@@ -1,6 +1,18 @@
 """Rotations of many frames at once. Quaternions are (w, x, y, z), as in Drake."""
 
+from math import atan2, cos, sin
+
 import numpy as np
+
+
+def heading_of(w: float, x: float, y: float, z: float) -> float:
+    """Return the yaw of a unit quaternion (rad)."""
+    return atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def along_heading(heading: float, x: float, y: float) -> tuple[float, float]:
+    """Return the components of a planar vector forwards and to the left of a heading (rad)."""
+    return cos(heading) * x + sin(heading) * y, cos(heading) * y - sin(heading) * x
 
 
 def quaternion_from_rpy(rpy: np.ndarray) -> np.ndarray:
