@@ -9,7 +9,7 @@ from pydrake.systems.framework import Context
 from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, publication
 from drake_twin.controllers.interface import Interface
-from drake_twin.controllers.periodic_controller import Update
+from drake_twin.controllers.periodic_controller import PeriodicController, Update
 from drake_twin.controllers.registry import controller
 from drake_twin.description.gazebo_drive import PLANAR_INTERFACES
 from drake_twin.description.planar_joints import ANGULAR_Z
@@ -91,9 +91,26 @@ class PlanarMoveController(DriveController):
         command = self.received(self.get_command_input_port(), context)
         if command is None:
             return Update(memory, (nan, nan, nan))
-        # Until the next update the base moves straight while it turns: in the direction that it has halfway.
-        (turned,) = self.positions(context, [ANGULAR_Z])
-        heading = turned + 0.5 * self.setup.update_period * command.angular_z
-        along_x = cos(heading) * command.linear_x - sin(heading) * command.linear_y
-        along_y = sin(heading) * command.linear_x + cos(heading) * command.linear_y
-        return Update(memory, (along_x, along_y, command.angular_z))
+        twist = (command.linear_x, command.linear_y, command.angular_z)
+        return Update(memory, along_start(self, context, *twist))
+
+
+def along_start(
+    controller: PeriodicController, context: Context, linear_x: float, linear_y: float, angular_z: float
+) -> tuple[float, float, float]:
+    """Return the velocities of the joints that move a base, along and about the axes of its start pose.
+
+    Until the next update the base moves straight while it turns: in the direction that it has halfway.
+
+    Args:
+        controller: The base's controller.
+        context: The controller's own context.
+        linear_x: The base's velocity forward (m/s).
+        linear_y: Its velocity to the left (m/s).
+        angular_z: Its angular velocity about z (rad/s).
+    """
+    (turned,) = controller.positions(context, [ANGULAR_Z])
+    heading = turned + 0.5 * controller.setup.update_period * angular_z
+    along_x = cos(heading) * linear_x - sin(heading) * linear_y
+    along_y = sin(heading) * linear_x + cos(heading) * linear_y
+    return along_x, along_y, angular_z

@@ -5,12 +5,22 @@ that does the same, a record of the topics that it uses in place of the controll
 needs. Sources: ``gazebo_plugins`` of gazebo_ros_pkgs (branch ros2) and ``src/systems`` of gz-sim.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
 
-from drake_twin.description.gazebo_drive import GAZEBO_PLUGINS, CannotWorkError, DrivePlugin, GazeboDrive
+from drake_twin.description.controllers_yaml import ControllerParameters
+from drake_twin.description.gazebo_drive import (
+    GAZEBO_PLUGINS,
+    PLANAR_INTERFACES,
+    ROLLER_WHEELS,
+    CannotWorkError,
+    DrivePlugin,
+    GazeboDrive,
+)
 from drake_twin.description.gazebo_plugins import plugin_kind, plugin_node_name
 from drake_twin.description.robot_description import GazeboPlugin, RobotDescription
+from drake_twin.description.roller_wheels import roller_wheels
 from drake_twin.extensions import load_extensions
 
 GROUP = "drake_twin.gazebo_plugins"
@@ -56,4 +66,24 @@ def gazebo_drives(description: RobotDescription) -> tuple[GazeboDrive, ...]:
             drives.append(replace(drive, unread=reader.unread))
         except CannotWorkError as error:
             drives.append(GazeboDrive(plugin, not_started=f"{name} ({plugin.filename}): {error}"))
-    return tuple(drives)
+    return (*drives, *_rollers(description))
+
+
+def _rollers(description: RobotDescription) -> Iterator[GazeboDrive]:
+    """Yield what moves a base on wheels with friction in one direction: not a plugin, but it takes the place of one."""
+    wheels = roller_wheels(description)
+    if wheels:
+        parameters = {
+            "wheels": [wheel.joint for wheel in wheels],
+            "center_x": [wheel.center[0] for wheel in wheels],
+            "center_y": [wheel.center[1] for wheel in wheels],
+            "direction_x": [wheel.direction[0] for wheel in wheels],
+            "direction_y": [wheel.direction[1] for wheel in wheels],
+            "rim": [wheel.rim for wheel in wheels],
+            "friction": min(wheel.friction for wheel in wheels),
+        }
+        yield GazeboDrive(
+            GazeboPlugin("", "roller_wheels", place=wheels[0].place),
+            ControllerParameters("roller_wheels", ROLLER_WHEELS, parameters),
+            interfaces=PLANAR_INTERFACES,
+        )

@@ -14,9 +14,10 @@ from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import check_repair_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.roller_wheels import roller_links
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
-from drake_twin.description.unused_contact import unused_in_urdf
+from drake_twin.description.unused_contact import unused_in_sdf, unused_in_urdf
 from drake_twin.description.urdf import describe_urdf, is_static_in_gazebo, skip_wrong_bounds
 from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro, places_of_expanded
@@ -97,9 +98,10 @@ def load_robot_model(
     reader = XmlReader(text, file, places=places)
     check_values(reader)
     skipped = tuple(skip_wrong_bounds(reader))
-    unread = (*unused_in_urdf(reader), *unread_in_urdf(reader))
+    unread = tuple(unread_in_urdf(reader))
     repairs = repair_urdf(reader, without_repairs)
     description = describe_urdf(reader, text)
+    unused_surfaces = unused_in_urdf(reader, roller_links(description))
     prepared = prepare_urdf(
         reader, description, name or description.name, packages, without=without_repairs, collision=collision
     )
@@ -108,7 +110,11 @@ def load_robot_model(
         drake_text=prepared.text,
         drake_format="urdf",
         is_fixed=description.root_link == "world" or is_static_in_gazebo(reader.root),
-        findings=(*repairs, *skipped, *prepared.findings, *(Finding(Kind.WARNING, what) for what in warnings), *unread),
+        findings=(
+            *(*repairs, *skipped, *prepared.findings),
+            *(Finding(Kind.WARNING, what) for what in warnings),
+            *(*unused_surfaces, *unread),
+        ),
         meshes=prepared.meshes,
     )
 
@@ -138,8 +144,15 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     description = describe_model(prepared, "sdf", text, file, own_name)
     plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
+    reader = XmlReader(text, file)
+    (model,) = reader.root.findall("model")
+    unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
     return RobotModel(
-        description, prepared, "sdf", is_fixed, findings=(*lost, *findings, *unread_in_sdf(XmlReader(text, file)))
+        description,
+        prepared,
+        "sdf",
+        is_fixed,
+        findings=(*lost, *unused, *findings, *unread_in_sdf(reader)),
     )
 
 

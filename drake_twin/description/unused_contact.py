@@ -5,7 +5,7 @@ Of a surface the twin uses the smallest coefficient of friction. The stiffness o
 
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from lxml import etree
 
@@ -55,37 +55,49 @@ def is_unused(element: etree._Element) -> bool:
     return parameter(element) in _UNUSED
 
 
-def unused_in_urdf(reader: XmlReader) -> list[Finding]:
-    """Report the contact parameters of ``<gazebo reference="link">`` that have no effect, with the links' names."""
+def unused_in_urdf(reader: XmlReader, rollers: Collection[str] = ()) -> list[Finding]:
+    """Report the contact parameters of ``<gazebo reference="link">`` that have no effect, with the links' names.
+
+    Args:
+        reader: The robot's document.
+        rollers: The links whose direction of friction is used.
+    """
     surfaces: dict[str, list[etree._Element]] = {
         link.get("name", ""): [] for link in reader.root.iterfind("link") if link.find("collision") is not None
     }
     for element in reader.root.iterfind("gazebo"):
         surfaces.get(element.get("reference", ""), []).extend([*element, *element.iterfind("collision/surface//*")])
-    return list(_findings(reader, surfaces.items()))
+    return list(_findings(reader, surfaces.items(), rollers))
 
 
-def unused_in_sdf(reader: XmlReader, model: etree._Element, *, with_links: bool) -> list[Finding]:
+def unused_in_sdf(
+    reader: XmlReader, model: etree._Element, *, with_links: bool, rollers: Collection[str] = ()
+) -> list[Finding]:
     """Report the contact parameters of a model's collisions that have no effect.
 
     Args:
         reader: The document that it is in.
         model: The model.
         with_links: Whether to name its links.
+        rollers: The links whose direction of friction is used, if they are named.
     """
     surfaces = [
         (link.get("name", "") if with_links else "", [*surface.iter()])
         for link in model.iter("link")
         for surface in link.iterfind("collision/surface")
     ]
-    return list(_findings(reader, surfaces))
+    return list(_findings(reader, surfaces, rollers))
 
 
-def _findings(reader: XmlReader, surfaces: Iterable[tuple[str, Sequence[etree._Element]]]) -> Iterator[Finding]:
+def _findings(
+    reader: XmlReader, surfaces: Iterable[tuple[str, Sequence[etree._Element]]], rollers: Collection[str]
+) -> Iterator[Finding]:
     """Make a finding for each kind of effect, with all parameters and links that it is about."""
     found: dict[str, list[tuple[str, str, Place]]] = defaultdict(list)
     for link, elements in surfaces:
         for element, instead in _found(elements):
+            if link in rollers and instead.startswith(_ISOTROPY):
+                continue
             found[instead].append((parameter(element), link, reader.place(element)))
     for instead, about in found.items():
         names, links, places = (list(dict.fromkeys(column)) for column in zip(*about, strict=True))

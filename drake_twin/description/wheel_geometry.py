@@ -4,23 +4,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from drake_twin.description.robot_description import Pose, RobotDescription
+from drake_twin.description.robot_description import Pose, RobotDescription, Vector3
 from drake_twin.description.xml_reader import XmlReader
+
+
+def link_poses(description: RobotDescription) -> dict[str, np.ndarray]:
+    """Compute each link's pose in the root link, as a homogeneous 4×4 matrix (m), with all joints at zero."""
+    poses = {description.root_link: np.eye(4)}
+    waiting = [*description.joints]
+    while waiting:
+        placed = [joint for joint in waiting if joint.parent in poses]
+        for joint in placed:
+            poses[joint.child] = poses[joint.parent] @ _matrix(joint.origin) @ _matrix(joint.child_origin)
+        waiting = [joint for joint in waiting if joint not in placed] if placed else []
+    return poses
 
 
 def wheel_centers(description: RobotDescription, joints: Sequence[str]) -> tuple[np.ndarray, ...]:
     """Compute the origins of joints' child links in the root link (m), with all joints at zero."""
-    joint_of = {joint.child: joint for joint in description.joints}
-    centers = []
-    for name in joints:
-        pose = np.eye(4)
-        link = description.joints_by_name[name].child
-        while link in joint_of:
-            joint = joint_of[link]
-            pose = _matrix(joint.origin) @ _matrix(joint.child_origin) @ pose
-            link = joint.parent
-        centers.append(pose[:3, 3])
-    return tuple(centers)
+    poses = link_poses(description)
+    return tuple(poses[description.joints_by_name[name].child][:3, 3] for name in joints)
 
 
 def wheel_radius(description: RobotDescription, joint: str) -> float | None:
@@ -35,13 +38,20 @@ def wheel_radius(description: RobotDescription, joint: str) -> float | None:
     return None
 
 
+def rotation(rpy: Vector3) -> np.ndarray:
+    """Return the 3×3 matrix of roll, pitch and yaw (rad)."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+    return np.array(
+        [
+            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+            [-sp, cp * sr, cp * cr],
+        ]
+    )
+
+
 def _matrix(pose: Pose) -> np.ndarray:
-    (roll, pitch, yaw), matrix = pose.rpy, np.eye(4)
-    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
-    matrix[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation(pose.rpy)
     matrix[:3, 3] = pose.xyz
     return matrix

@@ -37,6 +37,8 @@ _LEAST_MASS = 1e-6  # kg
 # at 1 g besides. With much more, a robot would push itself into walls.
 _PUSH = 30.0
 
+_GRAVITY = 9.81  # m/s²
+
 
 def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) -> None:
     """Put a robot on the joints.
@@ -61,17 +63,20 @@ def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) 
     plant.AddJoint(RevoluteJoint(ANGULAR_Z, frame, upright, _TURN))
 
 
-def limit_planar_efforts(plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex) -> None:
+def limit_planar_efforts(
+    plant: MultibodyPlant, scene_graph: SceneGraph, instance: ModelInstanceIndex, grip: float | None
+) -> None:
     """Limit the drive's force and torque, which follow from the robot's mass.
 
     Args:
         plant: The finalized plant.
         scene_graph: The scene graph with the robot's collision shapes.
         instance: The robot's model instance.
+        grip: The largest force relative to the robot's weight; None for a drive that moves even a base that rubs.
     """
     context = plant.CreateDefaultContext()
     mass = plant.CalcTotalMass(context, [instance])
-    force = _PUSH * mass
+    force = (_PUSH if grip is None else grip * _GRAVITY) * mass
     turn = plant.GetJointByName(ANGULAR_Z, instance)
     inertia = plant.CalcMassMatrix(context)[turn.velocity_start(), turn.velocity_start()]
     lever = max(float(np.sqrt(inertia / mass)), _farthest_shape(plant, scene_graph, instance))

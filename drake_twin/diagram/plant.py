@@ -16,6 +16,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.gazebo_drive import ROLLER_WHEELS
 from drake_twin.description.robot_description import Joint, Pose
 from drake_twin.description.world_file import WorldFile
 from drake_twin.description.xml_reader import XmlReader
@@ -133,7 +134,7 @@ def add_plant(
             layouts[plan.name] = _state_layout(plant, instances[plan.name], plan)
             _set_start(plant, instances[plan.name], plan, layouts[plan.name])
             if plan.description.base_joints:
-                limit_planar_efforts(plant, scene_graph, instances[plan.name])
+                limit_planar_efforts(plant, scene_graph, instances[plan.name], _grip(plan))
         gains = servo_gains(plant, [(plan, instances[plan.name], layouts[plan.name]) for plan in plans], known_gains)
     robots = {
         name: RobotInPlant(
@@ -270,6 +271,16 @@ def _places_in_readings(plant: MultibodyPlant, instance: ModelInstanceIndex) -> 
     first, last = plant.num_multibody_states(), plant.num_multibody_states() + plant.num_actuators()
     actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices(instance)]
     return (*_state_indices(plant, instance), *(first + item.input_start() for item in actuators), last, last + 1)
+
+
+def _grip(plan: RobotPlan) -> float | None:
+    """Return how strongly a base on wheels with friction in one direction grips, relative to its weight."""
+    rollers = [controller for controller in plan.controllers if controller.type == ROLLER_WHEELS]
+    if not rollers:
+        return None
+    parameters = rollers[0].parameters
+    sides = [abs(x) + abs(y) for x, y in zip(parameters.direction_x, parameters.direction_y, strict=True)]
+    return float(parameters.friction * 0.5 * np.mean(sides))
 
 
 def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan) -> StateLayout:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
-from drake_twin.description.gazebo_drive import PLANAR_MOVE, GazeboDrive
+from drake_twin.description.gazebo_drive import PLANAR_MOVE, ROLLER_WHEELS, GazeboDrive
 from drake_twin.description.planar_joints import commanded_planar_joints
 from drake_twin.description.robot_description import (
     CommandInterface,
@@ -31,10 +31,16 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
             what = f"{name} ({drive.plugin.filename}): {problem}"
             findings.append(Finding.at(Kind.NOT_STARTED, what, place))
             continue
+        if drive.controller.type == ROLLER_WHEELS and (fixed_base or any(map(_is_planar_move, usable))):
+            continue
         usable.append(drive)
         findings += [Finding.at(Kind.WARNING, f"{name}: {warning}", place) for warning in drive.warnings]
         findings += [Finding.at(Kind.IGNORED, f"<{tag}> of {name}", place) for tag in drive.unread]
     return usable, findings
+
+
+def _is_planar_move(drive: GazeboDrive) -> bool:
+    return drive.controller is not None and drive.controller.type == PLANAR_MOVE
 
 
 def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_base: bool) -> str | None:
@@ -43,7 +49,7 @@ def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_ba
         return "it moves the base, which is fixed to the world"
     for other in drives:
         wheels, topics = other.controller, {*planar.topics.values()}
-        if wheels and wheels.type != PLANAR_MOVE and not topics.isdisjoint(other.topics.values()):
+        if wheels and wheels.type not in (PLANAR_MOVE, ROLLER_WHEELS) and not topics.isdisjoint(other.topics.values()):
             return f"it would move the base in addition to {wheels.name}, which drives wheels by the same topics"
     return None
 
