@@ -59,3 +59,28 @@ def test_a_model_that_a_plugin_drives_is_a_robot_beside_the_others(tmp_path, cra
     assert main(["--robots", "1", "--world", str(crate_world), "--show-scenario"]) == 0
     text = capsys.readouterr().out
     assert "without_models:\n  - mine" in text or "without_models: [mine]" in text
+
+
+def test_a_world_with_robots_in_it_runs_by_itself(tmp_path, crate_world):
+    plugin = '<plugin filename="gz-sim-velocity-control-system" name="gz::sim::systems::VelocityControl"/>'
+    shape = '<collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>'
+    rover = f'<model name="mine"><pose>0 5 0.1 0 0 0</pose><link name="l">{shape}</link>{plugin}</model></world>'
+    crate_world.write_text(crate_world.read_text().replace("</world>", rover))
+    result = summary_of(tmp_path, crate_world, "--pub", "/mine/cmd_vel", "{linear: {x: 1.0}}", "--duration", 1)
+    assert (list(result["robots"]), result["time_step"]) == (["mine"], 0.002)
+    assert result["robots"]["mine"]["base_pose"][:2] == pytest.approx([1, 5], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("more", "what"),
+    [
+        ([], "no model of this world has a plugin that drives it"),
+        (["--robots", "2"], "is a world: it cannot be combined with --world, --robots, --robot or name:=value"),
+        (["speed:=1"], "is a world: it cannot be combined with"),
+    ],
+)
+def test_a_world_without_robots_is_refused_with_the_way_to_use_it(crate_world, capsys, more, what):
+    assert main([str(crate_world), *more, "--headless"]) == 2
+    error = capsys.readouterr().err
+    assert what in error
+    assert f"--world {crate_world} puts it around" in error

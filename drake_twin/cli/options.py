@@ -14,8 +14,9 @@ from drake_twin.scenario import LONGEST_TIME
 _DESCRIPTION = """\
 Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
 
-TARGET is a ROS 2 launch file (Python, XML or YAML; a path, or PACKAGE FILE), a saved scenario (.yaml) or a robot file
-(xacro, URDF, SDF or MJCF). Without it, --robots N runs robots of the twin's own. Ctrl-C ends the run."""
+TARGET is a ROS 2 launch file (Python, XML or YAML; a path, or PACKAGE FILE), a saved scenario (.yaml), a robot file
+(xacro, URDF, SDF or MJCF), or an SDF world with robots in it. Without it, --robots N runs robots of the twin's
+own. Ctrl-C ends the run."""
 
 _EXAMPLES = """\
 examples:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
@@ -22,6 +22,7 @@ from drake_twin.scenario import (
     Robot,
     Scenario,
     ScenarioError,
+    World,
     name_in_twin,
 )
 from drake_twin.scenario.scenario_file import ScenarioFile
@@ -97,6 +98,8 @@ def find_target(options: argparse.Namespace) -> Target:
     elif words[0].endswith((".yaml", ".yml")):
         file = _scenario_file(words[0], options, given)
         target = Target(file.scenario, file)
+    elif _is_world(_own_or(words[0])):
+        target = _world_file(words[0], options, given)
     else:
         target = _robot_file(words[0], options, given)
     return replace(target, scenario=_with_options(target, options, commands))
@@ -229,12 +232,24 @@ def _launch_file_of_package(package: str, name: str, folders: Sequence[str]) -> 
 
 def _is_launch(file: Path) -> bool:
     """Return whether an XML or YAML file whose name does not show it is a launch file."""
+    return re.search(r"^\s*<launch\b|^launch\s*:", _start_of(file), re.MULTILINE) is not None
+
+
+def _is_world(file: Path) -> bool:
+    """Return whether a file is a world of SDF."""
+    if file.suffix not in (".sdf", ".world"):
+        return False
+    text = re.sub(r"<!--.*?-->", "", _start_of(file), flags=re.DOTALL)
+    return re.search(r"<sdf\b[^>]*>\s*<world\b", text) is not None
+
+
+def _start_of(file: Path) -> str:
+    """Read a file's start; nothing of one that cannot be read."""
     try:
         with file.open(encoding="utf-8", errors="replace") as stream:
-            text = stream.read(4000)
+            return stream.read(8000)
     except OSError:
-        return False
-    return re.search(r"^\s*<launch\b|^launch\s*:", text, re.MULTILINE) is not None
+        return ""
 
 
 def _launched(file: Path, options: argparse.Namespace, arguments: Mapping[str, str]) -> Target:
@@ -300,30 +315,55 @@ def _robot_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
     return Target(planned.scenario, plans=planned.plans)
 
 
+def _world_file(name: str, options: argparse.Namespace, xacro_args: dict[str, str]) -> Target:
+    """Return a world with the robots that stand in it, as ``gz sim`` starts it."""
+    if options.world is not None or options.robots is not None or options.robot is not None or xacro_args:
+        what = f"{name} is a world: it cannot be combined with --world, --robots, --robot or name:=value"
+        raise InputError(f"{what}; --world {name} puts it around other robots")
+    folders = tuple(package_paths(options))
+    read = _ReadWorld.of(str(_own_or(name)), folders)
+    if not read.robots:
+        what = "no model of this world has a plugin that drives it, so it holds no robot"
+        raise InputError(f"{what}: --world {name} puts it around robots", file=_own_or(name))
+    scenario = Scenario(robots=read.robots, world=World(**read.settings), package_paths=folders)
+    return Target(scenario if read.time_step is None else replace(scenario, time_step=read.time_step))
+
+
 def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
     """Return the scenario with the world of a file and the robots in it, and with its step if ``own_step`` is set."""
-    from drake_twin.description.lasting_files import lasting_file
-    from drake_twin.description.package_index import PackageIndex
-    from drake_twin.description.world_file import read_world
+    read = _ReadWorld.of(address if "://" in address else absolute_path(address), scenario.package_paths)
+    if own_step and read.time_step is not None:
+        scenario = replace(scenario, time_step=read.time_step)
+    return replace(scenario, world=replace(scenario.world, **read.settings), robots=(*scenario.robots, *read.robots))
 
-    file = address if "://" in address else absolute_path(address)
-    found = read_world(file, PackageIndex(scenario.package_paths))
-    step = found.max_step_size if own_step else None
-    if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP:
-        scenario = replace(scenario, time_step=step)
-    robots = [
-        Robot(
-            name_in_twin(model.name),
-            str(lasting_file(model.robot.file, model.robot.text)),
-            xyz=model.pose.xyz,
-            rpy=model.pose.rpy,
+
+class _ReadWorld(NamedTuple):
+    """A world's file, its physics step if it is usable (s), and the models in it that are robots."""
+
+    settings: dict[str, Any]
+    time_step: float | None
+    robots: tuple[Robot, ...]
+
+    @classmethod
+    def of(cls, address: str, folders: Sequence[str]) -> _ReadWorld:
+        from drake_twin.description.lasting_files import lasting_file
+        from drake_twin.description.package_index import PackageIndex
+        from drake_twin.description.world_file import read_world
+
+        found = read_world(address, PackageIndex(folders))
+        step = found.max_step_size
+        driven = [(model, model.robot) for model in found.models if model.robot is not None]
+        robots = tuple(
+            Robot(
+                name_in_twin(model.name),
+                str(lasting_file(robot.file, robot.text)),
+                xyz=model.pose.xyz,
+                rpy=model.pose.rpy,
+            )
+            for model, robot in driven
         )
-        for model in found.models
-        if model.robot is not None
-    ]
-    names = tuple(model.name for model in found.models if model.robot is not None)
-    world = replace(scenario.world, file=file, without_models=names)
-    return replace(scenario, world=world, robots=(*scenario.robots, *robots))
+        settings = {"file": address, "without_models": tuple(model.name for model, _ in driven)}
+        return cls(settings, step if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP else None, robots)
 
 
 def _command(topic: str, text: str) -> Command:
