@@ -9,6 +9,8 @@ from drake_twin.errors import InputError
 
 _MOST_BYTES = 1 << 30
 _DECLARATION = re.compile(r"""^\s*<\?xml\b[^>]*?(\sencoding\s*=\s*["']([\w.:-]+)["'])[^>]*\?>""")
+_PREFIX = re.compile(r"""</?([A-Za-z_][\w.-]*):|\s([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*\s*=\s*["']""")
+_OUTERMOST = re.compile(r"<[A-Za-z_][\w.-]*(?=[\s/>])")
 _MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
@@ -56,4 +58,19 @@ def read_xml(file: Path, what: str) -> str:
     except (LookupError, UnicodeError):
         raise InputError(f"the {what} is not {encoding.upper().removesuffix('-SIG')} text", file=file) from None
     declared = _DECLARATION.match(text)
-    return text if declared is None else text[: declared.start(1)] + text[declared.end(1) :]
+    return with_prefixes(text if declared is None else text[: declared.start(1)] + text[declared.end(1) :])
+
+
+def with_prefixes(text: str) -> str:
+    """Declare the prefixes that an XML document uses undeclared, such as ``gz:expressed_in``, in its outermost tag.
+
+    The XML library of urdfdom, sdformat and MuJoCo takes a prefix for a part of the name. xacro's needs it declared, so
+    that ``xacro:`` is left alone.
+    """
+    used = {tag or attribute for tag, attribute in _PREFIX.findall(text)} - {"xml", "xmlns", "xacro"}
+    missing = sorted(prefix for prefix in used if f"xmlns:{prefix}" not in text)
+    outermost = _OUTERMOST.search(text) if missing else None
+    if outermost is None:
+        return text
+    declared = "".join(f' xmlns:{prefix}="{prefix}"' for prefix in missing)
+    return text[: outermost.end()] + declared + text[outermost.end() :]

@@ -176,13 +176,15 @@ def _xacro_folder() -> str:
 def _simulators_folder() -> str:
     """Return a folder with programs of Gazebo and ROS for launch files that look whether they are there.
 
-    It is the last one on PATH. ``ros2`` answers about packages; a simulator only tells a version.
+    It is the last one on PATH. ``ros2`` answers about packages; a simulator only tells a version, and ``gz sdf -p``
+    prints a file as it is: gz makes SDF of a URDF there, and the twin reads both.
     """
     folder = scratch_folder() / "simulators"
     _add_program(folder / "ros2", _python("drake_twin.ros2.package_command"))
     for name, version in _SIMULATORS.items():
         refused = f'*) echo "{name} $*: the twin runs in its place" >&2; exit 1'
-        _add_program(folder / name, f'case "$*" in *--version*) echo "{version}";; {refused};; esac')
+        printed = '"sdf -p "*|"sdf --print "*) exec cat -- "$3"' if version == _GZ else "'')"
+        _add_program(folder / name, f'case "$*" in *--version*) echo "{version}";; {printed};; {refused};; esac')
     return str(folder)
 
 

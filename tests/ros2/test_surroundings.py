@@ -63,6 +63,14 @@ def test_a_query_that_only_gazebo_could_answer_fails(tmp_path):
     assert value_of(tmp_path, "str(code)", f"import subprocess\ncode = {run}") == "1"
 
 
+@pytest.mark.parametrize("command", ["gz sdf -p", "ign sdf --print"])
+def test_gazebo_prints_a_robot_for_launch_files_that_edit_it(tmp_path, command):
+    """Gazebo makes SDF of it. What is edited there, such as the frame of a direction, is edited in a URDF as well."""
+    robot = write(tmp_path / "robot.urdf", "<robot name='r'><fdir1>1 0 0</fdir1></robot>")
+    run = f"subprocess.run([*{command!r}.split(), {str(robot)!r}], capture_output=True, text=True, check=True).stdout"
+    assert value_of(tmp_path, "said", f"import subprocess\nsaid = {run}") == robot.read_text()
+
+
 def test_another_command_of_ros2_fails(tmp_path):
     run = "subprocess.run(['ros2', 'topic', 'list'], capture_output=True).returncode"
     assert value_of(tmp_path, "str(code)", f"import subprocess\ncode = {run}") == "1"
