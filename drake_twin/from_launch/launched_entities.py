@@ -266,7 +266,15 @@ class _Sorter:
                 self._drop(f"controller {request.name}: {error}", request.process)
         if not given:
             return launched.parameter_files
-        return tuple(dict.fromkeys((*(launched.parameter_files or launched.plugin_files), *given)))
+        own = launched.parameter_files or [self._as_started(file, launched.model) for file in launched.plugin_files]
+        return tuple(dict.fromkeys((*own, *given)))
+
+    def _as_started(self, file: str, model: str) -> str:
+        """Return the absolute path of a file that a robot's file names; as it is if there is none."""
+        try:
+            return str(self._packages.resolve_as_started(file, model))
+        except InputError:
+            return file
 
     def _filled_in(self, file: Path, controller: str) -> str:
         """Return a spawner's parameters file with its ``$(var name)`` substituted by launch configurations.

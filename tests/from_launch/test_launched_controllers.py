@@ -1,8 +1,22 @@
 """Which controllers are active after the launch, for each way that launch files name them."""
 
+from pathlib import Path
+
 import pytest
-from hinge import RENAMED, command, create, launched, launched_hinge, node, publisher, spawner, write_hinge
-from launch_files import not_started, write
+from hinge import (
+    CONTROLLERS,
+    RENAMED,
+    command,
+    create,
+    hinge,
+    launched,
+    launched_hinge,
+    node,
+    publisher,
+    spawner,
+    write_hinge,
+)
+from launch_files import not_started, write, write_package
 
 from drake_twin.scenario import Command
 from drake_twin.twin.controller_manager import ControllerManager
@@ -228,6 +242,18 @@ def test_a_parameters_file_beside_the_plugins(tmp_path, form):
     assert states(launch) == (("velocity", "extra"), ())
     assert launch.scenario.robots[0].controllers == (str(tmp_path / "controllers.yaml"), str(file))
     assert not_started(launch.scenario) == ()
+
+
+def test_a_relative_file_of_the_plugins_is_absolute_in_the_scenario(tmp_path):
+    share = write_package(tmp_path / "src", "arm_description")
+    own = write(share / "config" / "controllers.yaml", CONTROLLERS)
+    robot = write(share / "arm.urdf", hinge(Path("./arm_description/config/controllers.yaml")))
+    extra = write(share / "extra.yaml", RENAMED)
+    launch = launched(
+        share / "launch", publisher(robot), create("-topic", "robot_description"), spawner("extra", "-p", extra)
+    )
+    first, second = (Path(file) for file in launch.scenario.robots[0].controllers)
+    assert (first.read_text(), second) == (own.read_text(), extra)
 
 
 def test_a_parameters_file_that_is_not_there_is_named(tmp_path):
