@@ -5,6 +5,7 @@ Each rule is one function on the XML tree, applied in order by `prepare_urdf`. T
 """
 
 from collections.abc import Collection
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -205,12 +206,9 @@ def _find_mesh(address: str, packages: PackageIndex, near: Path | None, look_els
     try:
         return packages.resolve(address, near), False
     except InputError:
-        parts = Path(address.partition("://")[2] or address).parts
-        for index in range(len(parts) - 1, 0, -1) if look_elsewhere else ():
-            try:
-                return packages.resolve(f"package://{'/'.join(parts[index - 1 :])}".replace(":////", "://"), near), True
-            except InputError:
-                continue
+        if look_elsewhere:
+            with suppress(InputError):
+                return packages.resolve_elsewhere(address, near), True
         raise
 
 

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 
@@ -128,11 +129,29 @@ class PackageIndex:
             raise InputError("the file does not exist", file=path)
         return Path(os.path.abspath(path))
 
+    def resolve_elsewhere(self, address: str, base: str | Path | None = None) -> Path:
+        """Find a file whose address is of another machine: in the package that one of its folders is named after.
+
+        The innermost such folder counts: ``/home/author/ws/src/rover/meshes/wheel.stl`` is ``meshes/wheel.stl`` of the
+        package ``rover``.
+
+        Raises:
+            InputError: If no package has it.
+        """
+        parts = Path(address.partition("://")[2] or address).parts
+        for index in range(len(parts) - 2, -1, -1):
+            try:
+                return self.resolve(f"package://{'/'.join(parts[index:])}".replace(":////", "://"), base)
+            except InputError:
+                continue
+        raise InputError("no package has this file", file=address)
+
     def resolve_as_started(self, address: str, base: str | Path | None = None) -> Path:
         """Find a file whose relative path the robot's file means from where the simulator is started.
 
         This may be beside the file, in a workspace with the package ``my_robot`` of ``./my_robot/config/file.yaml``
-        (below ``src``, ``install`` or ``share``, too), or in the working directory.
+        (below ``src``, ``install`` or ``share``, too), or in the working directory. An absolute path of another machine
+        is found by `resolve_elsewhere`.
 
         Raises:
             InputError: As `resolve`.
@@ -140,7 +159,11 @@ class PackageIndex:
         try:
             return self.resolve(address, base)
         except InputError:
-            if "://" in address or Path(address).is_absolute():
+            if "://" in address:
+                raise
+            if Path(address).is_absolute():
+                with suppress(InputError):
+                    return self.resolve_elsewhere(address, base)
                 raise
             inside = Path(address).parts
             for index, name in enumerate(inside[:-1]):

@@ -52,6 +52,8 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
     for static in model.findall("static"):
         is_fixed = is_fixed or is_true(static.text)
         model.remove(static)
+    if is_fixed:
+        _weld_links(model)
     for joint in model.findall("joint"):
         if (joint.findtext("parent") or "").strip() == "world":
             if joint.get("type") != "fixed":
@@ -71,3 +73,13 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         findings.append(Finding(Kind.WARNING, what, file=str(file)))
     text = etree.tostring(reader.root, encoding="unicode")
     return PreparedSdf(text, is_fixed, own_name, tuple(findings))
+
+
+def _weld_links(model: etree._Element) -> None:
+    """Weld the links of a static model that no joint connects to its first, for none of them moves."""
+    children = {(joint.findtext("child") or "").strip() for joint in model.findall("joint")}
+    roots = [name for link in model.findall("link") if (name := link.get("name", "")) not in children]
+    for name in roots[1:]:
+        joint = etree.SubElement(model, "joint", name=f"{name}_to_{roots[0]}", type="fixed")
+        etree.SubElement(joint, "parent").text = roots[0]
+        etree.SubElement(joint, "child").text = name

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from lxml import etree
@@ -48,7 +49,8 @@ class SdfAddresses:
         """Find the file or folder of an address.
 
         Beyond what the package index knows, a model is found in the folders above the file at hand and in their
-        ``models`` folders, where worlds keep theirs.
+        ``models`` folders, where worlds keep theirs; an absolute path of another machine is found as
+        `PackageIndex.resolve_elsewhere` says.
 
         Args:
             address: The address.
@@ -74,6 +76,9 @@ class SdfAddresses:
                     return Path(os.path.abspath(folder / rest))
             if isinstance(error, MissingPackageError):
                 self.missing.setdefault(rest.partition("/")[0], error)
+            elif not relative:
+                with suppress(InputError):
+                    return self._packages.resolve_elsewhere(address, base)
             raise
 
     def model_text(self, address: str, base: Path | None) -> tuple[str, Path] | None:

@@ -1,5 +1,6 @@
 """The visuals and collisions of an SDF model, prepared for Drake's parser: shapes, meshes, colours, friction."""
 
+import os
 from collections.abc import Callable, Iterator
 from math import isfinite
 from pathlib import Path
@@ -189,6 +190,9 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
             if uri is None or scale is None:
                 raise InputError("<uri> is missing" if uri is None else "its scale lacks a number, or one is zero")
             file = find(address, reader.file)
+            given = address.removeprefix("file://")
+            if Path(given).is_absolute() and Path(os.path.abspath(given)) != file:
+                yield f"mesh {address!r} is not on this machine: {file} is used"
             if shape.tag == "visual":
                 uri.text = mesh_address(visual_mesh(file))
             elif is_within_static(shape):

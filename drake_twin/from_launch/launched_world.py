@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -59,8 +60,11 @@ def launched_world(
         return LaunchedWorld()
     name, process = started
     try:
-        address = _address(name, launch_file)
+        address = _address(name, launch_file, packages)
         world = read_world(address, packages)
+        if Path(name).is_absolute() and address != name:
+            what = f"world {name} is not on this machine: {address} is used"
+            findings.append(Finding.at(Kind.MENDED, what, process.place))
     except InputError as error:
         findings.append(Finding.at(Kind.NOT_STARTED, f"world {name}: {error}", process.place))
         return LaunchedWorld()
@@ -92,9 +96,14 @@ def _world_of_command(process: LaunchedProcess) -> WorldStart | None:
     return None
 
 
-def _address(name: str, launch_file: Path) -> str:
-    """Return a world's address as in a scenario."""
-    if "://" in name or Path(name).is_absolute():
+def _address(name: str, launch_file: Path, packages: PackageIndex) -> str:
+    """Return a world's address as in a scenario; an absolute path of another machine is searched in the packages."""
+    if "://" in name:
+        return name
+    if Path(name).is_absolute():
+        if not Path(name).exists():
+            with suppress(InputError):
+                return str(packages.resolve_elsewhere(name, launch_file))
         return name
     beside = launch_file.parent / name
     return str(beside.absolute()) if beside.is_file() else name

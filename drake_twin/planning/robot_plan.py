@@ -1,8 +1,10 @@
 """The plan of a robot whose files have been read: its model, its controllers, its frames."""
 
+import os
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
@@ -237,7 +239,12 @@ def _controller_manager(
     for plugin in description.plugins:
         if not parameters.controllers and plugin.namespace:  # for the namespace in the robot's file
             parameters = read_controllers(resolved, f"/{plugin.namespace.strip('/')}", placeholders)
-    return parameters
+    elsewhere = [
+        Finding(Kind.MENDED, f"the controllers' file {given} is not on this machine: {file} is used")
+        for given, file in zip(files, resolved, strict=True)
+        if Path(given).is_absolute() and Path(os.path.abspath(given)) != file
+    ]
+    return replace(parameters, findings=(*parameters.findings, *elsewhere)) if elsewhere else parameters
 
 
 def _with_added(robot: Robot, path: ValuePath, manager: ControllerManagerParameters) -> ControllerManagerParameters:

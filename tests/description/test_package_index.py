@@ -234,6 +234,16 @@ def test_a_path_from_where_the_simulator_is_started_is_found_by_its_package(tmp_
     assert found == rover / "config" / "c.yaml"
 
 
+def test_a_path_of_another_machine_is_found_by_its_package(tmp_path):
+    rover = package(tmp_path / "checkout", "rover")
+    (rover / "config").mkdir()
+    (rover / "config" / "c.yaml").touch()
+    address = "/home/someone/ws/src/rover/config/c.yaml"
+    assert index(tmp_path).resolve_as_started(address, tmp_path / "robot.urdf") == rover / "config" / "c.yaml"
+    with pytest.raises(InputError, match=r"/home/someone/rover/none\.yaml: the file does not exist"):
+        index(tmp_path).resolve_as_started("/home/someone/rover/none.yaml", tmp_path / "robot.urdf")
+
+
 def test_a_path_from_the_working_directory_is_found(tmp_path, monkeypatch):
     (tmp_path / "c.yaml").touch()
     monkeypatch.chdir(tmp_path)

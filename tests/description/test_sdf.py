@@ -170,6 +170,26 @@ def test_links_that_form_several_trees_are_refused_by_name():
     assert refusal(describe, ARM) == "arm.sdf: the links must form one tree, but base, arm have no parent."
 
 
+def test_the_loose_links_of_a_static_model_stay_where_they_are():
+    """A maze: one model with a link a wall, none joined to another."""
+    wall = '<link name="{0}"><pose>{1} 0 0.5 0 0 0</pose></link>'
+    walls = "".join(wall.format(name, x) for name, x in (("a", 1), ("b", 3), ("c", 5)))
+    description = describe(f"<static>1</static>{walls}")
+    assert [joint.type for joint in description.joints] == ["fixed", "fixed"]
+    assert [joint.origin.xyz for joint in description.joints] == [(2.0, 0.0, 0.0), (4.0, 0.0, 0.0)]
+
+
+def test_a_mesh_of_someone_elses_machine_is_found_in_the_package_its_folders_are_named_after(tmp_path):
+    file = tmp_path / "rover" / "meshes" / "part.stl"
+    file.parent.mkdir(parents=True)
+    file.write_bytes(trimesh.creation.box().export(file_type="stl"))
+    address = "/home/someone/ws/src/rover/meshes/part.stl"
+    body = f'<link name="base"><visual name="v"><geometry><mesh><uri>{address}</uri></mesh></geometry></visual></link>'
+    text, *_, findings = prepare_sdf(sdf(body), tmp_path / "own.sdf", None, PackageIndex([tmp_path], {}))
+    assert etree.fromstring(text).find(".//visual") is not None
+    assert [finding.what for finding in findings] == [f"mesh {address!r} is not on this machine: {file} is used"]
+
+
 def test_what_drake_refuses_gives_drakes_reason():
     assert refusal(describe, "").startswith("arm.sdf: Drake cannot read this robot: ")
 

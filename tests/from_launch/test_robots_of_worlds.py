@@ -1,11 +1,14 @@
 """Robots that stand in a world's file, and robots that are spawned under the name of a model of the world."""
 
+from pathlib import Path
+
 import pytest
-from launch_files import not_started
+from launch_files import not_started, write, write_package
 
 from drake_twin import Twin
 from drake_twin.builder.launch_file import launch_file_scenario
 from drake_twin.errors import InputError
+from drake_twin.findings import Kind
 
 BASE = """<model name="{name}">{pose}<link name="base_link"><inertial><mass>1</mass></inertial>
 <collision name="c"><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link>{plugin}</model>"""
@@ -44,6 +47,18 @@ def test_a_model_with_a_drive_is_a_robot(tmp_path):
     twin.advance_to(1.0)
     x, y, *_ = twin.robot_state("rover").base_pose
     assert (x - 1.0, y - 2.0) == pytest.approx((0.5 * 0.8776, 0.5 * 0.4794), abs=0.02)
+
+
+def test_a_world_of_someone_elses_machine_is_found_in_the_package_its_folders_are_named_after(tmp_path):
+    share = write_package(tmp_path, "rooms")
+    room = write(share / "worlds" / "room.sdf", f'<sdf version="1.9"><world name="w">{GROUND}</world></sdf>')
+    write(share / "spawned.sdf", f'<sdf version="1.9">{BASE.format(name="spawned", pose="", plugin=DRIVE)}</sdf>')
+    start = '<executable cmd="gz sim -r /home/someone/ws/src/rooms/worlds/room.sdf"/>'
+    launch = write(share / "room.launch.xml", f"<launch>{start}{CREATE.format(name='rover')}</launch>")
+    scenario = launch_file_scenario(launch).scenario
+    assert Path(scenario.world.file).read_text() == room.read_text()
+    (what,) = [item.what for item in scenario.findings if item.kind is Kind.MENDED]
+    assert what.startswith("world /home/someone/ws/src/rooms/worlds/room.sdf is not on this machine: ")
 
 
 def test_a_robot_under_the_name_of_a_model_of_the_world_is_refused_as_in_gazebo(tmp_path):

@@ -49,6 +49,19 @@ def cart(tmp_path):
     return make
 
 
+def test_a_controllers_file_of_another_machine_is_found_in_its_package(tmp_path):
+    rover = tmp_path / "rover"
+    rover.mkdir()
+    (rover / "package.xml").write_text("<package format='3'><name>rover</name></package>")
+    (rover / "c.yaml").write_text(CONTROLLERS)
+    (rover / "cart.urdf").write_text(TWO_WHEELS.format(right="velocity"))
+    given = "/home/someone/ws/src/rover/c.yaml"
+    plan = plan_robot(Robot("cart", str(rover / "cart.urdf"), controllers=(given,)), PackageIndex([tmp_path]))
+    assert states(plan) == {"one": "active"}
+    (what,) = [finding.what for finding in plan.findings if "not on this machine" in finding.what]
+    assert what == f"the controllers' file {given} is not on this machine: {rover / 'c.yaml'} is used"
+
+
 def states(plan):
     return {controller.name: controller.state for controller in plan.controllers}
 
