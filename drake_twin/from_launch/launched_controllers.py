@@ -13,6 +13,7 @@ import yaml
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.errors import InputError
 from drake_twin.from_launch.command_line import CommandLine, command_line
+from drake_twin.from_launch.gz_service import as_create
 from drake_twin.ros2.launched import NODE, PROCESS, LaunchedProcess, absolute_name, joined_namespace
 from drake_twin.ros2.ros_arguments import split_ros_arguments
 from drake_twin.scenario import Command
@@ -65,7 +66,10 @@ class ControllerRequest:
 
 
 def as_nodes(process: LaunchedProcess) -> Iterator[LaunchedProcess]:
-    """Yield the commands of a shell's line, with ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts."""
+    """Yield the commands of a shell's line, with ``ros2 run PACKAGE EXECUTABLE …`` as the node that it starts.
+
+    A call of Gazebo's service ``create`` is the node that does the same.
+    """
     words = words_of(process) if process.kind == PROCESS else []
     parts: list[list[str]] = [[]]
     for word in words:
@@ -88,7 +92,11 @@ def as_nodes(process: LaunchedProcess) -> Iterator[LaunchedProcess]:
 
 def _as_node(process: LaunchedProcess) -> LaunchedProcess:
     words = words_of(process)
-    if process.kind != PROCESS or words[:2] != ["ros2", "run"] or len(words) < 4:
+    if process.kind != PROCESS:
+        return process
+    if (create := as_create(process, words)) is not None:
+        return create
+    if words[:2] != ["ros2", "run"] or len(words) < 4:
         return process
     said = split_ros_arguments(words[4:])
     return replace(

@@ -41,7 +41,7 @@ def _new_form(line: CommandLine) -> StaticTransform:
     rpy = (line.number("roll"), line.number("pitch"), line.number("yaw"))
     if by_quaternion:
         w = line.number("qw") if "qw" in line.options else 1.0
-        rpy = _rpy(line, line.number("qx"), line.number("qy"), line.number("qz"), w)
+        rpy = roll_pitch_yaw(line, line.number("qx"), line.number("qy"), line.number("qz"), w)
     xyz = (line.number("x"), line.number("y"), line.number("z"))
     return _checked(line, parent, child, xyz, rpy)
 
@@ -61,7 +61,7 @@ def _old_form(line: CommandLine) -> StaticTransform:
         yaw, pitch, roll = numbers[3:]
         rpy = (roll, pitch, yaw)
     else:
-        rpy = _rpy(line, *numbers[3:])
+        rpy = roll_pitch_yaw(line, *numbers[3:])
     return _checked(line, words[-2], words[-1], (x, y, z), rpy)
 
 
@@ -71,8 +71,12 @@ def _checked(line: CommandLine, parent: str, child: str, xyz: Vector3, rpy: Vect
     return StaticTransform(parent.strip("/"), child.strip("/"), xyz, rpy)
 
 
-def _rpy(line: CommandLine, x: float, y: float, z: float, w: float) -> Vector3:
-    """Return a quaternion as roll, pitch, yaw (rad)."""
+def roll_pitch_yaw(line: CommandLine, x: float, y: float, z: float, w: float) -> Vector3:
+    """Return a quaternion as roll, pitch, yaw (rad).
+
+    Raises:
+        InputError: If it is zero, at the line's place.
+    """
     norm = (x * x + y * y + z * z + w * w) ** 0.5
     if not norm > 0:
         raise line.error("the quaternion is zero")

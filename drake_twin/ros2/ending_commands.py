@@ -10,7 +10,7 @@ from drake_twin.ros2.launched import LaunchedProcess
 # Executables that do their work and end. Everything else keeps running, so that OnProcessExit never fires for it.
 _ENDING_NODES = re.compile(
     r"^(create|remove|spawner(\.py)?|unspawner(\.py)?|spawn_entity\.py|hardware_spawner|lifecycle_bringup)$"
-    r"|(^|_)(un)?spawn(er)?(_|$|\.py$)|^delete_entity|^load_controller|^set_|\.(ba)?sh$"
+    r"|(^|_)(un)?spawn(er)?(_|$|\.py$)|^delete_entity|^load_controller|^set_|^wait_(for|until)_|\.(ba)?sh$"
 )
 _ENDING_ROS2 = ("control", "service", "param", "lifecycle", "pkg", "run", "launch", "node", "interface", "bag")
 _ENDING_COMMANDS = {

@@ -1,9 +1,11 @@
 """Which robots a launch file brings into the world: who describes them, their names, poses and namespaces."""
 
+import shlex
+from math import cos, sin
 from pathlib import Path
 
 import pytest
-from hinge import create, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
+from hinge import command, create, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
 from launch_files import not_started, write
 
 from drake_twin.errors import InputError
@@ -52,6 +54,37 @@ def test_every_way_to_spawn_an_entity(tmp_path, form):
     assert (robot.name, robot.xyz, robot.rpy) == ("r", (1, -2, 0.5), (0.1, 0.2, -0.3))
     assert '<joint name="hinge"' in Path(robot.model).read_text()
     assert not_started(launch.scenario) == ()
+
+
+@pytest.mark.parametrize("shell", [False, True])
+@pytest.mark.parametrize("program", ["gz", "ign"])
+def test_a_call_of_gazebos_service_spawns_an_entity(tmp_path, program, shell):
+    file = write_hinge(tmp_path)
+    turned = f"orientation {{ z: {sin(0.15)}, w: {cos(0.15)} }}"
+    request = f'sdf_filename: "{file}", name: "r" pose: {{ position: {{x: 1, y: -2; z: 0.5}} {turned} }}'
+    words = (program, "service", "-s", "/world/w/create", "--reqtype", "gz.msgs.EntityFactory", "--req", request)
+    entity = command("bash", "-c", f"sleep 2 && {shlex.join(words)}") if shell else command(*words)
+    launch = launched(tmp_path, publisher(file), entity)
+    (robot,) = launch.scenario.robots
+    assert (robot.name, robot.xyz) == ("r", (1, -2, 0.5))
+    assert robot.rpy == pytest.approx((0, 0, 0.3))
+    assert not_started(launch.scenario) == ()
+
+
+@pytest.mark.parametrize("request_text", ["", 'name: "r"', "} {", 'sdf_filename: { name: "r" }'])
+def test_a_call_of_gazebos_service_without_a_description_is_named(tmp_path, request_text):
+    entity = command("gz", "service", "-s", "/world/w/create", "--req", request_text)
+    launch = launched_hinge(tmp_path, entity)
+    assert list(robots(launch)) == ["hinge"]
+    (reason,) = not_started(launch.scenario)
+    assert "one of -topic, -file, -string and -param is needed" in reason
+
+
+def test_another_call_of_gazebos_service_is_not_started(tmp_path):
+    entity = command("gz", "service", "-s", "/world/w/set_pose", "--req", 'name: "hinge"')
+    assert not_started(launched_hinge(tmp_path, entity).scenario) == (
+        "gz (of programs, the twin starts only Python nodes)",
+    )
 
 
 MARKER = """<sdf version="1.9"><model name="marker"><link name="link"><inertial><mass>1</mass></inertial></link>

@@ -1,3 +1,4 @@
+import pytest
 from launch_files import launch_python
 
 CHAIN = """
@@ -212,3 +213,15 @@ def test_a_process_that_sleeps_ends_in_simulation_time(tmp_path):
         CHAIN + "sleep = ExecuteProcess(cmd=['sleep', '4'])",
     )
     assert launched.processes[1].start_time == 4.0
+
+
+@pytest.mark.parametrize("executable", ["wait_for_controller_manager", "wait_until_ready.py"])
+def test_a_node_that_waits_for_something_ends(tmp_path, executable):
+    waiter = f"Node(package='rover_tools', executable={executable!r})"
+    launched = launch_python(
+        tmp_path,
+        "RegisterEventHandler(OnProcessExit(target_action=waiter, on_exit=[jsb])), waiter",
+        f"{CHAIN}waiter = {waiter}",
+    )
+    assert [process.executable for process in launched.processes] == [executable, "spawner"]
+    assert launched.unfired_handlers == ()
