@@ -7,7 +7,7 @@ from typing import NamedTuple
 from lxml import etree
 
 from drake_twin.description.meshes import mesh_for_mjcf
-from drake_twin.description.robot_description import CommandInterface, ControlledJoint, HardwareSystem, StateInterface
+from drake_twin.description.mjcf_actuators import MjcfActuators
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -24,22 +24,22 @@ class PreparedMjcf(NamedTuple):
         text: The text.
         is_fixed: Whether the robot is fixed to the world.
         own_name: Its name in the file.
-        systems: What of it can be commanded.
+        actuators: Its actuators, and what belongs to them of its joints.
         findings: What of the file is ignored.
     """
 
     text: str
     is_fixed: bool
     own_name: str
-    systems: tuple[HardwareSystem, ...]
+    actuators: MjcfActuators
     findings: tuple[Finding, ...]
 
 
 def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
     """Convert the MJCF text of one robot to the one that Drake is given.
 
-    MuJoCo's actuators become velocity and state interfaces of their joints, so that the twin's controllers command
-    them. Shapes that belong to the world (a floor) are left out: the twin has a world of its own.
+    MuJoCo's actuators become command and state interfaces of their joints (`MjcfActuators`), so that the twin's
+    controllers command them. Shapes that belong to the world (a floor) are left out: the twin has a world of its own.
 
     Raises:
         InputError: If the file is not an MJCF file with one robot.
@@ -67,12 +67,11 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
         base = etree.SubElement(world, "body", name=_BASE)
         etree.SubElement(base, "freejoint")
         base.extend(bodies)
-    systems = _actuated(reader)
-    for tag in ("actuator", "sensor", "keyframe", "visual", "size", "statistic"):
-        for element in root.findall(tag):
-            root.remove(element)
+    actuators = MjcfActuators(reader)
+    _without_what_the_twin_reads(root)
     _give_mesh_files(reader, file)
-    return PreparedMjcf(etree.tostring(root, encoding="unicode"), is_fixed, own_name, systems, tuple(findings))
+    findings += actuators.findings
+    return PreparedMjcf(etree.tostring(root, encoding="unicode"), is_fixed, own_name, actuators, tuple(findings))
 
 
 def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
@@ -99,26 +98,14 @@ def _has_free_joint(body: etree._Element) -> bool:
     return any(joint.get("type") == "free" for joint in body.findall("joint"))
 
 
-def _actuated(reader: XmlReader) -> tuple[HardwareSystem, ...]:
-    joints = dict.fromkeys(actuator.get("joint", "") for group in reader.root.findall("actuator") for actuator in group)
-    states = (StateInterface("position"), StateInterface("velocity"), StateInterface("effort"))
-    controlled = tuple(ControlledJoint(name, (CommandInterface("velocity"),), states) for name in joints if name)
-    return (HardwareSystem("actuator", "system", "mujoco", controlled),) if controlled else ()
-
-
-def effort_limits(text: str, file: Path) -> dict[str, float]:
-    """Return joint name → the largest effort of its actuator (N·m or N): its ``forcerange``, or a motor's
-    ``ctrlrange``.
-    """
-    reader = XmlReader(text, file)
-    limits = {}
-    for actuator in (item for group in reader.root.findall("actuator") for item in group):
-        bounds = actuator.get("forcerange") or (actuator.get("ctrlrange") if actuator.tag == "motor" else None)
-        gear = reader.parse_number(actuator, next(iter(actuator.get("gear", "").split()), "1"), "gear")
-        if bounds is not None:
-            lower, upper = reader.parse_numbers(actuator, bounds, "range", 2)
-            limits[actuator.get("joint", "")] = abs(gear) * max(abs(lower), abs(upper))
-    return limits
+def _without_what_the_twin_reads(root: etree._Element) -> None:
+    """Leave out what Drake's parser ignores, and what is the twin's own: else Drake says that it is lost."""
+    for tag in ("actuator", "sensor", "keyframe", "visual", "size", "statistic"):
+        for element in root.findall(tag):
+            root.remove(element)
+    for joint in root.iter("joint"):
+        for name in ("frictionloss", "stiffness", "springref", "springdamper", "armature", "ref"):
+            joint.attrib.pop(name, "")
 
 
 def _give_mesh_files(reader: XmlReader, file: Path) -> None:

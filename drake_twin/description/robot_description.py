@@ -73,7 +73,8 @@ class Joint:
     """A joint between two links.
 
     ``origin`` is the joint frame in the parent link, ``axis`` is a unit vector in the joint frame. ``child_origin`` is
-    the child link in the moved joint frame: the identity in URDF, something else in some SDF files.
+    the child link in the moved joint frame: the identity in URDF, something else in some SDF files. MJCF has the inertia
+    of the actuator (kg·m² or kg) as ``armature``, and a spring with a stiffness and a position of rest.
     """
 
     name: str
@@ -87,11 +88,17 @@ class Joint:
     friction: float = 0.0
     mimic: Mimic | None = None
     child_origin: Pose = Pose()
+    armature: float = 0.0
+    stiffness: float = 0.0
+    rest_position: float = 0.0
 
     @property
     def is_movable(self) -> bool:
         """Whether the joint has one position: revolute, continuous or prismatic."""
         return self.type in MOVABLE_JOINT_TYPES
+
+
+MUJOCO = "<actuator>"  # the plugin of the hardware that an MJCF robot's actuators are: no file can name it
 
 
 @dataclass(frozen=True)

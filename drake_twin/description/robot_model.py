@@ -195,10 +195,24 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
-    from drake_twin.description.mjcf import effort_limits, prepare_mjcf
+    from drake_twin.description.mjcf import prepare_mjcf
 
-    prepared, is_fixed, own_name, systems, findings = prepare_mjcf(text, file, name)
-    description = describe_model(prepared, "xml", text, file, own_name, systems, effort_limits(text, file))
+    prepared, is_fixed, own_name, actuators, findings = prepare_mjcf(text, file, name)
+    described = describe_model(prepared, "xml", text, file, own_name, actuators.systems, actuators.efforts)
+    read = actuators.joints
+    joints = tuple(
+        replace(
+            joint,
+            armature=read[joint.name].armature,
+            friction=read[joint.name].friction,
+            stiffness=read[joint.name].stiffness,
+            rest_position=read[joint.name].rest,
+        )
+        if joint.name in read
+        else joint
+        for joint in described.joints
+    )
+    description = replace(described, joints=joints)
     return RobotModel(description, prepared, "xml", is_fixed, findings=findings)
 
 

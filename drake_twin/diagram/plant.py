@@ -11,7 +11,7 @@ from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlant, MultibodyPlantConfig
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.tree import ModelInstanceIndex, PrismaticSpring, RevoluteSpring
 from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
@@ -184,11 +184,18 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
         add_planar_joints(plant, plant.GetBodyByName(plan.model.root_body, instance), plan.spawn_pose)
     for joint in plan.description.actuated_joints:
         limit = joint.limits.effort
-        plant.AddJointActuator(
+        actuator = plant.AddJointActuator(
             joint.name,
             plant.GetJointByName(joint.name, instance),
             limit if isfinite(limit) else float("inf"),
         )
+        if joint.armature:
+            actuator.set_default_rotor_inertia(joint.armature)
+    for joint in plan.description.movable_joints:
+        if joint.stiffness:
+            spring = PrismaticSpring if joint.type == "prismatic" else RevoluteSpring
+            moved = plant.GetJointByName(joint.name, instance)
+            plant.AddForceElement(spring(moved, joint.rest_position, joint.stiffness))
     for joint in plan.friction_joints:
         if not _is_braked(plant, plan, instance, joint):
             name = f"{joint.name}{FRICTION_SUFFIX}"

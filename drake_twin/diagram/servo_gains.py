@@ -217,7 +217,7 @@ def servo_gains(
         actuator.index(): ServoGains(
             _position_gains(plan, actuator, load),
             _velocity_gains(plan, actuator, load, continuous=continuous),
-            brake_gains(load, actuator.effort_limit()),
+            _brake_gains(plan, actuator, load),
             effort_gains(
                 actuator.effort_limit(),
                 velocity_limit(plan.description, actuator.joint().name()),
@@ -234,8 +234,21 @@ def servo_gains(
     }
 
 
+def _idle_gains(plan: RobotPlan, actuator: JointActuator) -> PdControllerGains | None:
+    """Return the gains of an MJCF robot's motor or velocity servo without a motion: MuJoCo's has no others."""
+    joint = actuator.joint().name()
+    controlled = plan.description.controlled_joints.get(joint)
+    if plan.model.drake_format != "xml" or controlled is None or (joint, "position") in plan.servos:
+        return None
+    return PdControllerGains(p=0.0, d=max(float(controlled.parameters["kv"]), _LEAST_DAMPING))
+
+
+def _brake_gains(plan: RobotPlan, actuator: JointActuator, load: JointLoad) -> PdControllerGains:
+    return _idle_gains(plan, actuator) or brake_gains(load, actuator.effort_limit())
+
+
 def _position_gains(plan: RobotPlan, actuator: JointActuator, load: JointLoad) -> PdControllerGains:
-    own = _own_pd(plan, actuator)
+    own = _own_pd(plan, actuator) or _idle_gains(plan, actuator)
     if own is not None:
         return own
     at_once = (actuator.joint().name(), "position") in plan.servos

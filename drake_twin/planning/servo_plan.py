@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from math import nan
 
 from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import MUJOCO, RobotDescription
 from drake_twin.errors import InputError
 
 
@@ -55,8 +55,19 @@ def position_time_constant(description: RobotDescription, update_rate: float) ->
 
 
 def plugin_servos(description: RobotDescription, drives: Sequence[GazeboDrive]) -> dict[JointInterface, Servo]:
-    """Return how plugins follow commands, where no ``<ros2_control>`` commands the joint: the first of two has it."""
-    servos: dict[JointInterface, Servo] = {}
+    """Return how plugins follow commands, where no ``<ros2_control>`` commands the joint: the first of two has it.
+
+    An MJCF robot's actuators follow them as MuJoCo's do: a motor has no gains.
+    """
+    servos: dict[JointInterface, Servo] = {
+        (joint.name, command.name): Servo(
+            float(joint.parameters["kv" if command.name == "velocity" else "kp"]), float(joint.parameters["kv"])
+        )
+        for system in description.systems
+        if system.plugin == MUJOCO
+        for joint in system.joints
+        for command in joint.command_interfaces
+    }
     for drive in drives:
         for (joint, interface), servo in drive.servos.items():
             known = description.controlled_joints.get(joint)
