@@ -129,7 +129,9 @@ class MjcfActuators:
                 self._lost.append((f"<{actuator.tag}> of <actuator>", actuator))
                 continue
             if joint is None:
-                where = next((item for item in ("jointinparent", "tendon", "site", "body") if item in values), "nothing")
+                where = next(
+                    (item for item in ("jointinparent", "tendon", "site", "body") if item in values), "nothing"
+                )
                 self._lost.append((f"<{actuator.tag}> that drives a {where}", actuator))
                 continue
             if joint not in self.joints and not has_includes:
@@ -159,7 +161,7 @@ class MjcfActuators:
         weakest, strongest = self._range(actuator, values, "force") or (-inf, inf)
         kp, kv, effort = -by_position * gear**2, -by_velocity * gear**2, abs(gear) * max(abs(weakest), abs(strongest))
         if not by_position and not by_velocity and not constant:
-            ends = sorted((gear * min(max(gain * end, weakest), strongest) for end in (lower, upper)))
+            ends = sorted(gear * min(max(gain * end, weakest), strongest) for end in (lower, upper))
             return _Drive(CommandInterface("effort", *ends), effort=effort)
         if kp < 0 or kv < 0 or not (by_position or by_velocity == -gain) or (constant and not by_position):
             self._lost.append((f"<{actuator.tag}> whose bias is neither a position's nor a velocity's", actuator))
@@ -171,9 +173,7 @@ class MjcfActuators:
         ends = sorted((gain * end + constant) / (-by_position * gear) for end in (lower, upper))
         return _Drive(CommandInterface("position", *ends), kp, kv, effort)
 
-    def _gain_and_bias(
-        self, actuator: etree._Element, values: Mapping[str, str]
-    ) -> tuple[float, float, float, float]:
+    def _gain_and_bias(self, actuator: etree._Element, values: Mapping[str, str]) -> tuple[float, float, float, float]:
         """Return g, a, b, c of the actuator's force g·ctrl + a + b·length + c·velocity."""
         if actuator.tag == "motor":
             return 1.0, 0.0, 0.0, 0.0
@@ -202,17 +202,13 @@ class MjcfActuators:
     def _number(self, element: etree._Element, values: Mapping[str, str], name: str, default: float) -> float:
         return self._reader.parse_number(element, values[name], name) if name in values else default
 
-    def _positive(
-        self, element: etree._Element, values: Mapping[str, str], name: str, default: float = 0.0
-    ) -> float:
+    def _positive(self, element: etree._Element, values: Mapping[str, str], name: str, default: float = 0.0) -> float:
         number = self._number(element, values, name, default)
         if number < 0:
             raise self._reader.error(element, f"{name} is {number:g}, and it cannot be negative")
         return number
 
-    def _range(
-        self, element: etree._Element, values: Mapping[str, str], what: str
-    ) -> tuple[float, float] | None:
+    def _range(self, element: etree._Element, values: Mapping[str, str], what: str) -> tuple[float, float] | None:
         """Return a range that applies: ``ctrllimited`` says so, or by default that there is a ``ctrlrange``."""
         text = values.get(f"{what}range")
         limited = values.get(f"{what}limited", "auto")

@@ -73,8 +73,8 @@ class Joint:
     """A joint between two links.
 
     ``origin`` is the joint frame in the parent link, ``axis`` is a unit vector in the joint frame. ``child_origin`` is
-    the child link in the moved joint frame: the identity in URDF, something else in some SDF files. MJCF has the inertia
-    of the actuator (kg·m² or kg) as ``armature``, and a spring with a stiffness and a position of rest.
+    the child link in the moved joint frame: the identity in URDF, something else in some SDF files. MJCF has the
+    inertia of the actuator (kg·m² or kg) as ``armature``, and a spring with a stiffness and a position of rest.
     """
 
     name: str
@@ -380,21 +380,26 @@ class RobotDescription:
             result[joint.name] = position(joint)
         return result
 
-    def limits_of_command(self, joint: str, interface: str) -> tuple[float, float]:
+    def limits_of_command(self, joint: str, interface: str, *, of_joint: bool = True) -> tuple[float, float]:
         """Return the tightest bounds on a command: those of the URDF joint and of its ``<ros2_control>`` interface.
 
         Args:
             joint: The joint's name, or that of a GPIO, whose commands have no bounds.
             interface: ``position`` (rad or m), ``velocity`` (rad/s or m/s) or ``effort`` (N·m or N).
+            of_joint: Whether the joint's own limits count.
         """
         if joint in self.gpios:
             return -inf, inf
         limits = self.joints_by_name[joint].limits
-        lower, upper = {
-            "position": (limits.lower, limits.upper),
-            "velocity": (-limits.velocity, limits.velocity),
-            "effort": (-limits.effort, limits.effort),
-        }[interface]
+        lower, upper = (
+            {
+                "position": (limits.lower, limits.upper),
+                "velocity": (-limits.velocity, limits.velocity),
+                "effort": (-limits.effort, limits.effort),
+            }[interface]
+            if of_joint
+            else (-inf, inf)
+        )
         for command in self.controlled_joints[joint].command_interfaces:
             if command.name == interface:
                 lower, upper = max(lower, command.min), min(upper, command.max)

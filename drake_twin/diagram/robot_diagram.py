@@ -238,8 +238,8 @@ def _add_servo(
         effort = description.joints_by_name[joint].limits.effort
         # The motor's, whether or not commands are clamped.
         limits[1:, index] = (-fastest[index], fastest[index]), (-effort, effort)
-        for row, interface in enumerate(COMMANDS if plan.enforce_limits else ()):
-            lower, upper = description.limits_of_command(joint, interface)
+        for row, interface in enumerate(COMMANDS if plan.enforce_limits or plan.follows_mujoco else ()):
+            lower, upper = description.limits_of_command(joint, interface, of_joint=plan.enforce_limits)
             if lower <= upper:
                 limits[row, index] = max(lower, limits[row, index, 0]), min(upper, limits[row, index, 1])
     driving = {name: item for name, item in controllers.items() if item.claims}

@@ -238,7 +238,7 @@ def _idle_gains(plan: RobotPlan, actuator: JointActuator) -> PdControllerGains |
     """Return the gains of an MJCF robot's motor or velocity servo without a motion: MuJoCo's has no others."""
     joint = actuator.joint().name()
     controlled = plan.description.controlled_joints.get(joint)
-    if plan.model.drake_format != "xml" or controlled is None or (joint, "position") in plan.servos:
+    if not plan.follows_mujoco or controlled is None or (joint, "position") in plan.servos:
         return None
     return PdControllerGains(p=0.0, d=max(float(controlled.parameters["kv"]), _LEAST_DAMPING))
 

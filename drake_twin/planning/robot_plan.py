@@ -116,6 +116,11 @@ class RobotPlan:
         return tuple(joint for joint in self.description.movable_joints if joint.friction > 0 and joint.mimic is None)
 
     @property
+    def follows_mujoco(self) -> bool:
+        """Whether its actuators are those of an MJCF file: each has its gains, and its ``ctrlrange`` always holds."""
+        return self.model.drake_format == "xml"
+
+    @property
     def base_frame(self) -> str:
         """The frame of the root link."""
         return self.frame_prefix + self.description.root_link
