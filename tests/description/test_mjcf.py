@@ -23,7 +23,7 @@ def twin_of(tmp_path, text, **options):
 
 
 def test_a_robot_without_a_free_joint_is_fixed_where_it_is_spawned_and_driven_at_its_actuators(tmp_path):
-    twin = twin_of(tmp_path, ARM, xyz=(1, 2, 0))
+    twin = twin_of(tmp_path, ARM.replace('<motor joint="j1"/>', '<velocity joint="j1" kv="200"/>'), xyz=(1, 2, 0))
     twin.publish("/r/forward_velocity_controller/commands", [0.5])
     twin.advance_to(1.0)
     state = twin.robot_state("r")
@@ -66,7 +66,7 @@ def test_what_is_no_single_robot_is_refused(text, match):
 
 
 def test_an_actuator_can_do_no_more_than_its_file_says(tmp_path):
-    text = ARM.replace('<motor joint="j1"/>', '<motor joint="j1" gear="10" forcerange="-0.05 0.05"/>')
+    text = ARM.replace('<motor joint="j1"/>', '<velocity joint="j1" kv="9" gear="10" forcerange="-0.05 0.05"/>')
     twin = twin_of(tmp_path, text)
     twin.publish("/r/forward_velocity_controller/commands", [0.5])
     twin.advance_to(0.5)
@@ -83,3 +83,66 @@ def test_what_belongs_to_the_world_and_sensors_are_findings_with_their_lines(tmp
     )
     found = [str(item) for item in prepare_mjcf(file.read_text(), file, None).findings]
     assert found == ["<geom> of the world (robot.xml:2)", "<gyro> of <sensor> (robot.xml:4, 5)"]
+
+
+def test_a_motor_without_commands_is_limp(tmp_path):
+    twin = twin_of(tmp_path, ARM)
+    twin.advance_to(1.0)
+    assert twin.robot_state("r").positions[0] > 0.5  # the arm falls to its heavier side
+
+
+@pytest.mark.parametrize(
+    ("actuator", "message"),
+    [
+        ('<motor joint="j9"/>', "joint is 'j9', which is not a hinge or slide of the robot; it has: j1"),
+        ('<position joint="j1" kp="-3"/>', "kp is -3, and it cannot be negative"),
+        ('<velocity joint="j1" kv="-1"/>', "kv is -1, and it cannot be negative"),
+        ('<position joint="j1" kp="much"/>', "kp is 'much'"),
+        ('<motor joint="j1" gear="x"/>', "gear is 'x'"),
+        ('<motor joint="j1" ctrlrange="2 1"/>', "the first must be less than the second"),
+        ('<motor joint="j1" forcerange="1"/>', "forcerange is '1'"),
+    ],
+)
+def test_an_actuator_that_cannot_be_is_refused_with_its_line(actuator, message):
+    with pytest.raises(InputError) as caught:
+        prepare_mjcf(ARM.replace('<motor joint="j1"/>', actuator), Path("robot.xml"), None)
+    assert message in str(caught.value)
+    assert "robot.xml:6" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("actuator", "finding"),
+    [
+        ('<muscle joint="j1"/>', "<muscle> of <actuator>"),
+        ('<motor tendon="t"/>', "<motor> that drives a tendon"),
+        ('<motor joint="j1"/><velocity joint="j1"/>', "second actuator of a joint"),
+        ('<position joint="j1" dampratio="1"/>', "dampratio of <position>"),
+        ('<position joint="j1" forcerange="-1 2"/>', "difference of the two ends of forcerange of <position>"),
+        ('<general joint="j1" dyntype="filter"/>', "<general> with activation dynamics"),
+        ('<motor joint="j1" gear="0"/>', "<motor> without an effect: its gain or gear is 0"),
+        ('<general joint="j1" biastype="affine" biasprm="0 0 -3"/>', "<general> whose bias is neither"),
+    ],
+)
+def test_what_an_actuator_cannot_have_is_a_finding_with_its_line(actuator, finding):
+    prepared = prepare_mjcf(ARM.replace('<motor joint="j1"/>', actuator), Path("robot.xml"), None)
+    assert any(str(item).startswith(finding) and "robot.xml:6" in str(item) for item in prepared.findings)
+
+
+def test_values_come_from_the_default_classes_as_in_mujoco():
+    mujoco = pytest.importorskip("mujoco")
+    text = ARM.replace(
+        "<worldbody>",
+        '<default><position kp="7"/><joint armature="0.2"/><default class="a"><motor forcerange="-4 4"/>'
+        '<joint frictionloss="0.3"/><default class="b"><position kv="3" gear="2"/><joint stiffness="5" springref="90"/>'
+        "</default></default></default><worldbody>",
+    ).replace('name="link" pos', 'name="link" childclass="b" pos')
+    text = text.replace('<motor joint="j1"/>', '<position class="b" joint="j1"/>')
+    model = mujoco.MjModel.from_xml_string(text)
+    actuators = prepare_mjcf(text, Path("robot.xml"), None).actuators
+    joint, gear = actuators.joints["j1"], model.actuator_gear[0, 0]
+    (controlled,) = actuators.systems[0].joints
+    assert float(controlled.parameters["kp"]) == pytest.approx(gear**2 * model.actuator_gainprm[0, 0])
+    assert float(controlled.parameters["kv"]) == pytest.approx(-(gear**2) * model.actuator_biasprm[0, 2])
+    assert actuators.efforts["j1"] == pytest.approx(gear * model.actuator_forcerange[0, 1])
+    assert (joint.armature, joint.friction) == pytest.approx((model.dof_armature[0], model.dof_frictionloss[0]))
+    assert (joint.stiffness, joint.rest) == pytest.approx((model.jnt_stiffness[0], model.qpos_spring[0]))
