@@ -199,7 +199,9 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     for joint in plan.friction_joints:
         if not _is_braked(plant, plan, instance, joint):
             name = f"{joint.name}{FRICTION_SUFFIX}"
-            plant.AddJointActuator(name, plant.GetJointByName(joint.name, instance), joint.friction)
+            brake = plant.AddJointActuator(name, plant.GetJointByName(joint.name, instance), joint.friction)
+            if joint.armature and joint in plan.description.actuated_joints:
+                brake.set_default_rotor_inertia(joint.armature)  # Drake uses that of a joint's last actuator alone
     if plan.model.is_fixed:
         root = plant.GetBodyByName(plan.model.root_body, instance)
         plant.WeldFrames(plant.world_frame(), root.body_frame(), rigid_transform(plan.spawn_pose))

@@ -111,4 +111,4 @@ def test_dry_friction_brakes_as_in_mujoco(tmp_path):
     ours, theirs = in_the_twin(tmp_path, text, commands, times, "discrete"), in_mujoco(text, commands, times)
     without = in_mujoco(text.replace("frictionloss", "user"), commands, times)
     assert np.abs(theirs - without).max() > 0.05
-    assert ours == pytest.approx(theirs, abs=5e-3)
+    assert ours == pytest.approx(theirs, abs=1e-3)
