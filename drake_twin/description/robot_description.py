@@ -391,15 +391,9 @@ class RobotDescription:
         if joint in self.gpios:
             return -inf, inf
         limits = self.joints_by_name[joint].limits
-        lower, upper = (
-            {
-                "position": (limits.lower, limits.upper),
-                "velocity": (-limits.velocity, limits.velocity),
-                "effort": (-limits.effort, limits.effort),
-            }[interface]
-            if of_joint
-            else (-inf, inf)
-        )
+        v, effort = limits.velocity, limits.effort
+        bounds = {"position": (limits.lower, limits.upper), "velocity": (-v, v), "effort": (-effort, effort)}
+        lower, upper = bounds[interface] if of_joint else (-inf, inf)
         for command in self.controlled_joints[joint].command_interfaces:
             if command.name == interface:
                 lower, upper = max(lower, command.min), min(upper, command.max)
