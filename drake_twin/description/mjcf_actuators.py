@@ -99,6 +99,8 @@ class MjcfActuators:
     def _read_joints(self) -> Iterator[tuple[str, MjcfJoint]]:
         for joint in (item for body in self._reader.root.iterfind("worldbody/body") for item in body.iter("joint")):
             values = self._defaults.of_joint(joint)
+            # Drake's parser loses the values of a class above one that has none for joints.
+            joint.attrib.update({name: value for name, value in values.items() if name != "class"})
             if values.get("type", "hinge") not in ("hinge", "slide"):
                 continue
             angle = values.get("type", "hinge") == "hinge" and self._in_degrees
