@@ -87,6 +87,28 @@ def cached(source: Path, suffix: str, convert: Callable[[Path], bytes]) -> Path:
     return target
 
 
+def note_source(target: Path, source: Path) -> None:
+    """Keep where the mesh is of which a cached file was made, for `source_of`; without it where that cannot be kept."""
+    note, text = _note(target), str(source.absolute())
+    with contextlib.suppress(OSError, UnicodeError):
+        if not note.is_file() or note.read_text(encoding="utf-8") != text:
+            write_whole(note, text)
+
+
+def source_of(target: Path) -> Path | None:
+    """Return the mesh of which a cached file was made; None if it is unknown, gone or changed."""
+    with contextlib.suppress(OSError, UnicodeError, InputError):
+        source = Path(_note(target).read_text(encoding="utf-8"))
+        if target.name.startswith(_digest(source)):
+            return source
+    return None
+
+
+def _note(target: Path) -> Path:
+    """Return the file with the path of a cached file's source."""
+    return cache_folder("mesh_sources") / f"{target.name}.txt"
+
+
 def _seal(target: Path) -> Path:
     """Return the file with the checksum of a cached file."""
     return cache_folder("mesh_checksums") / f"{target.name}.sha256"
@@ -161,4 +183,5 @@ def _trim(folder: Path) -> None:
         with contextlib.suppress(OSError):
             os.unlink(path)
             os.unlink(_seal(Path(path)))
+            os.unlink(_note(Path(path)))
         total -= size

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from drake_twin.description.hull import hull_of
-from drake_twin.description.mesh_cache import cached
+from drake_twin.description.mesh_cache import cached, note_source
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
@@ -24,6 +24,7 @@ from drake_twin.requirements import missing
 _READ_BY_DRAKE = (".obj", ".gltf")
 _READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
 MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
+HULL = ".hull.obj"  # the end of the names of convex hulls
 
 # A primitive replaces a mesh whose hull's vertices are on it within this part of the mesh's size.
 _PRIMITIVE_TOLERANCE = 1e-3
@@ -94,7 +95,9 @@ def collision_mesh(file: Path) -> Path:
         InputError: If the format is unknown, or the file holds no triangles.
     """
     _check_suffix(file)
-    return cached(file, ".hull.obj", _hull_obj)
+    hull = cached(file, HULL, _hull_obj)
+    note_source(hull, file)
+    return hull
 
 
 def collision_pieces(file: Path) -> tuple[Path, ...]:

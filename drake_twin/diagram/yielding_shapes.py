@@ -21,8 +21,10 @@ from pydrake.common import MemoryFile
 from pydrake.geometry import Box, Convex, Cylinder, InMemoryMesh, Mesh, Shape
 
 from drake_twin.description.hull import corners_of, planes_of, without_slivers
+from drake_twin.description.mesh_triangles import hull_name
 from drake_twin.diagram.contact_shapes import ContactShape
 
+_NAME = "yielding shape"
 _SQUARES = 3  # along the sides of a box
 _MORE_SQUARES = 4
 _LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
@@ -57,12 +59,13 @@ def yielding(shape: ContactShape) -> Yielding:
     """Return a shape as one whose faces yield: a hull or a box becomes a fine mesh of itself."""
     form = shape.shape
     if isinstance(form, Convex):
-        source, scale = form.source(), tuple(form.scale3().tolist())
+        source, scale, name = form.source(), tuple(form.scale3().tolist()), _NAME
         if source.is_path():
             text, depth = _hull_of_file(str(source.path()), scale, shape.is_loose)
+            name = hull_name(source.path(), scale)
         else:
             text, depth = _fine_hull(form, shape.is_loose)
-        return Yielding(form if text is None else _mesh(text), depth)
+        return Yielding(form if text is None else _mesh(text, name), depth)
     if not isinstance(form, Box):
         return Yielding(form, min(form.radius(), form.length() / 2) if isinstance(form, Cylinder) else None)
     middle = float(min(form.size())) / 2
@@ -71,8 +74,8 @@ def yielding(shape: ContactShape) -> Yielding:
     return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle)
 
 
-def _mesh(text: str) -> Mesh:
-    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".vtk", "yielding shape")))
+def _mesh(text: str, name: str = _NAME) -> Mesh:
+    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".vtk", name)))
 
 
 @lru_cache(maxsize=1024)

@@ -17,7 +17,7 @@ from pydrake.geometry import Box, Convex, GeometryId, HalfSpace, Mesh, Role, Sce
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
-from drake_twin.description.mesh_triangles import mesh_triangles
+from drake_twin.description.mesh_triangles import hulled_triangles, mesh_triangles, named_hull
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
 from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, sizes_of
@@ -279,13 +279,17 @@ def _triangles(
         quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
         faces = [half for a, b, c, d in quads for half in ((a, b, c), (a, c, d))]
         return corners * shape.size(), np.array(faces)
-    if isinstance(shape, Mesh) and shape.extension() in (".obj", ".gltf", ".glb"):
-        file, scale = Path(shape.source().path()), np.array(shape.scale3())
-        key = (str(file), *map(str, scale))
+    if isinstance(shape, Mesh | Convex) and (read := _file_of(shape)) is not None:
+        file, scale, is_whole = read
+        key = (str(file), *map(str, scale), str(is_whole))
         if key not in meshes:
-            unscaled, of_mesh = mesh_triangles(file)
-            meshes[key] = unscaled * scale, of_mesh if scale.prod() > 0 else of_mesh[:, ::-1]
-        return meshes[key]
+            found = hulled_triangles(file)
+            if found is None and is_whole:
+                found = mesh_triangles(file)
+            if found is not None:
+                meshes[key] = found[0] * scale, found[1] if scale.prod() > 0 else found[1][:, ::-1]
+        if key in meshes:
+            return meshes[key]
     if isinstance(shape, Mesh | Convex):
         hull = shape.GetConvexHull()
         vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])
@@ -296,6 +300,19 @@ def _triangles(
             faces += [(corners_of[0], b, c) for b, c in pairwise(corners_of[1:])]
         return vertices, np.array(faces)
     raise InputError(f"a lidar cannot see a {type(shape).__name__}")
+
+
+def _file_of(shape: Mesh | Convex) -> tuple[Path, np.ndarray, bool] | None:
+    """Return a shape's file, its scale and whether the shape is all that is in it; None for one in memory.
+
+    What contact makes of a robot's mesh, its hull, stands for the whole mesh: as that Gazebo's rays meet it.
+    """
+    source = shape.source()
+    if source.is_path():
+        is_whole = isinstance(shape, Mesh) and shape.extension() in (".obj", ".gltf", ".glb")
+        return Path(source.path()), np.array(shape.scale3()), is_whole
+    named = named_hull(source.in_memory().mesh_file.filename_hint())
+    return None if named is None else (*named, False)
 
 
 @cache

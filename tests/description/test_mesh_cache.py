@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from drake_twin.description import mesh_cache
-from drake_twin.description.mesh_cache import cached, mesh_cache_folder
+from drake_twin.description.mesh_cache import cached, mesh_cache_folder, source_of
 from drake_twin.description.meshes import collision_mesh
 from drake_twin.errors import InputError
 
@@ -241,3 +241,15 @@ def test_what_cannot_be_finished_leaves_nothing_in_the_cache(source, cache, monk
     with pytest.raises((InputError, KeyboardInterrupt)):
         cached(source("a.stl"), ".obj", ten_bytes)
     assert list(cache.iterdir()) == []
+
+
+def test_the_source_of_a_cached_file_is_known_until_it_changes(tmp_path):
+    source = tmp_path / "part.stl"
+    source.write_bytes(trimesh.creation.box((1, 2, 3)).export(file_type="stl"))
+    hull = collision_mesh(source)
+    assert source_of(hull) == source
+    assert source_of(hull.with_name("other.hull.obj")) is None
+    source.write_bytes(trimesh.creation.box((1, 2, 4)).export(file_type="stl"))
+    assert source_of(hull) is None
+    source.unlink()
+    assert source_of(hull) is None

@@ -1,8 +1,11 @@
 """Lidars from their files to their messages."""
 
+from math import pi
+
 import numpy as np
 import pytest
-from rig import on_box, twin_with
+import trimesh
+from rig import BODY, on_box, twin_with
 
 from drake_twin import InputError, TwinBuilder
 from drake_twin.findings import Kind
@@ -44,6 +47,27 @@ def test_a_ray_sees_collision_shapes(tmp_path, kind):
     outside = "<min>0.3</min><max>3.5</max>"
     twin = twin_with(tmp_path, lidar(kind, ranges=outside, part="ray"), world=WALL.format(2.1, 0))
     assert heard(twin, "/box/scan")[-1].ranges[2] == pytest.approx(2.5, abs=1e-4)
+
+
+@pytest.mark.parametrize("suffix", ["stl", "obj"])
+def test_a_ray_sees_a_collision_mesh_as_it_is_and_not_its_hull(tmp_path, suffix):
+    """The lidar stands in the notch of an L: Gazebo's rays meet the mesh, so that they leave by the open side."""
+    low, high = trimesh.creation.box((0.4, 0.4, 0.1)), trimesh.creation.box((0.1, 0.4, 0.3))
+    high.apply_translation((-0.15, 0, 0.2))
+    body = low + high
+    body.apply_scale(1000.0)
+    body.export(tmp_path / f"body.{suffix}")
+    mesh = f'<mesh filename="{tmp_path}/body.{suffix}" scale="0.001 0.001 0.001"/>'
+    circle = f"<samples>2</samples><min_angle>0</min_angle><max_angle>{pi}</max_angle>"
+    sensor = lidar("ray", scan=circle, ranges="<min>0.02</min><max>3.5</max>", part="ray")
+    twin = twin_with(
+        tmp_path,
+        sensor.replace("<topic>", "<pose>0 0 0.12 0 0 0</pose><topic>"),
+        world=WALL.format(1.6, 0),
+        body=BODY.replace('<box size=".4 .4 .2"/>', mesh),
+        xyz=(0, 0, 0.05),
+    )
+    assert twin.latest("/box/scan").ranges == pytest.approx([2.0, 0.1], abs=1e-4)
 
 
 def test_without_embree_a_lidar_is_not_started_and_the_twin_runs_on(tmp_path, monkeypatch):
