@@ -39,7 +39,7 @@ def hulled_triangles(hull: Path) -> tuple[np.ndarray, np.ndarray] | None:
     """Return the triangles of the mesh of which `meshes.collision_mesh` made a hull, as `mesh_triangles` does.
 
     Returns:
-        Vertices (m) and faces; None if the file is no such hull, or its mesh is gone.
+        Vertices (m) and faces; None if the file is another, or its mesh is gone.
 
     Raises:
         InputError: As `mesh_triangles`.

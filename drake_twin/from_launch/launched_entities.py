@@ -270,7 +270,7 @@ class _Sorter:
         return tuple(dict.fromkeys((*own, *given)))
 
     def _as_started(self, file: str, model: str) -> str:
-        """Return the absolute path of a file that a robot's file names; as it is if there is none."""
+        """Return the absolute path of a file that a robot's file names; unchanged if it does not exist."""
         try:
             return str(self._packages.resolve_as_started(file, model))
         except InputError:
