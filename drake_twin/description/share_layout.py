@@ -1,15 +1,16 @@
 """A source package as it looks once installed: ``$(find pkg)/urdf`` may be the folder ``description/urdf`` of the
 source.
 
-CMakeLists.txt, setup.py and setup.cfg are read, not run. The installed look is a folder of links in the cache, which is
-made only for packages whose two layouts differ.
+CMakeLists.txt, setup.py and setup.cfg are read, not run. The installed look is a folder in the cache, which is made
+only for packages whose two layouts differ. Its folders are folders and its files are links, as by
+``colcon build --symlink-install``: ``Path.rglob`` does not enter links to folders.
 """
 
 import contextlib
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
@@ -22,6 +23,9 @@ from drake_twin.description.setup_py import setup_installs
 # Folders that packages usually install to the top of their share folder.
 _USUAL_FOLDERS = {"config", "gazebo", "launch", "maps", "meshes", "models", "params", "ros2_control", "rviz"}
 _USUAL_FOLDERS |= {"sdf", "srdf", "urdf", "worlds", "xacro"}
+_BUILT = ("build", "install", "log", "node_modules", "__pycache__")
+
+_Tree = dict[str, "Path | _Tree"]
 
 
 @lru_cache(maxsize=1024)
@@ -39,18 +43,22 @@ def installed_layout(package: Path) -> Path:
     moved = [(place, source) for place, source in _installs(package) if _adds(package / place, source)]
     if not moved:
         return package
-    views = cache_folder("share")
-    with tempfile.TemporaryDirectory(dir=views) as folder:
-        view = Path(folder) / package.name
-        view.mkdir()
-        for entry in package.iterdir():
-            (view / entry.name).symlink_to(entry)
-        for place, source in moved:
-            _lay(view, view / place, source)
-        # The same path in every run for the same look, so that a scenario that names a file in it can be saved.
-        lasting = views / _digest(view) / package.name
-        if not lasting.is_dir():
-            lasting.parent.mkdir(exist_ok=True)
+    tree = _tree_of(package)
+    for place, source in moved:
+        _lay(tree, Path(os.path.normpath(place)).parts, source)
+    entries = sorted(_entries(tree, ""))
+    # The same path in every run for the same look, so that a scenario that names a file in it can be saved.
+    lasting = cache_folder("share") / _digest(entries) / package.name
+    if not lasting.is_dir():
+        lasting.parent.mkdir(exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=lasting.parent.parent) as folder:
+            view = Path(folder) / package.name
+            view.mkdir()
+            for name, target in entries:
+                if target is None:
+                    (view / name).mkdir()
+                else:
+                    (view / name).symlink_to(target)
             with contextlib.suppress(OSError):  # another process was faster
                 view.rename(lasting)
     return lasting
@@ -65,15 +73,11 @@ def package_name(folder: Path) -> str:
         return folder.name
 
 
-def _digest(view: Path) -> str:
-    """Return a short digest of the links in a folder."""
+def _digest(entries: Iterable[tuple[str, Path | None]]) -> str:
+    """Return a short digest of folders and links."""
     digest = hashlib.sha256()
-    for folder, folders, files in os.walk(view):
-        folders.sort()
-        for name in sorted([*folders, *files]):
-            path = Path(folder, name)
-            target = os.readlink(path) if path.is_symlink() else ""
-            digest.update(f"{path.relative_to(view)}\0{target}\n".encode(errors="replace"))
+    for name, target in entries:
+        digest.update(f"{name}\0{target or ''}\n".encode(errors="replace"))
     return digest.hexdigest()[:16]
 
 
@@ -98,27 +102,35 @@ def _adds(place: Path, source: Path) -> bool:
     return not place.exists()
 
 
-def _lay(view: Path, place: Path, source: Path) -> None:
-    """Link a source to a place, beside what exists there."""
-    for folder in reversed([parent for parent in place.parents if parent.is_relative_to(view) and parent != view]):
-        _unfold(folder)
-        if not folder.is_dir():
-            if os.path.lexists(folder):
-                return  # a file stands where a folder would be
-            folder.mkdir()
-    if not os.path.lexists(place):
-        place.symlink_to(source)
-    elif place.is_dir() and source.is_dir():
-        _unfold(place)
-        for entry in sorted(source.iterdir()):
-            _lay(view, place / entry.name, entry)
+def _tree_of(folder: Path) -> _Tree:
+    """Return a folder's files, and its folders with theirs, but for hidden and built ones: those are links."""
+    tree: _Tree = {}
+    for entry in os.scandir(folder):
+        path = Path(entry.path)
+        is_open = entry.is_dir(follow_symlinks=False) and not entry.name.startswith(".") and entry.name not in _BUILT
+        tree[entry.name] = _tree_of(path) if is_open else path
+    return tree
 
 
-def _unfold(folder: Path) -> None:
-    """Replace a link to a folder by a folder of links, so that more can be added to it."""
-    if folder.is_symlink() and folder.is_dir():
-        target = folder.resolve()
-        folder.unlink()
-        folder.mkdir()
-        for entry in target.iterdir():
-            (folder / entry.name).symlink_to(entry)
+def _lay(tree: _Tree, place: tuple[str, ...], source: Path) -> None:
+    """Put a source at a place, beside what exists there."""
+    if not place:
+        for entry in sorted(source.iterdir()) if source.is_dir() else ():
+            _lay(tree, (entry.name,), entry)
+    elif len(place) == 1 and place[0] not in tree:
+        tree[place[0]] = _tree_of(source) if source.is_dir() else source
+    elif place[0] != os.pardir:
+        below = tree.setdefault(place[0], {})
+        if isinstance(below, Path) and below.is_dir():
+            below = tree[place[0]] = _tree_of(below)
+        if isinstance(below, dict) and (len(place) > 1 or source.is_dir()):
+            _lay(below, place[1:], source)
+
+
+def _entries(tree: _Tree, above: str) -> Iterator[tuple[str, Path | None]]:
+    """Yield the path of each folder, with None, and of each file, with the file that it links to."""
+    for name, below in tree.items():
+        path = f"{above}{name}"
+        yield path, None if isinstance(below, dict) else below
+        if isinstance(below, dict):
+            yield from _entries(below, f"{path}/")

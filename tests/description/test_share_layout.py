@@ -46,6 +46,17 @@ def test_a_folder_is_found_where_cmake_installs_it(package, rule):
     assert (installed_layout(package) / "package.xml").is_file()
 
 
+def test_files_are_found_from_the_top_of_the_share_folder_as_when_installed(package):
+    """Path.rglob does not enter links to folders; colcon makes folders with links to files, or copies."""
+    (package / "CMakeLists.txt").write_text("install(DIRECTORY description/urdf DESTINATION share/my_robot)")
+    (package / "launch" / "parts").mkdir(parents=True)
+    (package / "launch" / "parts" / "arm.launch.py").touch()
+    share = installed_layout(package)
+    found = {path.relative_to(share).as_posix() for path in share.rglob("*arm*")}
+    assert found == {"description/urdf/arm.urdf", "launch/parts/arm.launch.py", "urdf/arm.urdf"}
+    assert {path.resolve() for path in share.rglob("*.urdf")} == {package / "description" / "urdf" / "arm.urdf"}
+
+
 def test_without_build_files_the_usual_folders_are_found_at_the_top(package):
     found = PackageIndex((package.parent,), {}).resolve("package://my_robot/urdf/arm.urdf")
     assert found.read_text() == "<robot name='arm'/>"
