@@ -64,16 +64,21 @@ class SdfAddresses:
         if separator and scheme not in ("model", "package", "file"):
             raise InputError(f"unknown scheme of {address!r}", valid=["model://", "package://", "file://"])
         relative = not Path(rest).is_absolute() and base is not None
+        missing: Path | None = None  # in a model's folder that is there
         if relative and scheme != "package":
             for folder in _folders_near(Path(str(base))):
                 if (folder / rest).exists():
                     return Path(os.path.abspath(folder / rest))
+                if missing is None and scheme == "model" and (folder / rest.partition("/")[0]).is_dir():
+                    missing = folder / rest
         try:
             return self._packages.resolve(address, base)
         except InputError as error:
             for folder in self._packages.resource_folders:
                 if relative and (folder / rest).exists():
                     return Path(os.path.abspath(folder / rest))
+            if missing is not None:
+                raise InputError("the file does not exist", file=missing) from None
             if isinstance(error, MissingPackageError):
                 self.missing.setdefault(rest.partition("/")[0], error)
             elif not relative:

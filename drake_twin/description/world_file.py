@@ -358,7 +358,8 @@ class _World:
             names = ", ".join(sorted(missing))
             first = next(iter(missing.values()))
             what = f"these models and packages were not found: {names}. Searched: {first.searched}. {first.advice}"
-            yield from at_places(Kind.IGNORED, ((what, place) for place in self._includes.asked))
+            places = self._includes.asked or [self._reader.place(self._world)]
+            yield from at_places(Kind.IGNORED, ((what, place) for place in places))
 
     def _grouped(self) -> Iterator[Finding]:
         for finding, models in self._mended.items():

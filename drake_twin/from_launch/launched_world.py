@@ -64,7 +64,7 @@ def launched_world(
         world = read_world(address, packages)
         if Path(name).is_absolute() and address != name:
             what = f"world {name} is not on this machine: {address} is used"
-            findings.append(Finding.at(Kind.MENDED, what, process.place))
+            findings.append(Finding.at(Kind.WARNING, what, process.place))
     except InputError as error:
         findings.append(Finding.at(Kind.NOT_STARTED, f"world {name}: {error}", process.place))
         return LaunchedWorld()

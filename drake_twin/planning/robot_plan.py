@@ -245,7 +245,7 @@ def _controller_manager(
         if not parameters.controllers and plugin.namespace:  # for the namespace in the robot's file
             parameters = read_controllers(resolved, f"/{plugin.namespace.strip('/')}", placeholders)
     elsewhere = [
-        Finding(Kind.MENDED, f"the controllers' file {given} is not on this machine: {file} is used")
+        Finding(Kind.WARNING, f"the controllers' file {given} is not on this machine: {file} is used")
         for given, file in zip(files, resolved, strict=True)
         if Path(given).is_absolute() and Path(os.path.abspath(given)) != file
     ]

@@ -132,6 +132,24 @@ def test_models_that_are_nowhere_are_named_in_one_warning(tmp_path):
     assert str(tmp_path) in warning or "GAZEBO" in warning or "--package-path" in warning
 
 
+def test_a_mesh_of_a_model_that_is_nowhere_is_named_without_an_include(tmp_path):
+    mesh = "<mesh><uri>model://tree/tree.dae</uri></mesh>"
+    body = f'<model name="a">{BOX.replace("<box><size>1 1 1</size></box>", mesh)}</model>'
+    (warning,) = findings(world_of(tmp_path, body))
+    assert warning.startswith("these models and packages were not found: tree. ")
+
+
+def test_a_mesh_that_an_included_model_lacks_is_named_with_its_file(tmp_path):
+    mesh = "<mesh><uri>model://terrain/meshes/hill.stl</uri></mesh>"
+    model_file(tmp_path, "terrain", BOX.replace("<box><size>1 1 1</size></box>", mesh))
+    warnings = findings(world_of(tmp_path, "<include><uri>model://terrain</uri></include>"))
+    assert warnings
+    for warning in warnings:
+        assert (
+            f"left out with its mesh model://terrain/meshes/hill.stl: {tmp_path}/terrain/meshes/hill.stl: " in warning
+        )
+
+
 def test_an_included_file_that_is_broken_leaves_the_rest(tmp_path):
     model_file(tmp_path, "crate").joinpath("crate", "model.sdf").write_text("<sdf><model name='crate'></sdf>")
     world = world_of(tmp_path, f'<include><uri>model://crate</uri></include><model name="a">{BOX}</model>')

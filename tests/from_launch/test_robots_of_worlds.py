@@ -57,7 +57,7 @@ def test_a_world_of_someone_elses_machine_is_found_in_the_package_its_folders_ar
     launch = write(share / "room.launch.xml", f"<launch>{start}{CREATE.format(name='rover')}</launch>")
     scenario = launch_file_scenario(launch).scenario
     assert Path(scenario.world.file).read_text() == room.read_text()
-    (what,) = [item.what for item in scenario.findings if item.kind is Kind.MENDED]
+    (what,) = [item.what for item in scenario.findings if item.kind is Kind.WARNING]
     assert what.startswith("world /home/someone/ws/src/rooms/worlds/room.sdf is not on this machine: ")
 
 
