@@ -25,6 +25,8 @@ from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
 _UNSEEN = ("/friction/", "|corner")  # in the names of shapes that brake joints, or that are parts of other shapes
 _STEP = 1e-5  # so far behind the back of a triangle a ray begins again (m, and relative to its way)
+_EDGE_ON = 1e-6  # the sine of the angle below which a triangle is not seen; the ray goes on by a step beside it
+_TINY = 1e-30
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
 
 
@@ -125,20 +127,23 @@ class _Group:
     def _cast_into_triangles(self, origin: np.ndarray, directions: np.ndarray, nearest: float) -> np.ndarray:
         found = np.full(len(directions), np.inf)
         rays, begins = np.arange(len(directions)), np.full(len(directions), nearest)
-        ways = directions.astype(np.float32)
+        ways, aside = directions.astype(np.float32), np.zeros((len(directions), 3))
         while len(rays):
-            starts = (origin + begins[:, np.newaxis] * directions[rays]).astype(np.float32)
+            starts = (origin + aside + begins[:, np.newaxis] * directions[rays]).astype(np.float32)
             farthest = np.full(len(rays), 1e37, dtype=np.float32)
             if self.from_inside:
                 far = self.scene.run(starts, ways[rays], query="DISTANCE", dists=farthest).astype(float)
                 return np.where(far < 1e30, far + nearest, np.inf)
             met = self.scene.run(starts, ways[rays], output=1, dists=farthest)
-            far = begins + met["tfar"].astype(float)
+            far, normals = begins + met["tfar"].astype(float), met["Ng"].astype(float)
             is_met = met["primID"] >= 0
-            is_back = is_met & (np.einsum("ij,ij->i", met["Ng"], ways[rays]) > 0.0)
-            is_front = is_met & ~is_back
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), _TINY)
+            slopes = np.einsum("ij,ij->i", normals, directions[rays])
+            is_front = is_met & (slopes < -_EDGE_ON)
             found[rays[is_front]] = far[is_front]
-            rays, begins = rays[is_back], far[is_back] * (1.0 + _STEP) + _STEP
+            again = is_met & ~is_front
+            aside += np.where((again & (np.abs(slopes) <= _EDGE_ON))[:, np.newaxis], _STEP * normals, 0.0)
+            rays, begins, aside = rays[again], far[again] * (1.0 + _STEP) + _STEP, aside[again]
         return found
 
 

@@ -3,6 +3,7 @@
 import itertools
 import subprocess
 import sys
+from math import pi
 
 import numpy as np
 import pytest
@@ -251,6 +252,21 @@ def test_a_lidar_sees_out_of_its_housing_as_in_gazebo(tmp_path, name, moves, mir
         rooms.append(caster.cast(poses, np.array([0.005, 0.01, -0.01]), directions))
     assert np.isfinite(rooms[0]).sum() > 100
     assert rooms[0] == pytest.approx(rooms[1], abs=1e-5)
+
+
+@pytest.mark.parametrize("moves", [False, True])
+def test_a_lidar_in_the_plane_of_its_robots_top_does_not_see_it(moves):
+    """A face that is seen edge-on is not drawn: the rays go on to the wall, whatever they round to."""
+    angles = np.linspace(-pi, pi, 720)
+    directions = np.column_stack([np.cos(angles), np.sin(angles), 1e-17 * np.sin(7 * angles)])
+    scene = Scene()
+    scene.add(Box(0.5, 0.3, 0.1), RigidTransform([0, 0, 0.15]), moves=moves)
+    scene.add(Box(0.1, 8.0, 8.0), RigidTransform([2.05, 0, 0]), moves=not moves)
+    caster, poses = scene.caster()
+    ranges = caster.cast(poses, np.array([0.02, 0.015, 0.2]), directions, 0.05)
+    ahead = np.cos(angles) > 0.5
+    assert ranges[ahead] == pytest.approx(1.98 / np.cos(angles[ahead]), abs=1e-4)
+    assert np.isinf(ranges[np.cos(angles) < 0.0]).all()
 
 
 def test_the_bounding_spheres_change_no_bit(monkeypatch):
