@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
@@ -325,7 +325,8 @@ def _world_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
     if not read.robots:
         what = "no model of this world has a plugin that drives it, so it holds no robot"
         raise InputError(f"{what}: --world {name} puts it around robots", file=_own_or(name))
-    scenario = Scenario(robots=read.robots, world=World(**read.settings), package_paths=folders)
+    world = World(file=read.file, without_models=read.without_models)
+    scenario = Scenario(robots=read.robots, world=world, package_paths=folders)
     return Target(scenario if read.time_step is None else replace(scenario, time_step=read.time_step))
 
 
@@ -334,13 +335,15 @@ def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
     read = _ReadWorld.of(address if "://" in address else absolute_path(address), scenario.package_paths)
     if own_step and read.time_step is not None:
         scenario = replace(scenario, time_step=read.time_step)
-    return replace(scenario, world=replace(scenario.world, **read.settings), robots=(*scenario.robots, *read.robots))
+    world = replace(scenario.world, file=read.file, without_models=read.without_models)
+    return replace(scenario, world=world, robots=(*scenario.robots, *read.robots))
 
 
 class _ReadWorld(NamedTuple):
-    """A world's file, its physics step if it is usable (s), and the models in it that are robots."""
+    """A world's file, its models that are robots by name, its physics step if it is usable (s), and these robots."""
 
-    settings: dict[str, Any]
+    file: str
+    without_models: tuple[str, ...]
     time_step: float | None
     robots: tuple[Robot, ...]
 
@@ -362,8 +365,8 @@ class _ReadWorld(NamedTuple):
             )
             for model, robot in driven
         )
-        settings = {"file": address, "without_models": tuple(model.name for model, _ in driven)}
-        return cls(settings, step if step is not None and SHORTEST_STEP <= step <= LONGEST_STEP else None, robots)
+        is_usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP
+        return cls(address, tuple(model.name for model, _ in driven), step if is_usable else None, robots)
 
 
 def _command(topic: str, text: str) -> Command:

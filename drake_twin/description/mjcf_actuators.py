@@ -101,9 +101,14 @@ class MjcfActuators:
             values = self._defaults.of_joint(joint)
             # Drake's parser loses the values of a class above one that has none for joints.
             joint.attrib.update({name: value for name, value in values.items() if name != "class"})
-            if values.get("type", "hinge") not in ("hinge", "slide"):
+            kind = values.get("type", "hinge")
+            if kind not in ("hinge", "slide") or not joint.get("name"):
+                whose = "a <joint> without a name" if kind in ("hinge", "slide") else f"a {kind} <joint>"
+                for name in ("armature", "frictionloss", "stiffness"):
+                    if self._positive(joint, values, name):
+                        self._lost.append((f"{name} of {whose}", joint))
                 continue
-            angle = values.get("type", "hinge") == "hinge" and self._in_degrees
+            angle = kind == "hinge" and self._in_degrees
             rest = self._number(joint, values, "springref", 0.0)
             if self._number(joint, values, "ref", 0.0):
                 self._lost.append(("ref of a <joint>", joint))

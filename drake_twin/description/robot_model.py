@@ -142,9 +142,9 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     text, file, lost = included_model(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
     description = describe_model(prepared, "sdf", text, file, own_name)
-    plugins = tuple(read_plugins(XmlReader(text, file), "model/plugin"))
-    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     reader = XmlReader(text, file)
+    plugins = tuple(read_plugins(reader, "model/plugin"))
+    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     (model,) = reader.root.findall("model")
     unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
     return RobotModel(

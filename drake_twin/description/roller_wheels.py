@@ -13,6 +13,7 @@ from lxml import etree
 
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.description.sdf_document import numbers_in
+from drake_twin.description.urdf import SURFACE_FRICTION
 from drake_twin.description.wheel_geometry import link_poses, rotation, wheel_radius
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Place
@@ -47,7 +48,7 @@ class RollerWheel:
 
 
 def roller_wheels(description: RobotDescription) -> tuple[RollerWheel, ...]:
-    """Return the wheels of a base that rolls on nothing else; empty for any other base."""
+    """Return these wheels of a robot; empty if they are too few to say how its base moves."""
     if "fdir1" not in description.text:
         return ()
     reader = XmlReader(description.text, description.file)
@@ -72,7 +73,7 @@ def _one_way_frictions(root: etree._Element) -> Iterator[tuple[str, Mapping[str,
     for element in root.iterfind("gazebo"):
         links.setdefault(element.get("reference", ""), []).append(element)
     for link in root.iter("link"):
-        surfaces = link.iterfind("collision/surface/friction/ode")
+        surfaces = link.iterfind(SURFACE_FRICTION)
         links.setdefault(link.get("name", ""), []).extend(surfaces)
     for name, above in links.items():
         elements = {
@@ -85,7 +86,7 @@ def _one_way_frictions(root: etree._Element) -> Iterator[tuple[str, Mapping[str,
 def _below(above: Iterable[etree._Element], tag: str) -> Iterator[etree._Element]:
     for element in above:
         yield from element.iterfind(tag)
-        yield from element.iterfind(f"collision/surface/friction/ode/{tag}")
+        yield from element.iterfind(f"{SURFACE_FRICTION}/{tag}")
 
 
 def _wheel(

@@ -10,7 +10,7 @@ from drake_twin.errors import InputError
 _MOST_BYTES = 1 << 30
 _DECLARATION = re.compile(r"""^\s*<\?xml\b[^>]*?(\sencoding\s*=\s*["']([\w.:-]+)["'])[^>]*\?>""")
 _PREFIX = re.compile(r"""</?([A-Za-z_][\w.-]*):|\s([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*\s*=\s*["']""")
-_OUTERMOST = re.compile(r"<[A-Za-z_][\w.-]*(?=[\s/>])")
+_OUTERMOST = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->|<!\w[^>]*>)*<[A-Za-z_][\w.-]*(?=[\s/>])", re.DOTALL)
 _MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
@@ -68,8 +68,8 @@ def with_prefixes(text: str) -> str:
     that ``xacro:`` is left alone.
     """
     used = {tag or attribute for tag, attribute in _PREFIX.findall(text)} - {"xml", "xmlns", "xacro"}
-    missing = sorted(prefix for prefix in used if f"xmlns:{prefix}" not in text)
-    outermost = _OUTERMOST.search(text) if missing else None
+    missing = sorted(prefix for prefix in used if not re.search(rf"\sxmlns:{re.escape(prefix)}\s*=", text))
+    outermost = _OUTERMOST.match(text) if missing else None
     if outermost is None:
         return text
     declared = "".join(f' xmlns:{prefix}="{prefix}"' for prefix in missing)

@@ -26,6 +26,9 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
 from drake_twin.values import is_true, parse_number
 
+# Below a link of SDF, and below a URDF's <gazebo reference>, whose <collision> Gazebo merges into the link's.
+SURFACE_FRICTION = "collision/surface/friction/ode"
+
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
 
@@ -226,10 +229,10 @@ def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
         if link is None:
             continue
         found = surfaces.get(link, LinkSurface())
-        for tag in ("mu1", "mu2"):
-            text = _text_or_value(element, tag)
+        for tag, in_collision in (("mu1", "mu"), ("mu2", "mu2")):
+            text = _text_or_value(element, tag) or element.findtext(f"{SURFACE_FRICTION}/{in_collision}")
             if text is not None:
-                found = replace(found, **{tag: reader.parse_number(element, text, tag)})  # type: ignore[arg-type]
+                found = replace(found, **{tag: reader.parse_number(element, text.strip(), tag)})  # type: ignore[arg-type]
         self_collide = _text_or_value(element, "selfCollide") or _text_or_value(element, "self_collide")
         if self_collide is not None:
             found = replace(found, self_collide=is_true(self_collide))

@@ -40,6 +40,7 @@ _GEOMETRY = _part(
 )
 _GPIO_INTERFACE = _part("name data_type", param=_part("name", "initial_value"))
 _MATERIAL = _part("name", color=_part("rgba"))
+_SURFACE = _part(friction=_part(ode=_part(mu=_TEXT, mu2=_TEXT)))  # of which the smaller one counts
 URDF = _part(
     "name version",
     material=_MATERIAL,
@@ -86,6 +87,7 @@ URDF = _part(
         static=_TEXT_OR_VALUE,
         preserveFixedJoint=_TEXT,
         disableFixedJointLumping=_TEXT,
+        collision=_part(surface=_SURFACE),
     ),
 )
 
@@ -107,7 +109,6 @@ _AXIS = _part(
     dynamics=_part(damping=_TEXT, spring_reference=_TEXT, spring_stiffness=_TEXT),
     use_parent_model_frame=_TEXT,
 )
-_SURFACE = _part(friction=_part(ode=_part(mu=_TEXT, mu2=_TEXT)))  # of which the smaller one counts
 SDF_MODEL = _part(
     "name canonical_link placement_frame",
     pose=_POSE,

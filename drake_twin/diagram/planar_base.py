@@ -37,8 +37,6 @@ _LEAST_MASS = 1e-6  # kg
 # at 1 g besides. With much more, a robot would push itself into walls.
 _PUSH = 30.0
 
-_GRAVITY = 9.81  # m/s²
-
 
 def add_planar_joints(plant: MultibodyPlant, root: RigidBody, spawn_pose: Pose) -> None:
     """Put a robot on the joints.
@@ -76,7 +74,8 @@ def limit_planar_efforts(
     """
     context = plant.CreateDefaultContext()
     mass = plant.CalcTotalMass(context, [instance])
-    force = (_PUSH if grip is None else grip * _GRAVITY) * mass
+    gravity = float(np.linalg.norm(plant.gravity_field().gravity_vector()))
+    force = (_PUSH if grip is None else grip * gravity) * mass
     turn = plant.GetJointByName(ANGULAR_Z, instance)
     inertia = plant.CalcMassMatrix(context)[turn.velocity_start(), turn.velocity_start()]
     lever = max(float(np.sqrt(inertia / mass)), _farthest_shape(plant, scene_graph, instance))

@@ -49,7 +49,7 @@ def _planar_problem(planar: GazeboDrive, drives: Sequence[GazeboDrive], fixed_ba
         return "it moves the base, which is fixed to the world"
     for other in drives:
         wheels, topics = other.controller, {*planar.topics.values()}
-        if wheels and wheels.type not in (PLANAR_MOVE, ROLLER_WHEELS) and not topics.isdisjoint(other.topics.values()):
+        if wheels and wheels.type != PLANAR_MOVE and not topics.isdisjoint(other.topics.values()):
             return f"it would move the base in addition to {wheels.name}, which drives wheels by the same topics"
     return None
 

@@ -146,3 +146,17 @@ def test_values_come_from_the_default_classes_as_in_mujoco():
     assert actuators.efforts["j1"] == pytest.approx(gear * model.actuator_forcerange[0, 1])
     assert (joint.armature, joint.friction) == pytest.approx((model.dof_armature[0], model.dof_frictionloss[0]))
     assert (joint.stiffness, joint.rest) == pytest.approx((model.jnt_stiffness[0], model.qpos_spring[0]))
+
+
+@pytest.mark.parametrize(
+    ("joint", "what"),
+    [
+        ('<joint frictionloss="2"/>', "frictionloss of a <joint> without a name"),
+        ('<joint axis="0 1 0" stiffness="3"/>', "stiffness of a <joint> without a name"),
+        ('<joint name="b" type="ball" stiffness="3"/>', "stiffness of a ball <joint>"),
+    ],
+)
+def test_what_is_lost_of_a_joint_is_said(tmp_path, joint, what):
+    text = f'<mujoco><worldbody><body name="a">{joint}<geom size=".1" mass="1"/></body></worldbody></mujoco>'
+    (finding,) = prepare_mjcf(text, tmp_path / "robot.xml", None).findings
+    assert (finding.what, finding.lines) == (what, (1,))

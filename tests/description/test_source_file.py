@@ -22,6 +22,8 @@ FDIR1 = '<gazebo reference="base"><fdir1 gz:expressed_in="base">1 0 0</fdir1></g
         ('<robot><a b="package://c:d"/>e:f</robot>', "<robot>"),
         ('<?xml version="1.0"?>\n<robot\n name="r"><a xml:space="preserve"/></robot>', "<robot\n"),
         ('<robot><xacro:arg name="a"/></robot>', "<robot>"),
+        ('<!-- <robot a="b"> --> <robot><a gz:b="c"/></robot>', '<robot xmlns:gz="gz"><a'),
+        ('<robot xmlns:gzz="http://x"><a gz:b="c"/></robot>', '<robot xmlns:gz="gz" xmlns:gzz'),
     ],
 )
 def test_undeclared_prefixes_are_declared_in_the_outermost_tag(text, declared):
