@@ -25,7 +25,7 @@ from drake_twin.sensors.round_shapes import ROUND_SHAPES, distances, radius_of, 
 _BLOCK = 1024  # rays at a time, which fit into the processor's cache
 _UNSEEN = ("/friction/", "|corner")  # in the names of shapes that brake joints, or that are parts of other shapes
 _STEP = 1e-5  # so far behind the back of a triangle a ray begins again (m, and relative to its way)
-_EDGE_ON = 1e-6  # the sine of the angle below which a triangle is not seen; the ray goes on by a step beside it
+_EDGE_ON = 1e-6  # the sine of the angle below which a triangle is not seen; the ray passes it by a step
 _TINY = 1e-30
 _MARGIN = 1e-5  # of a bounding sphere's radius and distance, for rounding
 
