@@ -651,6 +651,14 @@ def test_a_parameter_of_mock_hardware_is_a_finding(make, monkeypatch, name):
     assert "param" in finding.what
 
 
+def test_joints_of_ros2_control_that_the_robot_lacks_are_one_finding(make, monkeypatch):
+    more = "".join(f'<joint name="{name}"><command_interface name="position"/></joint>' for name in ("elbow", "wrist"))
+    monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{more}</ros2_control>"))
+    assert [item.what for item in make().findings if "does not have" in item.what] == [
+        "<ros2_control> names joints that the robot does not have: elbow, wrist"
+    ]
+
+
 def test_a_transmission_of_ros2_control_is_a_finding(make, monkeypatch):
     transmission = '<transmission name="t"><plugin>transmission_interface/SimpleTransmission</plugin></transmission>'
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("</ros2_control>", f"{transmission}</ros2_control>"))

@@ -17,17 +17,22 @@ _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
 _FOLDER_VARIABLES = ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "GAZEBO_MODEL_PATH")
 
 
+_ADVICE = "Name the folder that holds it with --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+
+
 class MissingPackageError(InputError):
     """Raised for a package that was not found.
 
     Args:
         package: The package's name.
         searched: The folders that were searched.
+        advice: What brings it there.
     """
 
-    def __init__(self, package: str, searched: Iterable[str]):
+    def __init__(self, package: str, searched: Iterable[str], advice: str = _ADVICE):
+        self.package = package
         self.searched = ", ".join(searched)
-        self.advice = "Name the folder that holds it with --package-path, or in AMENT_PREFIX_PATH or ROS_PACKAGE_PATH"
+        self.advice = advice
         super().__init__(f"package {package!r} was not found in: {self.searched}. {self.advice}")
 
 

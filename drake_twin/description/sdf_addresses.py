@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from urllib.parse import unquote
 
 from lxml import etree
 
@@ -25,6 +26,7 @@ _BUILT_IN = {"ground_plane": _GROUND_PLANE, "sun": _SUN}
 
 _FUEL = re.compile(r"https?://(?P<host>[^/]+)(?:/1\.0)?/(?P<owner>[^/]+)/models/(?P<name>[^/]+)", re.IGNORECASE)
 _FUEL_CACHES = (".gz/fuel", ".ignition/fuel")
+_FUEL_ADVICE = "The twin downloads nothing: `gz fuel download -u ADDRESS` does, as Gazebo when it opens the world"
 
 
 class NotIncludedError(Exception):
@@ -50,7 +52,7 @@ class SdfAddresses:
 
         Beyond what the package index knows, a model is found in the folders above the file at hand and in their
         ``models`` folders, where worlds keep theirs; an absolute path of another machine is found as
-        `PackageIndex.resolve_elsewhere` says.
+        `PackageIndex.resolve_elsewhere` says; a file on Fuel where Gazebo keeps its downloads.
 
         Args:
             address: The address.
@@ -59,6 +61,12 @@ class SdfAddresses:
         Raises:
             InputError: If it does not exist.
         """
+        fuel = _FUEL.match(address)
+        if fuel is not None:
+            file = self._downloaded(fuel) / address.partition("/files/")[2]
+            if not file.exists():
+                raise InputError("the file does not exist", file=file)
+            return file
         scheme, separator, rest = address.partition("://")
         rest = rest if separator else address
         if separator and scheme not in ("model", "package", "file"):
@@ -86,7 +94,7 @@ class SdfAddresses:
                     return self._packages.resolve_elsewhere(address, base)
             raise
 
-    def model_text(self, address: str, base: Path | None) -> tuple[str, Path] | None:
+    def model_text(self, address: str, base: Path | None) -> tuple[str, Path]:
         """Read the SDF file of a model.
 
         Args:
@@ -94,32 +102,40 @@ class SdfAddresses:
             base: The file that holds the ``<include>``.
 
         Returns:
-            The text and its file; None if the model's package is missing.
+            The text and its file.
 
         Raises:
+            MissingPackageError: If the model or its package is nowhere.
             NotIncludedError: If the address cannot be resolved otherwise.
         """
         fuel = _FUEL.match(address)
         name = (fuel["name"] if fuel else address.partition("://")[2] or address).strip("/")
-        built_in = _BUILT_IN.get(name.lower().replace("%20", "_").replace(" ", "_"))
+        built_in = _BUILT_IN.get(unquote(name).lower().replace(" ", "_"))
         try:
-            place = _fuel_cache(fuel) if fuel else self.find(address, base)
+            place = self._downloaded(fuel) if fuel else self.find(address, base)
         except InputError as error:
             if built_in is not None:
-                self.missing.pop(name, None)
+                if isinstance(error, MissingPackageError):
+                    self.missing.pop(error.package, None)
                 return built_in, Path(name)
             if isinstance(error, MissingPackageError):
-                return None
+                raise
             raise NotIncludedError(str(error).rstrip(".")) from None
-        if place is None:
-            if built_in is not None:
-                return built_in, Path(name)
-            raise NotIncludedError("the twin downloads nothing; download it and name it as model://")
         file = _model_file(place) if place.is_dir() else place
         try:
             return read_xml(file, "model"), file
         except InputError as error:
             raise NotIncludedError(str(error).rstrip(".")) from None
+
+    def _downloaded(self, fuel: "re.Match[str]") -> Path:
+        """Return the folder of a model of Fuel that Gazebo downloaded earlier."""
+        folder = _fuel_cache(fuel)
+        if folder is None:
+            name = f"{fuel['owner']}/{unquote(fuel['name'])}"
+            error = MissingPackageError(name, (f"~/{cache}" for cache in _FUEL_CACHES), _FUEL_ADVICE)
+            self.missing.setdefault(name, error)
+            raise error
+        return folder
 
 
 def _folders_near(file: Path) -> Iterator[Path]:
@@ -151,7 +167,7 @@ def _fuel_cache(fuel: "re.Match[str]") -> Path | None:
     folders = [Path(os.environ["GZ_FUEL_CACHE_PATH"])] if os.environ.get("GZ_FUEL_CACHE_PATH") else []
     folders += [Path.home() / name for name in _FUEL_CACHES]
     for folder in folders:
-        name = fuel["name"].replace("%20", " ").lower()
+        name = unquote(fuel["name"]).lower()
         model = folder / fuel["host"].lower() / fuel["owner"].lower() / "models" / name
         versions = [path for path in model.glob("*") if path.name.isdigit() and path.is_dir()]
         if versions:

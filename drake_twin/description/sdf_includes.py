@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.sdf_addresses import NotIncludedError, SdfAddresses
 from drake_twin.description.sdf_document import free_name, modernize, read_sdf, sdf_version
 from drake_twin.description.xml_reader import XmlReader
@@ -41,7 +41,7 @@ class SdfIncludes:
     Attributes:
         addresses: Resolves addresses in SDF files, and records the packages that are missing.
         findings: What could not be included.
-        asked: Where the missing packages are asked for.
+        asked: Missing package → where it is asked for.
         lights: The lights that were included, each with its document.
         documents: Sensor or plugin of a model inside a model → the document that it comes from.
     """
@@ -49,7 +49,7 @@ class SdfIncludes:
     def __init__(self, packages: PackageIndex):
         self.addresses = SdfAddresses(packages)
         self.findings: list[Finding] = []
-        self.asked: list[Place] = []
+        self.asked: dict[str, list[Place]] = {}
         self.lights: list[tuple[etree._Element, XmlReader]] = []
         self.documents: dict[etree._Element, XmlReader] = {}
         self._count = 0
@@ -81,6 +81,9 @@ class SdfIncludes:
             raise reader.error(include, "<uri> is missing")
         try:
             return self._model(address, include, reader, above)
+        except MissingPackageError as error:  # reported once for all that the package lacks
+            self.asked.setdefault(error.package, []).append(reader.place(include))
+            return None
         except NotIncludedError as reason:
             what = f"{address} is not included: {reason}"
             self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(include)))
@@ -89,11 +92,7 @@ class SdfIncludes:
     def _model(
         self, address: str, include: etree._Element, reader: XmlReader, above: tuple[Path, ...]
     ) -> IncludedModel | None:
-        found = self.addresses.model_text(address, reader.file)
-        if found is None:
-            self.asked.append(reader.place(include))
-            return None  # reported once for all that the package lacks
-        text, file = found
+        text, file = self.addresses.model_text(address, reader.file)
         if file in above:
             circle = " → ".join(path.name for path in (*above[above.index(file) :], file))
             raise reader.error(include, f"the includes form a loop: {circle}")

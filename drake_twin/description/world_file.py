@@ -353,12 +353,13 @@ class _World:
         }
 
     def _missing(self) -> Iterator[Finding]:
-        missing = self._includes.addresses.missing
-        if missing:
-            names = ", ".join(sorted(missing))
-            first = next(iter(missing.values()))
-            what = f"these models and packages were not found: {names}. Searched: {first.searched}. {first.advice}"
-            places = self._includes.asked or [self._reader.place(self._world)]
+        groups: dict[tuple[str, str], list[str]] = {}
+        for name, error in sorted(self._includes.addresses.missing.items()):
+            groups.setdefault((error.searched, error.advice), []).append(name)
+        for (searched, advice), names in groups.items():
+            what = f"these models and packages were not found: {', '.join(names)}. Searched: {searched}. {advice}"
+            asked = [place for name in names for place in self._includes.asked.get(name, ())]
+            places = asked or [self._reader.place(self._world)]
             yield from at_places(Kind.IGNORED, ((what, place) for place in places))
 
     def _grouped(self) -> Iterator[Finding]:

@@ -229,7 +229,7 @@ class _Sorter:
             prefix = _frame_prefix(launched)
             if any(prefix + link in links for link in launched.links if prefix + link != "world"):
                 prefix = f"{name}/"
-                what = f"another robot publishes frames of the same names, so its own begin with {prefix} on /tf"
+                what = "another robot publishes frames of the same names, so its own begin with its name and / on /tf"
                 self._findings.append(Finding(Kind.WARNING, what, robot=name))
             links |= {prefix + link for link in launched.links}
             if launched.process.start_time > 0:

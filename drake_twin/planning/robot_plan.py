@@ -219,13 +219,16 @@ def plan_robot(
 def _unused_interfaces(description: RobotDescription) -> list[str]:
     """Return warnings of ``<ros2_control>`` joints that the twin cannot drive: unknown or without a position."""
     warnings = []
+    unknown = []
     for system in description.systems:
         for joint in system.joints:
             known = description.joints_by_name.get(joint.name)
             if known is None:
-                warnings.append(f"<ros2_control> names a joint {joint.name!r} that the robot does not have")
+                unknown.append(joint.name)
             elif joint.command_interfaces and not known.is_movable:
                 warnings.append(f"joint {joint.name!r} has command interfaces, but it is {known.type}")
+    if unknown:
+        warnings.insert(0, f"<ros2_control> names joints that the robot does not have: {', '.join(unknown)}")
     return warnings
 
 

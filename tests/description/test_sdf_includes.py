@@ -102,15 +102,42 @@ def test_a_users_own_ground_plane_goes_before_the_built_in_one(tmp_path):
     assert model.pose.xyz[2] == -5
 
 
-def test_nothing_is_downloaded(tmp_path, monkeypatch):
+FUEL = "https://fuel.gazebosim.org/1.0/OpenRobotics/models"
+
+
+def test_nothing_is_downloaded_and_what_fuel_has_is_one_finding(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.delenv("GZ_FUEL_CACHE_PATH", raising=False)
-    uri = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Oak tree"
-    world = world_of(tmp_path, f"<include><uri>{uri}</uri></include>")
-    assert world.models == ()
-    (finding,) = world.findings
-    assert f"{uri} is not included: the twin downloads nothing" in finding.what
-    assert (finding.kind, finding.file, finding.lines) == (Kind.IGNORED, str(tmp_path / "test.world"), (4,))
+    body = f"<include><uri>{FUEL}/Oak tree</uri></include>\n<include><uri>model://cafe</uri></include>\n"
+    meshes = [f"<mesh><uri>{FUEL}/desk/3/files/meshes/{name}.obj</uri></mesh>" for name in ("Desk", "Desk_Col")]
+    body += "".join(
+        f'<model name="{index}">{BOX.replace("<box><size>1 1 1</size></box>", mesh)}</model>'
+        for index, mesh in enumerate(meshes)
+    )
+    world = world_of(tmp_path, body)
+    assert all("<mesh>" not in model.text for model in world.models)
+    near, fuel = sorted(world.findings, key=lambda finding: "downloads nothing" in finding.what)
+    assert near.what.startswith("these models and packages were not found: cafe. ")
+    assert fuel.what.startswith(
+        "these models and packages were not found: OpenRobotics/Oak tree, OpenRobotics/desk. Searched: ~/.gz/fuel"
+    )
+    assert "The twin downloads nothing" in fuel.what
+    assert (fuel.kind, fuel.file, fuel.lines) == (Kind.IGNORED, str(tmp_path / "test.world"), (4,))
+    assert near.lines == (5,)
+
+
+def test_a_mesh_that_gazebo_downloaded_before_is_used(tmp_path, monkeypatch):
+    monkeypatch.setenv("GZ_FUEL_CACHE_PATH", str(tmp_path / "fuel"))
+    desk = tmp_path / "fuel" / "fuel.gazebosim.org" / "openrobotics" / "models" / "desk" / "3" / "meshes"
+    desk.mkdir(parents=True)
+    (desk / "desk.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    mesh = f"<mesh><uri>{FUEL}/desk/3/files/meshes/desk.obj</uri></mesh>"
+    box = BOX.replace("<box><size>1 1 1</size></box>", mesh)
+    world = world_of(tmp_path, f'<model name="desk"><static>true</static>{box}</model>')
+    assert findings(world) == ()
+    assert str(desk / "desk.obj") in world.models[0].text
+    world = world_of(tmp_path, f'<model name="desk">{box.replace("desk.obj", "leg.obj")}</model>')
+    assert [f"{desk / 'leg.obj'}: the file does not exist" in warning for warning in findings(world)] == [True]
 
 
 def test_what_gazebo_downloaded_before_is_used(tmp_path, monkeypatch):

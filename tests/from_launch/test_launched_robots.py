@@ -9,7 +9,7 @@ from hinge import command, create, hinge, launched, launched_hinge, node, publis
 from launch_files import not_started, write
 
 from drake_twin.errors import InputError
-from drake_twin.findings import Kind
+from drake_twin.findings import Kind, grouped
 
 
 def robots(launch):
@@ -164,6 +164,16 @@ def test_two_robots_in_one_namespace_are_kept_apart_and_both_run(tmp_path):
     assert {"/robot_description", "/second/robot_description"} <= set(twin.topics())
     frames = [item.child_frame_id for item in twin.latest("/tf").transforms]
     assert frames == ["arm", "second/arm"]
+
+
+def test_many_robots_with_frames_of_the_same_names_are_one_line(tmp_path):
+    file = write_hinge(tmp_path)
+    names = ("one", "two", "three")
+    entities = [create("-file", file, "-name", name, "-x", str(x)) for x, name in enumerate(names)]
+    about = [line for _, line in grouped(launched(tmp_path, *entities).scenario.findings) if "/tf" in line]
+    assert about == [
+        "two, three: another robot publishes frames of the same names, so its own begin with its name and / on /tf"
+    ]
 
 
 def test_an_entity_that_exists_is_refused_as_gazebo_does(tmp_path):
