@@ -23,7 +23,7 @@ from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro, places_of_expanded
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Finding, Kind, Place, at_places
 
 _EXPANDED = "<!-- drake_twin: expanded -->"
 
@@ -136,23 +136,29 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
-    from drake_twin.description.sdf import prepare_sdf
+    from drake_twin.description.sdf import joint_frictions, prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
 
     text, file, lost = included_model(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
-    description = describe_model(prepared, "sdf", text, file, own_name)
     reader = XmlReader(text, file)
-    plugins = tuple(read_plugins(reader, "model/plugin"))
-    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     (model,) = reader.root.findall("model")
+    frictions = {name: (friction, place) for name, friction, place in joint_frictions(reader, model)}
+    description = describe_model(prepared, "sdf", text, file, own_name)
+    plugins = tuple(read_plugins(reader, "model/plugin"))
+    joints = [
+        replace(joint, friction=frictions.pop(joint.name)[0]) if joint.is_movable and joint.name in frictions else joint
+        for joint in description.joints
+    ]
+    unbraked = ((f"friction of joint {name}", place) for name, (_, place) in frictions.items())
+    description = replace(description, joints=tuple(joints), sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
     return RobotModel(
         description,
         prepared,
         "sdf",
         is_fixed,
-        findings=(*lost, *unused, *findings, *unread_in_sdf(reader)),
+        findings=(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings, *unread_in_sdf(reader)),
     )
 
 

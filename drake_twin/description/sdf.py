@@ -1,5 +1,6 @@
 """SDF robots, prepared for Drake's parser."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_addresses import SdfAddresses
 from drake_twin.description.sdf_model import mend_model
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Place
 from drake_twin.values import is_true
 
 
@@ -73,6 +74,21 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         findings.append(Finding(Kind.WARNING, what, file=str(file)))
     text = etree.tostring(reader.root, encoding="unicode")
     return PreparedSdf(text, is_fixed, own_name, tuple(findings))
+
+
+def joint_frictions(reader: XmlReader, model: etree._Element) -> Iterator[tuple[str, float, Place]]:
+    """Yield each joint of a model with dry friction: its name, the friction (N·m or N) and its place.
+
+    Raises:
+        InputError: If a friction is not a number, or is negative.
+    """
+    for joint in model.iterfind("joint"):
+        for element in joint.iterfind(".//dynamics/friction"):
+            friction = reader.parse_number(element, (element.text or "").strip(), "it")
+            if friction < 0:
+                raise reader.error(element, f"it is {friction:g}, and must not be negative")
+            if friction > 0:
+                yield joint.get("name", ""), friction, reader.place(element)
 
 
 def _weld_links(model: etree._Element) -> None:

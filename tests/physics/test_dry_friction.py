@@ -16,6 +16,9 @@ from drake_twin import TwinBuilder
 from drake_twin.cockpit.overlay import overlay_kinds
 from drake_twin.cockpit.overlays.collision_shapes import _shapes
 from drake_twin.cockpit.scene import OVERLAYS, Scene
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import load_robot_model
+from drake_twin.errors import InputError
 from drake_twin.scenario import World
 
 M, E, F = 0.1, 2.0, 0.5  # of a rotor (kg·m², N·m), or of a slider (kg, N)
@@ -307,3 +310,44 @@ def test_an_arm_with_friction_moves_in_cenic_as_in_the_discrete_engine(tmp_path,
     assert np.abs(expected[-1] - goal).max() < 1e-3
     assert np.abs(found - expected).max() < 1e-2
     assert np.abs(found[-1] - expected[-1]).max() < 1e-3
+
+
+def slider(friction, kind="prismatic"):
+    """A body of SDF on a vertical slide, which is welded to the world; G is what the world's gravity is."""
+    inertial = f"<inertial><mass>{M}</mass><inertia><ixx>{M}</ixx><iyy>{M}</iyy><izz>{M}</izz></inertia></inertial>"
+    axis = f"<axis><xyz>0 0 1</xyz><dynamics><friction>{friction}</friction></dynamics></axis>"
+    more = axis.replace("axis>", "axis2>").replace("0 0 1", "0 1 0") if kind == "universal" else ""
+    return f"""<sdf version="1.9"><model name="r"><link name="base">{inertial}</link><link name="body">{inertial}</link>
+<joint name="weld" type="fixed"><parent>world</parent><child>base</child></joint>
+<joint name="joint" type="{kind}"><parent>base</parent><child>body</child>
+{axis}{more}</joint></model></sdf>"""
+
+
+@every_engine
+@pytest.mark.parametrize("share", [0.5, 0.95, 1.3])  # of the weight
+def test_a_joint_of_sdf_is_rubbed_too(tmp_path, engine, share):
+    (tmp_path / "r.sdf").write_text(slider(share * M * G))
+    (tmp_path / "world.sdf").write_text(world())
+    builder = TwinBuilder(world=World(file=str(tmp_path / "world.sdf")), **ENGINES[engine])
+    twin = builder.robot("r", tmp_path / "r.sdf").build()
+    assert [str(finding) for finding in twin.findings] == []
+    twin.advance_to(1.0)
+    assert velocity(twin) == pytest.approx(-max(0.0, 1 - share) * G, abs=CLOSE + 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("kind", "friction", "message"),
+    [
+        ("universal", "0.5", "friction of joint joint (r.sdf:4)"),
+        ("prismatic", "-0.5", "r.sdf:4: <friction> of .* it is -0.5, and must not be negative"),
+        ("prismatic", "much", "it is 'much', which is not a number"),
+    ],
+)
+def test_a_friction_of_sdf_that_cannot_be_had_is_said(tmp_path, kind, friction, message):
+    file = tmp_path / "r.sdf"
+    file.write_text(slider(friction, kind))
+    if kind == "universal":
+        assert [message in str(finding) for finding in load_robot_model(str(file), PackageIndex()).findings] == [True]
+    else:
+        with pytest.raises(InputError, match=message):
+            load_robot_model(str(file), PackageIndex())
