@@ -25,7 +25,7 @@ if sys.version_info < (3, 11):  # noqa: UP036  # before another module is read, 
 if TYPE_CHECKING:
     from drake_twin.builder.twin_builder import TwinBuilder
     from drake_twin.errors import CommandError, InputError, RunError, TwinError
-    from drake_twin.findings import Finding, Kind
+    from drake_twin.findings import Finding, Kind, Weight
     from drake_twin.scenario import Command, Robot, Scenario, StaticTransform, World
     from drake_twin.show import TwinPage, show
     from drake_twin.twin.action import ActionGoal
@@ -41,7 +41,7 @@ __version__ = "0.2.0"  # the one place: pyproject.toml reads it here, .github/RE
 _HOMES = {
     "builder.twin_builder": ("TwinBuilder",),
     "errors": ("CommandError", "InputError", "RunError", "TwinError"),
-    "findings": ("Finding", "Kind"),
+    "findings": ("Finding", "Kind", "Weight"),
     "scenario": ("Command", "Robot", "Scenario", "StaticTransform", "World"),
     "show": ("TwinPage", "show"),
     "twin.action": ("ActionGoal",),
@@ -73,6 +73,7 @@ __all__ = [
     "TwinBuilder",
     "TwinError",
     "TwinPage",
+    "Weight",
     "World",
     "__version__",
     "replay",

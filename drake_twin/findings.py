@@ -22,6 +22,14 @@ class Kind(StrEnum):
     WINDOW = "window"  # of a program such as RViz: the page replaces it, and nothing is lost
 
 
+class Weight(StrEnum):
+    """What a part of a file is for, in the order in which findings are told."""
+
+    LOST = "lost"  # a robot, a world or a model of it: without it, what runs is something else
+    MOVES = "moves"  # how robots move, and what is published and heard
+    LOOKS = "looks"  # how they look, or what Gazebo's engine (DART) does not use either
+
+
 @saved("Place")
 @dataclass(frozen=True)
 class Place:
@@ -35,16 +43,10 @@ class Place:
 
 
 # What --strict counts: a file asks for it and the twin does not do it, or ROS does not.
-LOST = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
+_NOT_DONE = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
 
 _MOST_LINES = 8  # in a sentence
 _MOST_TOLD = 5  # lines of a run that does not ask for all findings
-
-# What is told last: how a robot looks, and what Gazebo's engine (DART) does not use either.
-_LEAST = (
-    *("<material>", "<visual>", "<scene>", "<light>", "<script>", "<color>", "<shadows>", "<grid>", "<gui>"),
-    *("<transmission>", "stiffness and damping of contact follow from the masses"),
-)
 
 
 @saved("Finding")
@@ -59,6 +61,7 @@ class Finding:
         file: The file that says it, where that is known.
         lines: Its lines in that file, where they are known.
         rule: The name of the repair.
+        weight: What the thing is for.
     """
 
     kind: Kind
@@ -67,11 +70,13 @@ class Finding:
     file: str = ""
     lines: tuple[int, ...] = ()
     rule: str = ""
+    weight: Weight = Weight.MOVES
 
     @classmethod
-    def at(cls, kind: Kind, what: str, place: Place, rule: str = "") -> "Finding":
+    def at(cls, kind: Kind, what: str, place: Place, rule: str = "", *, weight: Weight = Weight.MOVES) -> "Finding":
         """Return a finding about one place."""
-        return cls(kind, what, file=place.file, lines=() if place.line is None else (place.line,), rule=rule)
+        lines = () if place.line is None else (place.line,)
+        return cls(kind, what, file=place.file, lines=lines, rule=rule, weight=weight)
 
     def __str__(self) -> str:
         return f"{self.robot}: {self.sentence}" if self.robot else self.sentence
@@ -95,12 +100,13 @@ class Finding:
             "file": self.file,
             "lines": list(self.lines),
             "rule": self.rule,
+            "weight": str(self.weight),
         }
 
 
-def at_places(kind: Kind, found: Iterable[tuple[str, Place]]) -> Iterator[Finding]:
+def at_places(kind: Kind, found: Iterable[tuple[str, Place]], *, weight: Weight = Weight.MOVES) -> Iterator[Finding]:
     """Group what was found at several places into findings: one for each file, with its lines."""
-    return merged(Finding.at(kind, what, place) for what, place in found)
+    return merged(Finding.at(kind, what, place, weight=weight) for what, place in found)
 
 
 def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
@@ -119,33 +125,33 @@ def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
 
 def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
     """Return kind and sentence of each finding, kind by kind; the same one about several robots once."""
-    about: dict[tuple[Kind, str], list[str]] = {}
     kinds = list(Kind)
-    for finding in sorted(findings, key=lambda finding: kinds.index(finding.kind)):
+    return _sentences(sorted(findings, key=lambda finding: kinds.index(finding.kind)))
+
+
+def most_telling(findings: Iterable[Finding]) -> list[str]:
+    """Return a few lines of the findings, the weightiest first; the last one tells of the rest."""
+    weights, kinds = list(Weight), list(Kind)
+    ranked = sorted(findings, key=lambda finding: (weights.index(finding.weight), kinds.index(finding.kind)))
+    sentences = _sentences(ranked)
+    told = len(sentences) if len(sentences) <= _MOST_TOLD else _MOST_TOLD - 1
+    lines = [f"{kind}: {sentence}" for kind, sentence in sentences[:told]]
+    if rest := sentences[told:]:
+        numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
+        lines.append(f"and {len(rest)} more findings ({numbers}): --findings prints them all")
+    return lines
+
+
+def _sentences(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
+    """Return kind and sentence of each finding, with the names of all robots that it is about."""
+    about: dict[tuple[Kind, str], list[str]] = {}
+    for finding in findings:
         robots = about.setdefault((finding.kind, finding.sentence), [])
         if finding.robot and finding.robot not in robots:
             robots.append(finding.robot)
     return [
         (kind, f"{', '.join(robots)}: {sentence}" if robots else sentence) for (kind, sentence), robots in about.items()
     ]
-
-
-def most_telling(findings: Sequence[Finding]) -> list[str]:
-    """Return a few lines of the findings, kind by kind, first what changes the robot; the last tells of the rest."""
-    sentences = grouped(findings)
-    if len(sentences) <= _MOST_TOLD:
-        return [f"{kind}: {sentence}" for kind, sentence in sentences]
-    kinds = list(Kind)
-    ranked = sorted(sentences, key=lambda each: (_is_least(*each), kinds.index(each[0])))
-    rest = ranked[_MOST_TOLD - 1 :]
-    numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
-    told = [f"{kind}: {sentence}" for kind, sentence in ranked[: _MOST_TOLD - 1]]
-    return [*told, f"and {len(rest)} more findings ({numbers}): --findings prints them all"]
-
-
-def _is_least(kind: Kind, sentence: str) -> bool:
-    is_of_a_file = kind in (Kind.IGNORED, Kind.WARNING, Kind.MENDED)
-    return kind is Kind.WINDOW or (is_of_a_file and any(tag in sentence for tag in _LEAST))
 
 
 def strict_text(lost: Iterable[Finding]) -> str:
@@ -161,5 +167,5 @@ def counted(findings: Sequence[Finding], strict: str | None) -> list[Finding]:
         strict: None without ``--strict``; ``lost`` for what is ignored, not started or refused by ROS 2, ``mended`` for
             that and what is mended.
     """
-    kinds = () if strict is None else (*LOST, Kind.MENDED) if strict == "mended" else LOST
+    kinds = () if strict is None else (*_NOT_DONE, Kind.MENDED) if strict == "mended" else _NOT_DONE
     return [finding for finding in findings if finding.kind in kinds]

@@ -1,10 +1,19 @@
 """Which findings a run tells, and in what order."""
 
-from drake_twin.findings import Finding, Kind, most_telling
+from dataclasses import replace
+
+import pytest
+
+from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.robot_model import load_robot_model
+from drake_twin.description.world_file import read_world
+from drake_twin.findings import Finding, Kind, Weight, most_telling
+from drake_twin.scenario import Robot, Scenario
+from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
 
-def findings(count, kind=Kind.IGNORED, what="<thing {}> in <link>"):
-    return [Finding(kind, what.format(number), robot="r") for number in range(count)]
+def findings(count, kind=Kind.IGNORED, what="<thing {}> in <link>", weight=Weight.MOVES):
+    return [Finding(kind, what.format(number), robot="r", weight=weight) for number in range(count)]
 
 
 def test_a_few_findings_are_all_told():
@@ -18,26 +27,107 @@ def test_of_many_the_last_line_tells_how_many_more_there_are():
     assert lines[-1] == "and 3 more findings (3 warning): --findings prints them all"
 
 
-def test_what_does_not_start_comes_first_and_looks_come_last():
-    looks = findings(4, what="<ambient{}> in <material>")
-    lines = most_telling(
-        [*looks, *findings(2, Kind.WARNING, "odd {}"), *findings(1, Kind.NOT_STARTED, "controller {}")]
-    )
-    assert lines[:4] == [
+def test_what_is_lost_comes_first_then_what_does_not_start_and_looks_come_last():
+    looks = findings(4, Kind.FAILED, "picture {}", Weight.LOOKS)
+    lost = findings(1, Kind.WARNING, "world {}", Weight.LOST)
+    moves = [*findings(1, Kind.WARNING, "odd {}"), *findings(1, Kind.NOT_STARTED, "controller {}")]
+    assert most_telling([*looks, *moves, *lost])[:4] == [
+        "warning: r: world 0",
         "not started: r: controller 0",
         "warning: r: odd 0",
-        "warning: r: odd 1",
-        "ignored: r: <ambient0> in <material>",
+        "failed: r: picture 0",
     ]
-
-
-def test_a_window_comes_last_and_looks_are_those_of_files():
-    started = [Finding(Kind.NOT_STARTED, "controller <light> of r")]
-    lines = most_telling([*findings(6, Kind.WINDOW, "rviz {}"), *started, *findings(1, Kind.FAILED, "controller {}")])
-    assert lines[:2] == ["failed: r: controller 0", "not started: controller <light> of r"]
 
 
 def test_the_same_of_several_robots_is_one_line():
     each = [Finding(Kind.IGNORED, f"<thing {number}>", robot=robot) for number in range(5) for robot in ("a", "b")]
     assert most_telling(each)[0] == "ignored: a, b: <thing 0>"
     assert len(most_telling(each)) == 5
+
+
+URDF = """\
+<robot name="r">
+  <link name="base">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><box size="1 1 1" colour="red"/></geometry><material name="absent"/></visual>
+    <visual><geometry><box/></geometry></visual>
+    <collision><geometry><box/></geometry></collision>
+    <collision><geometry><box size="1 1 1" colour="red"/></geometry></collision>
+    <visual><geometry><mesh filename="absent.stl"/></geometry></visual>
+    <collision><geometry><mesh filename="absent.stl"/></geometry></collision>
+  </link>
+  <transmission name="t"><type>x</type></transmission>
+  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><visual><cast_shadows>0</cast_shadows></visual></gazebo>
+  <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
+</robot>"""
+
+
+@pytest.fixture(scope="module")
+def of_urdf(tmp_path_factory):
+    file = tmp_path_factory.mktemp("robot") / "r.urdf"
+    file.write_text(URDF)
+    return load_robot_model(str(file), PackageIndex(())).findings
+
+
+@pytest.mark.parametrize(
+    ("words", "weight"),
+    [
+        ("material 'absent' is not defined", Weight.LOOKS),
+        ("a visual <box size=''> has no size", Weight.LOOKS),
+        ("a collision <box size=''> has no size", Weight.MOVES),
+        ("the visual mesh of link 'base' is left out", Weight.LOOKS),
+        ("the collision mesh of link 'base' is left out", Weight.MOVES),
+        ("<transmission>", Weight.LOOKS),
+        ("<visual> in <gazebo>", Weight.LOOKS),
+        ("kp of base: without effect", Weight.LOOKS),
+        ("slip1 of base: without effect", Weight.MOVES),
+        ("Gazebo plugin p (libunknown.so)", Weight.MOVES),
+    ],
+)
+def test_each_finding_about_a_urdf_has_its_weight(of_urdf, words, weight):
+    assert [item.weight for item in of_urdf if words in item.what] == [weight]
+
+
+def test_the_same_words_about_a_visual_and_a_collision_weigh_differently(of_urdf):
+    about = [item for item in of_urdf if item.what == "the attribute colour of <box>"]
+    assert sorted((item.weight, item.lines) for item in about) == [(Weight.LOOKS, (4,)), (Weight.MOVES, (7,))]
+
+
+WORLD = """\
+<sdf version="1.9"><world name="w">
+  <scene><shadows>1</shadows><grid>false</grid></scene>
+  <gui><camera name="c"/></gui>
+  <plugin name="wind" filename="wind.so"/>
+  <model name="m"><link name="l">
+    <visual name="v"><geometry><mesh><uri>absent.stl</uri></mesh></geometry></visual>
+    <collision name="c"><geometry><mesh><uri>absent.stl</uri></mesh></geometry></collision>
+    <visual name="o"><geometry><box><size>1 1 1</size></box></geometry><odd/></visual>
+    <odd/>
+  </link></model>
+</world></sdf>"""
+
+
+def test_each_finding_about_a_world_has_its_weight(tmp_path):
+    file = tmp_path / "w.sdf"
+    file.write_text(WORLD)
+    found = read_world(str(file), PackageIndex(())).findings
+    assert sorted((item.what.partition(" with")[0], item.weight) for item in found) == [
+        ("<grid> in <scene> of the world", Weight.LOOKS),
+        ("<gui> of the world", Weight.LOOKS),
+        ("m: <odd> is not used", Weight.LOOKS),
+        ("m: <odd> is not used", Weight.MOVES),
+        ("m: a collision is left out", Weight.MOVES),
+        ("m: a visual is left out", Weight.LOOKS),
+        ("the plugin wind of the world", Weight.MOVES),
+    ]
+
+
+def test_a_scenario_keeps_weights_and_one_of_an_older_version_is_read():
+    findings = tuple(Finding(Kind.IGNORED, weight, weight=weight) for weight in Weight)
+    scenario = Scenario(robots=(Robot("r", "/r.urdf"),), findings=findings)
+    text = scenario_to_yaml(scenario)
+    assert ScenarioFile(text, "s.yaml").scenario == scenario
+    older = "".join(line for line in text.splitlines(keepends=True) if "weight:" not in line)
+    assert older != text
+    known = tuple(replace(item, weight=Weight.MOVES) for item in findings)
+    assert ScenarioFile(older, "s.yaml").scenario == replace(scenario, findings=known)

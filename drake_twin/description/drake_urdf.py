@@ -23,10 +23,10 @@ from drake_twin.description.meshes import (
 )
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import LinkSurface, RobotDescription
-from drake_twin.description.used_elements import is_known
+from drake_twin.description.used_elements import is_known, weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Weight
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
 # would be spawned inside the first.
@@ -162,7 +162,8 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
                 what = f"material {name!r} is not defined: its visuals keep the colours of their meshes, or grey"
                 if "undefined_material" in without:
                     raise reader.error(material, f"the material {name!r} is not defined")
-                repairs.append(Finding.at(Kind.MENDED, what, reader.place(material), "undefined_material"))
+                place = reader.place(material)
+                repairs.append(Finding.at(Kind.MENDED, what, place, "undefined_material", weight=Weight.LOOKS))
         if text is not None:
             inlined = etree.SubElement(visual, "material", name=f"material_{index}")
             etree.SubElement(inlined, "color", rgba=text)
@@ -177,7 +178,11 @@ def _resolve_meshes(
     A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
     of another machine is searched in the packages that its folders are named after.
     """
-    repairs = []
+    repairs: list[Finding] = []
+
+    def mended(what: str, mesh: etree._Element, rule: str) -> None:
+        repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), rule, weight=weight_of(mesh)))
+
     for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
         for mesh in shape.findall("geometry/mesh"):
             address = reader.text(mesh, "filename")
@@ -185,7 +190,7 @@ def _resolve_meshes(
                 file, elsewhere = _find_mesh(address, packages, reader.file, "mesh_elsewhere" not in without)
                 if elsewhere:
                     what = f"mesh {address!r} is not on this machine: {file} is used"
-                    repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "mesh_elsewhere"))
+                    mended(what, mesh, "mesh_elsewhere")
                 if shape.tag == "visual":
                     mesh.set("filename", mesh_address(visual_mesh(file)))
                 else:
@@ -197,7 +202,7 @@ def _resolve_meshes(
                 link = shape.getparent()
                 if link is not None:
                     what = f"the {shape.tag} mesh of link {link.get('name')!r} is left out: {str(error).rstrip('.')}"
-                    repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "missing_mesh"))
+                    mended(what, mesh, "missing_mesh")
                     link.remove(shape)
     return repairs
 

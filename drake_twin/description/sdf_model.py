@@ -16,8 +16,9 @@ from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_document import free_name, is_within_static, number_in
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
+from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.values import is_true
 
 _KEPT = {
@@ -50,12 +51,13 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         What was left out and what was changed, each once.
     """
     unknown = Counter(_unknown_elements(model))
-    found: Counter[str] = Counter()
-    for rule in (_frames_of_old_poses, _names, _joints, _inertias, mend_shapes):
-        found.update(rule(model))
+    found: Counter[tuple[str, Weight]] = Counter()
+    for rule in (_frames_of_old_poses, _names, _joints, _inertias):
+        found.update((what, Weight.MOVES) for what in rule(model))
+    found.update(mend_shapes(model))
     mend_planes(model)
     found.update(mend_meshes(model, reader, find))
-    found.update(weld_caster_balls(model))
+    found.update((what, Weight.MOVES) for what in weld_caster_balls(model))
     for nested in [*model.iter("model")][:0:-1]:  # the innermost first
         parent = nested.getparent()
         if parent is not None and nested.find("link") is None and nested.find("model") is None:
@@ -63,9 +65,9 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     return [*_counted(Kind.IGNORED, unknown), *_counted(Kind.WARNING, found)]
 
 
-def _counted(kind: Kind, found: Mapping[str, int]) -> Iterator[Finding]:
-    for what, count in found.items():
-        yield Finding(kind, what + (f" ({count} times)" if count > 1 else ""))
+def _counted(kind: Kind, found: Mapping[tuple[str, Weight], int]) -> Iterator[Finding]:
+    for (what, weight), count in found.items():
+        yield Finding(kind, what + (f" ({count} times)" if count > 1 else ""), weight=weight)
 
 
 def falls(model: etree._Element) -> bool:
@@ -74,17 +76,18 @@ def falls(model: etree._Element) -> bool:
     return not flags or any(flag is None or is_true(flag.text) for flag in flags)
 
 
-def _unknown_elements(model: etree._Element) -> Iterator[str]:
+def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
     falling = falls(model)
     for parent in [*model.iter(*_KEPT)]:
         for child in list(parent):
             if child.tag in _KEPT[str(parent.tag)]:
                 continue
+            weight = weight_of(child)
             parent.remove(child)
             if isinstance(child.tag, str) and child.tag not in _SILENT:
                 named = child.get("filename") or child.get("type") or ""
                 named = f" {Path(named).name}" if child.tag in ("plugin", "sensor") else ""
-                yield f"<{etree.QName(child).localname}>{named} is not used"
+                yield f"<{etree.QName(child).localname}>{named} is not used", weight
     for inertial in model.iter("inertial"):
         for child in list(inertial):
             if child.tag not in ("mass", "inertia", "pose"):
@@ -97,7 +100,7 @@ def _unknown_elements(model: etree._Element) -> Iterator[str]:
                 and not is_within_static(link)
                 and (falling or flag.tag != "gravity")
             ):
-                yield f"<{flag.tag}>{(flag.text or '').strip()}</{flag.tag}> of a link is not used"
+                yield f"<{flag.tag}>{(flag.text or '').strip()}</{flag.tag}> of a link is not used", Weight.MOVES
 
 
 def _frames_of_old_poses(model: etree._Element) -> Iterator[str]:

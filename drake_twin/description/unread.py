@@ -10,9 +10,18 @@ from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.unused_contact import is_unused
-from drake_twin.description.used_elements import DRAKE, REPORTED, ROS2_CONTROL, SDF_MODEL, SEVERAL, URDF, Part
+from drake_twin.description.used_elements import (
+    DRAKE,
+    REPORTED,
+    ROS2_CONTROL,
+    SDF_MODEL,
+    SEVERAL,
+    URDF,
+    Part,
+    weight_of,
+)
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, at_places
+from drake_twin.findings import Finding, Kind, merged
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
@@ -46,7 +55,9 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
 
 
 def _findings(reader: XmlReader, unread: Iterable[tuple[etree._Element, str]]) -> Iterator[Finding]:
-    return at_places(Kind.IGNORED, ((what, reader.place(element)) for element, what in unread))
+    return merged(
+        Finding.at(Kind.IGNORED, what, reader.place(element), weight=weight_of(element)) for element, what in unread
+    )
 
 
 def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Element, str]]:

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.findings import Finding, Kind, Place, Weight, at_places
 
 _STIFFNESS = "stiffness and damping of contact follow from the masses"
 _ISOTROPY = "friction is the same in all directions"
@@ -105,7 +105,8 @@ def _findings(
         more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
         what = f"{', '.join(names)}{whose}: without effect: {instead}"
-        yield from at_places(Kind.WARNING, ((what, place) for place in places))
+        weight = Weight.LOOKS if instead == _STIFFNESS else Weight.MOVES  # DART does not use it either
+        yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight)
 
 
 def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element, str]]:

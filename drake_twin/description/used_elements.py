@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 
 from lxml import etree
 
+from drake_twin.findings import Weight
+
 DRAKE = "{http://drake.mit.edu}"  # the namespace of what Drake's parser reads itself
 
 
@@ -167,6 +169,16 @@ SEVERAL = {
     *((tag, "param") for tag in ("hardware", "command_interface", "state_interface")),
     ("plugin", "parameters"),
 }
+
+
+# What an element and all in it is for, where it is not how the robot moves. ROS 2 and Gazebo use no <transmission>.
+_LOOKS = frozenset(("visual", "material", "scene", "light", "script", "color", "grid", "gui", "transmission"))
+
+
+def weight_of(element: etree._Element) -> Weight:
+    """Return what an element of a URDF, an SDF model or a world is for."""
+    is_seen = any(each.tag in _LOOKS for each in (element, *element.iterancestors()))
+    return Weight.LOOKS if is_seen else Weight.MOVES
 
 
 def is_known(parent: etree._Element, child: etree._Element) -> bool:

@@ -7,7 +7,7 @@ model that cannot be found. Poses are in the world frame.
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +23,13 @@ from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unused_contact import unused_in_sdf
+from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
 from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.findings import Finding, Kind, Place, at_places, merged
 from drake_twin.values import is_true
 
 # SDF's default.
@@ -315,7 +316,7 @@ class _World:
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
         unused = unused_in_sdf(reader, model, with_links=False)
         for finding in (*unused, *mend_model(model, reader, self._includes.addresses.find)):
-            self._mended[Finding(finding.kind, finding.what)][name] = place
+            self._mended[replace(finding, file="", lines=())][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
         text = etree.tostring(root, encoding="unicode")
@@ -367,24 +368,28 @@ class _World:
             first = ", ".join(list(models)[:_MOST_NAMED])
             more = f" and {len(models) - _MOST_NAMED} more" if len(models) > _MOST_NAMED else ""
             what = f"{first}{more}: {finding.what}"
-            yield from at_places(finding.kind, ((what, place) for place in models.values()))
+            about = ((what, place) for place in models.values())
+            yield from at_places(finding.kind, about, weight=finding.weight)
 
     def _not_used(self) -> Iterator[Finding]:
-        yield from at_places(Kind.WINDOW, self._dropped(is_window=True))
-        yield from at_places(Kind.IGNORED, self._dropped(is_window=False))
+        yield from merged(
+            Finding.at(kind, what, self._reader.place(element), weight=weight_of(element))
+            for kind in (Kind.WINDOW, Kind.IGNORED)
+            for what, element in self._dropped(is_window=kind is Kind.WINDOW)
+        )
 
-    def _dropped(self, *, is_window: bool) -> Iterator[tuple[str, Place]]:
+    def _dropped(self, *, is_window: bool) -> Iterator[tuple[str, etree._Element]]:
         beside = [child for child in self._reader.root if child is not self._world and isinstance(child.tag, str)]
         beside += self._world.findall("gravity")[1:]
         for child in beside if not is_window else ():
-            yield f"<{etree.QName(child).localname}> beside the first of the world", self._reader.place(child)
+            yield f"<{etree.QName(child).localname}> beside the first of the world", child
         for child in self._world:
             if not isinstance(child.tag, str) or child.tag in _USED | _SILENT:
                 continue
             if child.tag == "scene" and any(child.find(tag) is not None for tag in _OF_SCENE):
                 for part in child.iterchildren(etree.Element) if not is_window else ():
                     if part.tag not in _OF_SCENE:
-                        yield f"<{part.tag}> in <scene> of the world", self._reader.place(part)
+                        yield f"<{part.tag}> in <scene> of the world", part
                 continue
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
@@ -392,4 +397,4 @@ class _World:
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename')}"
             if is_window == (child.tag == "gui"):
-                yield f"{what} of the world", self._reader.place(child)
+                yield f"{what} of the world", child

@@ -23,7 +23,7 @@ def test_a_shape_without_size_is_left_out(kind, shape):
     inside = f"{SOLID}\n<{kind}><geometry>{shape}</geometry></{kind}><{kind}>{BOX}</{kind}>"
     root, (repair,) = mend(link(inside=inside))
     assert len(root.findall(f"link/{kind}")) == 1
-    assert repair.startswith(f'arm.xacro:2: <link name="base">: a {kind} <{shape[1:4]}')
+    assert repair.startswith(f'arm.xacro:3: <link name="base">: a {kind} <{shape[1:4]}')
     assert repair.endswith("has no size: it is left out [shape_without_size]")
 
 

@@ -5,6 +5,7 @@ from typing import TypeAlias
 
 from lxml import etree
 
+from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.extensions import load_extensions
@@ -52,7 +53,7 @@ def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Findin
     """
     load_extensions(GROUP)
     return [
-        Finding.at(Kind.MENDED, what, reader.place(element), name)
+        Finding.at(Kind.MENDED, what, reader.place(element), name, weight=weight_of(element))
         for name, function in REPAIRS.items()
         if name not in without
         for element, what in function(reader)

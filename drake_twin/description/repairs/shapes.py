@@ -30,7 +30,7 @@ def shape_without_size(reader: XmlReader) -> Mended:
                     if link is not None and _has_no_size(element, attributes):
                         text = " ".join(f"{name}={element.get(name, '')!r}" for name in attributes)
                         link.remove(shape)
-                        yield link, f"{described(link)}: a {kind} <{tag} {text}> has no size: it is left out"
+                        yield shape, f"{described(link)}: a {kind} <{tag} {text}> has no size: it is left out"
 
 
 def _has_no_size(element: etree._Element, attributes: Collection[str]) -> bool:
@@ -51,7 +51,7 @@ def shape_without_geometry(reader: XmlReader) -> Mended:
                 link = shape.getparent()
                 assert link is not None
                 link.remove(shape)
-                yield link, f"{described(link)}: a {kind} has no shape: it is left out"
+                yield shape, f"{described(link)}: a {kind} has no shape: it is left out"
 
 
 @repair("color")
