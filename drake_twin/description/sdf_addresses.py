@@ -16,13 +16,21 @@ from drake_twin.errors import InputError
 
 _SUN = """<sdf version="1.9"><light name="sun" type="directional"><cast_shadows>true</cast_shadows>
 <pose>0 0 10 0 0 0</pose><diffuse>0.8 0.8 0.8 1</diffuse><direction>-0.5 0.1 -0.9</direction></light></sdf>"""
-_GROUND_PLANE = """<sdf version="1.9"><model name="ground_plane"><static>true</static><link name="link">
-<collision name="collision"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry></collision>
-<visual name="visual"><geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>
-<material><diffuse>0.8 0.8 0.8 1</diffuse></material></visual></link></model></sdf>"""
+
+
+def ground_plane(surface: str = "") -> str:
+    """Return Gazebo's model of level ground as SDF, its collision with a ``<surface>`` or with SDF's defaults."""
+    plane = "<geometry><plane><normal>0 0 1</normal><size>100 100</size></plane></geometry>"
+    collision = f'<collision name="collision">{plane}{surface}</collision>'
+    visual = f'<visual name="visual">{plane}<material><diffuse>0.8 0.8 0.8 1</diffuse></material></visual>'
+    return f'<model name="ground_plane"><static>true</static><link name="link">{collision}{visual}</link></model>'
+
+
+# The friction of the model in Gazebo's collections; the ground in gz-sim's own worlds has SDF's.
+_FRICTION = "<surface><friction><ode><mu>100</mu><mu2>50</mu2></ode></friction></surface>"
 
 # The models that nearly every world includes, by their names in Gazebo's collections.
-_BUILT_IN = {"ground_plane": _GROUND_PLANE, "sun": _SUN}
+_BUILT_IN = {"ground_plane": f'<sdf version="1.9">{ground_plane(_FRICTION)}</sdf>', "sun": _SUN}
 
 _FUEL = re.compile(r"https?://(?P<host>[^/]+)(?:/1\.0)?/(?P<owner>[^/]+)/models/(?P<name>[^/]+)", re.IGNORECASE)
 _FUEL_CACHES = (".gz/fuel", ".ignition/fuel")

@@ -16,6 +16,7 @@ from lxml import etree
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
+from drake_twin.description.sdf_addresses import ground_plane
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
@@ -37,7 +38,8 @@ _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
 
 _EMPTY = """<sdf version="1.9"><world name="{name}">
 <physics type="ode"><max_step_size>0.001</max_step_size><real_time_factor>1</real_time_factor></physics>
-<include><uri>model://sun</uri></include><include><uri>model://ground_plane</uri></include></world></sdf>"""
+<include><uri>model://sun</uri></include>{ground}</world></sdf>"""
+_GROUNDS = {".sdf": ground_plane(), ".world": "<include><uri>model://ground_plane</uri></include>"}
 
 # Worlds that are built in, for where their file is missing.
 BUILT_IN_WORLDS = ("empty.sdf", "empty.world", "default.sdf")
@@ -153,7 +155,7 @@ def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]
         if beside:
             file = beside[0]
         elif name in BUILT_IN_WORLDS:
-            return _EMPTY.format(name=name.partition(".")[0]), None
+            return _EMPTY.format(name=Path(name).stem, ground=_GROUNDS[Path(name).suffix]), None
         elif isinstance(error, MissingPackageError):
             raise
         else:

@@ -14,6 +14,9 @@ from drake_twin.from_launch.launched_controllers import words_of
 from drake_twin.ros2.launched import WORLD, LaunchedProcess, WorldStart
 from drake_twin.scenario import LONGEST_STEP, SHORTEST_STEP, World
 
+# What Gazebo classic loads where no world is given; that of gz-sim is nothing but the ground.
+_CLASSICS_OWN = "empty.world"
+
 
 @dataclass(frozen=True)
 class LaunchedWorld:
@@ -47,7 +50,7 @@ def launched_world(
     packages: PackageIndex,
     findings: list[Finding],
 ) -> LaunchedWorld:
-    """Return the world of the simulator that is started last.
+    """Return the world of the simulator that is started last; Gazebo classic's own is ``empty.world``.
 
     Args:
         starts: The simulators and their processes.
@@ -55,10 +58,11 @@ def launched_world(
         packages: Resolves the world's address.
         findings: Is extended by a finding if the world cannot be used.
     """
-    started = next(((start.world, process) for start, process in reversed(starts) if start.world), None)
-    if started is None:
+    named = [(start.world, process) for start, process in starts if start.world]
+    own = [(_CLASSICS_OWN, process) for start, process in starts if start.simulator == "classic"]
+    if not (named or own):
         return LaunchedWorld()
-    name, process = started
+    name, process = (named or own)[-1]
     try:
         address = _address(name, launch_file, packages)
         world = read_world(address, packages)

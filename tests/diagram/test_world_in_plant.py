@@ -110,6 +110,26 @@ def test_the_files_friction_holds_or_lets_slip(tmp_path):
         assert bool(model_state(twin, "crate")[4] > 0.2) is slides
 
 
+SLAB = """<robot name="slab"><link name="l"><inertial><mass value="2"/><inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05"
+iyz="0" izz="0.1"/></inertial><collision><geometry><box size="0.5 0.5 0.05"/></geometry></collision></link>
+<gazebo reference="l"><mu1>1.5</mu1><mu2>1.5</mu2></gazebo></robot>"""
+
+
+@pytest.mark.parametrize(("world", "friction"), [("empty.sdf", 1.0), ("empty.world", 1.5)])
+def test_the_ground_of_gazebos_own_worlds_has_its_friction_there(tmp_path, world, friction):
+    """Gazebo classic's has that of its model (100 and 50), so that the slab's counts; gz-sim's has SDF's default."""
+    file = tmp_path / "slab.urdf"
+    file.write_text(SLAB)
+    pull, press = 9.81 * np.sin(np.radians(60)), 9.81 * np.cos(np.radians(60))
+    world = World(file=world, gravity=(pull, 0, -press))
+    twin = TwinBuilder(world=world).robot("slab", str(file), xyz=(0, 0, 0.025)).build()
+    speeds = []
+    for time in (0.2, 0.4):
+        twin.advance_to(time)
+        speeds.append(model_state(twin, "slab")[10])
+    assert (speeds[1] - speeds[0]) / 0.2 == pytest.approx(pull - friction * press, rel=0.01)
+
+
 def test_the_scenarios_ground_friction_goes_before_the_files(tmp_path):
     tilted = GROUND.replace("<link", "<pose>0 0 0 0 0.3 0</pose><link")
     twin = twin_in(tmp_path, tilted + crate(pose="0 5 0.106 0 0.3 0"), ground_friction=0.05)

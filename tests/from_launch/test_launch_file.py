@@ -98,6 +98,8 @@ def test_a_launch_description_in_plain_python_is_the_same(tmp_path):
         (command("ign gazebo -v 4 empty.sdf", shell=True), "empty.sdf", True),
         (command("gzserver", "--verbose", "-s", "libgazebo_ros_init.so", "empty.world"), "empty.world", False),
         (command("gazebo", "--pause", "empty.world") + command("gzclient"), "empty.world", True),
+        (command("gzserver") + command("gzclient"), "empty.world", False),  # its own
+        (command("gz", "sim", "-r"), None, False),
         ("", None, False),
     ],
 )
