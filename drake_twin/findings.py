@@ -46,6 +46,7 @@ class Place:
 _NOT_DONE = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
 
 _MOST_LINES = 8  # in a sentence
+_MOST_THINGS = 6  # of one cause, in a sentence
 _MOST_TOLD = 5  # lines of a run that does not ask for all findings
 
 
@@ -62,6 +63,7 @@ class Finding:
         lines: Its lines in that file, where they are known.
         rule: The name of the repair.
         weight: What the thing is for.
+        common: The end of ``what`` that others of its kind share: their beginnings are told in one line.
     """
 
     kind: Kind
@@ -71,12 +73,15 @@ class Finding:
     lines: tuple[int, ...] = ()
     rule: str = ""
     weight: Weight = Weight.MOVES
+    common: str = ""
 
     @classmethod
-    def at(cls, kind: Kind, what: str, place: Place, rule: str = "", *, weight: Weight = Weight.MOVES) -> "Finding":
+    def at(
+        cls, kind: Kind, what: str, place: Place, rule: str = "", *, weight: Weight = Weight.MOVES, common: str = ""
+    ) -> "Finding":
         """Return a finding about one place."""
         lines = () if place.line is None else (place.line,)
-        return cls(kind, what, file=place.file, lines=lines, rule=rule, weight=weight)
+        return cls(kind, what, file=place.file, lines=lines, rule=rule, weight=weight, common=common)
 
     def __str__(self) -> str:
         return f"{self.robot}: {self.sentence}" if self.robot else self.sentence
@@ -133,13 +138,32 @@ def most_telling(findings: Iterable[Finding]) -> list[str]:
     """Return a few lines of the findings, the weightiest first; the last one tells of the rest."""
     weights, kinds = list(Weight), list(Kind)
     ranked = sorted(findings, key=lambda finding: (weights.index(finding.weight), kinds.index(finding.kind)))
-    sentences = _sentences(ranked)
+    sentences = _sentences(_together(ranked))
     told = len(sentences) if len(sentences) <= _MOST_TOLD else _MOST_TOLD - 1
     lines = [f"{kind}: {sentence}" for kind, sentence in sentences[:told]]
     if rest := sentences[told:]:
         numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
         lines.append(f"and {len(rest)} more findings ({numbers}): --findings prints them all")
     return lines
+
+
+def _together(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Join findings of one robot that have one cause: the same end of their sentences, or the same repair."""
+    groups: dict[object, list[Finding]] = {}
+    for finding in findings:
+        cause = (finding.kind, finding.robot, finding.file, finding.common, finding.rule)
+        groups.setdefault(cause if finding.common or finding.rule else finding, []).append(finding)
+    for first, *others in groups.values():
+        if first.common and others:
+            things = [finding.what.removesuffix(first.common) for finding in (first, *others)]
+            more = f" and {len(things) - _MOST_THINGS} more" if len(things) > _MOST_THINGS else ""
+            what = f"{', '.join(things[:_MOST_THINGS])}{more}{first.common}"
+            lines = sorted({line for finding in (first, *others) for line in finding.lines})
+            yield replace(first, what=what, lines=tuple(lines))
+        elif others:
+            yield replace(first, what=f"{first.what}, and {len(others)} more of this repair")
+        else:
+            yield first
 
 
 def _sentences(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:

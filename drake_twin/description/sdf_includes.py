@@ -1,6 +1,7 @@
 """``<include>`` in SDF files: each is replaced by its model, under the name and pose asked for."""
 
 import contextlib
+from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from drake_twin.description.sdf_addresses import NotIncludedError, SdfAddresses
 from drake_twin.description.sdf_document import free_name, modernize, read_sdf, sdf_version
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Finding, Kind, Place, at_places
 from drake_twin.values import is_true
 
 # Bounds that worlds do not reach; a file beyond them is a mistake, or hostile.
@@ -147,6 +148,20 @@ class SdfIncludes:
                 taken = {sibling.get("name", "") for sibling in parent.findall("model")}
                 found.element.set("name", free_name(found.element.get("name", ""), taken))
                 parent.replace(include, found.element)
+
+    def missing(self, place: Place) -> Iterator[Finding]:
+        """Yield a finding of all models and packages that were not found in the same folders.
+
+        Args:
+            place: Where they are asked for, if it is not an ``<include>``.
+        """
+        groups: dict[tuple[str, str], list[str]] = {}
+        for name, error in sorted(self.addresses.missing.items()):
+            groups.setdefault((error.searched, error.advice), []).append(name)
+        for (searched, advice), names in groups.items():
+            what = f"these models and packages were not found: {', '.join(names)}. Searched: {searched}. {advice}"
+            asked = [asked for name in names for asked in self.asked.get(name, ())] or [place]
+            yield from at_places(Kind.IGNORED, ((what, each) for each in asked))
 
     def _make_addresses_absolute(self, model: etree._Element, file: Path) -> None:
         """Resolve the addresses of meshes, which are relative to the file that the model is about to leave."""

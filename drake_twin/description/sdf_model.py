@@ -14,6 +14,7 @@ from lxml import etree
 from drake_twin.description.caster_balls import weld_caster_balls
 from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
+from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sdf_document import free_name, is_within_static, number_in
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
@@ -31,9 +32,9 @@ _KEPT = {
     "visual": {"pose", "geometry", "material", "transparency"},
 }
 # They do not affect the motion, and are not worth a finding.
-_SILENT = {"self_collide", "allow_auto_disable", "enable_wind", "velocity_decay", "must_be_base_link", "kinematic"}
-_SILENT |= {"max_contacts", "laser_retro", "cast_shadows", "meta", "physics", "visibility_flags", "plugin_data"}
-_SILENT |= {"density", "auto_inertia_params", "audio_sink", "lighting", "description", "origin", "pose_publish"}
+_SILENT = {"allow_auto_disable", "must_be_base_link", "max_contacts", "laser_retro", "cast_shadows", "meta", "physics"}
+_SILENT |= {"visibility_flags", "plugin_data", "density", "auto_inertia_params", "audio_sink", "lighting"}
+_SILENT |= {"description", "origin", "pose_publish"}
 
 _LIMITLESS = ("ball", "universal", "screw")
 _JOINTS = ("fixed", "revolute", "continuous", "prismatic", "planar", *_LIMITLESS)
@@ -82,9 +83,9 @@ def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
         for child in list(parent):
             if child.tag in _KEPT[str(parent.tag)]:
                 continue
-            weight = weight_of(child)
+            weight, is_default = weight_of(child), asks_for_nothing(child)
             parent.remove(child)
-            if isinstance(child.tag, str) and child.tag not in _SILENT:
+            if isinstance(child.tag, str) and child.tag not in _SILENT and not is_default:
                 named = child.get("filename") or child.get("type") or ""
                 named = f" {Path(named).name}" if child.tag in ("plugin", "sensor") else ""
                 yield f"<{etree.QName(child).localname}>{named} is not used", weight

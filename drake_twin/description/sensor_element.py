@@ -9,7 +9,7 @@ from drake_twin.description.gazebo_plugins import plugin_kind, read_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Sensor
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Place
+from drake_twin.findings import Finding, Kind, merged
 from drake_twin.values import is_true
 
 # What `drake_twin.description.sensors` reads, and what has no meaning here: sensors are always on and not drawn.
@@ -139,9 +139,9 @@ class SensorElement:
         found = self._element.find(path)
         return default if found is None or not text else self._reader.parse_numbers(found, text, _name(path), count)
 
-    def unread(self) -> Iterator[tuple[str, Place]]:
-        """Yield each element that was not read, with its place."""
-        yield from self._unread_in(self._element)
+    def unread(self) -> Iterator[Finding]:
+        """Yield a finding of each element that was not read."""
+        return merged(self._unread_in(self._element))
 
     def take_all(self) -> None:
         """Note every element as read."""
@@ -160,12 +160,14 @@ class SensorElement:
             assert above is not None
             element = above
 
-    def _unread_in(self, element: etree._Element) -> Iterator[tuple[str, Place]]:
+    def _unread_in(self, element: etree._Element) -> Iterator[Finding]:
+        common = f" in <{element.tag}> of sensor {self.sensor.name!r}"
         for child in element.iterchildren(etree.Element):
             if child in self._taken:
                 yield from self._unread_in(child)
             else:
-                yield f"<{child.tag}> in <{element.tag}> of sensor {self.sensor.name!r}", self._reader.place(child)
+                place = self._reader.place(child)
+                yield Finding.at(Kind.IGNORED, f"<{child.tag}>{common}", place, common=common)
 
 
 def _name(path: str) -> str:

@@ -2,14 +2,15 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from typing import TypeAlias
 
 from lxml import etree
 
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
+from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sensors import SENSOR_PLUGINS
-from drake_twin.description.unused_contact import is_unused
 from drake_twin.description.used_elements import (
     DRAKE,
     REPORTED,
@@ -22,6 +23,8 @@ from drake_twin.description.used_elements import (
 )
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, merged
+
+_Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its name, and where it stands or why
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
@@ -39,13 +42,13 @@ def unread_in_urdf(reader: XmlReader) -> list[Finding]:
     return list(_findings(reader, (*_unread(reader.root, URDF), *_about_nothing(reader.root))))
 
 
-def _about_nothing(root: etree._Element) -> Iterator[tuple[etree._Element, str]]:
+def _about_nothing(root: etree._Element) -> Iterator[_Unread]:
     """Yield each ``<gazebo reference>`` to a link or joint that the robot does not have."""
     known = {item.get("name", "").strip() for tag in ("link", "joint") for item in root.iterfind(tag)}
     for element in root.iterfind("gazebo[@reference]"):
         reference = element.get("reference", "").strip()
         if reference and reference not in known and len(element):
-            yield element, f"<gazebo reference={reference!r}>: the robot has no such link or joint"
+            yield element, f"<gazebo reference={reference!r}>", ": the robot has no such link or joint"
 
 
 def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
@@ -54,40 +57,41 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
     return () if model is None else tuple(_findings(reader, _unread(model, SDF_MODEL)))
 
 
-def _findings(reader: XmlReader, unread: Iterable[tuple[etree._Element, str]]) -> Iterator[Finding]:
+def _findings(reader: XmlReader, unread: Iterable[_Unread]) -> Iterator[Finding]:
     return merged(
-        Finding.at(Kind.IGNORED, what, reader.place(element), weight=weight_of(element)) for element, what in unread
+        Finding.at(Kind.IGNORED, thing + common, reader.place(element), weight=weight_of(element), common=common)
+        for element, thing, common in unread
     )
 
 
-def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Element, str]]:
+def _unread(element: etree._Element, part: Part) -> Iterator[_Unread]:
     tag = etree.QName(element).localname
     seen: set[str] = set()
     for name in map(str, element.attrib):
         if name not in part.attributes and not name.startswith("{"):
-            yield element, f"the attribute {name} of <{tag}>"
+            yield element, f"the attribute {name}", f" of <{tag}>"
     for child in element:
         if not isinstance(child.tag, str) or child.tag.startswith(DRAKE):
             continue
         name = etree.QName(child).localname
         known = part.children.get(child.tag)
         if known is not None and child.tag in seen and (tag, name) not in SEVERAL:
-            yield child, f"a second <{name}> in <{tag}>"
+            yield child, f"a second <{name}>", f" in <{tag}>"
             continue
         seen.add(child.tag)
         if known is not None and known.names is not None and child.get("name", "") not in known.names:
-            yield child, f'<{name} name="{child.get("name", "")}"> in <{tag}>'
+            yield child, f'<{name} name="{child.get("name", "")}">', f" in <{tag}>"
         elif known is not None and known is not REPORTED:
             yield from _unread(child, known)
         elif tag in ("gazebo", "model", "sensor") and name == "plugin":
             yield from _unread_plugin(child)
         elif tag in ("gazebo", "link", "joint") and name == "sensor":
             continue  # `drake_twin.planning.sensor_plan` says what becomes of it
-        elif known is not REPORTED and not is_unused(child):
-            yield child, f"<{name}>" + (f" in <{tag}>" if tag != "robot" else "")
+        elif known is not REPORTED and not asks_for_nothing(child):
+            yield child, f"<{name}>", f" in <{tag}>" if tag != "robot" else ""
 
 
-def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str]]:
+def _unread_plugin(plugin: etree._Element) -> Iterator[_Unread]:
     filename, name = plugin.get("filename", ""), plugin.get("name", "")
     if "ros2_control" in filename + name:
         yield from _unread(plugin, ROS2_CONTROL)
@@ -95,7 +99,7 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str
     if is_drive(GazeboPlugin(filename, name)):
         for attribute in map(str, plugin.attrib):
             if attribute not in ROS2_CONTROL.attributes:
-                yield plugin, f"the attribute {attribute} of <plugin>"
+                yield plugin, f"the attribute {attribute}", " of <plugin>"
         return
     called = f"{name} ({filename})" if name and filename else name or filename or "?"
     kind = plugin_kind(GazeboPlugin(filename, name))
@@ -103,7 +107,7 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str
         return
     close = get_close_matches(filename.rpartition("/")[2], known_libraries(), n=1, cutoff=0.85)
     absent = "the twin has no such plugin" + (f". Did you mean {close[0]!r}?" if close else "")
-    yield plugin, f"Gazebo plugin {called}: {_reason(_PLUGINS, filename + name, absent)}"
+    yield plugin, f"Gazebo plugin {called}", f": {_reason(_PLUGINS, filename + name, absent)}"
 
 
 def _reason(reasons: Mapping[str, str], name: str, otherwise: str) -> str:

@@ -230,7 +230,7 @@ class _World:
             models=tuple(models),
             findings=(
                 *self._not_used(),
-                *self._missing(),
+                *self._includes.missing(self._reader.place(self._world)),
                 *self._includes.findings,
                 *self._findings,
                 *self._grouped(),
@@ -354,16 +354,6 @@ class _World:
             for model in self._world.iterfind("state/model")
             if (pose := model.find("pose")) is not None
         }
-
-    def _missing(self) -> Iterator[Finding]:
-        groups: dict[tuple[str, str], list[str]] = {}
-        for name, error in sorted(self._includes.addresses.missing.items()):
-            groups.setdefault((error.searched, error.advice), []).append(name)
-        for (searched, advice), names in groups.items():
-            what = f"these models and packages were not found: {', '.join(names)}. Searched: {searched}. {advice}"
-            asked = [place for name in names for place in self._includes.asked.get(name, ())]
-            places = asked or [self._reader.place(self._world)]
-            yield from at_places(Kind.IGNORED, ((what, place) for place in places))
 
     def _grouped(self) -> Iterator[Finding]:
         for finding, models in self._mended.items():

@@ -34,8 +34,9 @@ def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPl
         if not line.is_to_ros or line.ros_type not in _OF_SENSORS:
             continue
         if not any(_is_of(sensor, plan, line.gz) for plan in plans for sensor in plan.description.sensors):
-            what = f"the bridge carries {line.gz} to {line.ros}, but no sensor publishes it in Gazebo"
-            yield Finding.at(Kind.WARNING, what, line.place)
+            common = ": no sensor publishes it in Gazebo"
+            what = f"the bridge carries {line.gz} to {line.ros}{common}"
+            yield Finding.at(Kind.WARNING, what, line.place, common=common)
 
 
 def _is_of(sensor: Sensor, plan: RobotPlan | ModelPlan, gz: str) -> bool:

@@ -85,7 +85,8 @@ def plan_controllers(
         problem = taken_by or plan.problem
         if problem is not None and plan.error is None:
             place = by_name[name].place(*(("type",) if controller_class(plan.type) is None else ()))
-            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", place))
+            common = f": {problem}"
+            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}{common}", place, common=common))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
 

@@ -365,6 +365,7 @@ def _start_positions(
             for item in tag.state_interfaces
             if item.name != "position" and item.initial_value
         ]
+    at_limits: dict[str, list[str]] = {}
     for name, joint in joints.items():
         value = robot.initial_positions.get(name, starts.get(name))
         if value is None:
@@ -374,8 +375,11 @@ def _start_positions(
             value = next((item for item in initial if item is not None), 0.0)
         clamped = min(max(value, joint.limits.lower), joint.limits.upper)
         if clamped != value:
-            warnings.append(f"joint {name} starts at its limit {clamped:g} instead of {value:g}")
+            at_limits.setdefault(f"{clamped:g} instead of {value:g}", []).append(name)
         positions[name] = clamped
+    for start, names in at_limits.items():
+        who = f"joint {names[0]} starts at its" if len(names) == 1 else f"joints {', '.join(names)} start at their"
+        warnings.append(f"{who} limit {start}")
     found = description.with_followers(positions)
     for name, value in robot.initial_positions.items():
         mimic = joints[name].mimic

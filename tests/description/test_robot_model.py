@@ -243,7 +243,7 @@ PENDULUM = """<sdf version="1.7"><model name="pendulum">
 <joint name="to_world" type="fixed"><parent>world</parent><child>base</child></joint><link name="base"/>
 <link name="bob"><inertial><pose>0 0 -1 0 0 0</pose><mass>1</mass></inertial></link>
 <joint name="j" type="revolute"><parent>base</parent><child>bob</child><axis><xyz>0 1 0</xyz>
-<limit><effort>50</effort></limit><dynamics><friction>3</friction></dynamics></axis></joint></model></sdf>"""
+<limit><effort>50</effort></limit></axis><physics><ode><cfm>0.1</cfm></ode></physics></joint></model></sdf>"""
 
 
 def test_an_sdf_robot_without_ros2_control_is_limp_as_in_gazebo(tmp_path):
@@ -262,7 +262,7 @@ def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_p
     assert model.drake_format == "sdf"
     assert [str(item) for item in of(model, Kind.IGNORED)] == [
         "Gazebo plugin p (f): the twin has no such plugin (p.sdf:2)",
-        "<friction> in <dynamics> (p.sdf:6)",
+        "<physics> in <joint> (p.sdf:6)",
     ]
     assert [item.what for item in of(model, Kind.WARNING)] == [
         "without_repairs: inertia has no effect on a file that is not URDF"
