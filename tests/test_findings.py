@@ -39,6 +39,26 @@ def test_what_is_lost_comes_first_then_what_does_not_start_and_looks_come_last()
     ]
 
 
+def test_findings_of_one_cause_are_one_line_with_all_their_lines():
+    common = " in <sensor> of sensor 's'"
+    parts = [
+        Finding(Kind.IGNORED, f"<{tag}>{common}", robot, "r.urdf", (line,), common=common)
+        for robot in ("a", "b")
+        for line, tag in enumerate("xyz", 7)
+    ]
+    repairs = [Finding(Kind.MENDED, f"<link {name}> has no mass", "a", "r.urdf", (3,), "massless") for name in "stu"]
+    other = Finding(Kind.MENDED, "<link v> has no shape", "a", "r.urdf", (4,), "shape")
+    assert most_telling([*parts, *repairs, other]) == [
+        "ignored: a, b: <x>, <y>, <z> in <sensor> of sensor 's' (r.urdf:7, 8, 9)",
+        "mended: a: r.urdf:3: <link s> has no mass, and 2 more of this repair [massless]",
+        "mended: a: r.urdf:4: <link v> has no shape [shape]",
+    ]
+    many = [replace(parts[0], what=f"<{number}>{common}") for number in range(9)]
+    assert most_telling(many) == [
+        "ignored: a: <0>, <1>, <2>, <3>, <4>, <5> and 3 more in <sensor> of sensor 's' (r.urdf:7)"
+    ]
+
+
 def test_the_same_of_several_robots_is_one_line():
     each = [Finding(Kind.IGNORED, f"<thing {number}>", robot=robot) for number in range(5) for robot in ("a", "b")]
     assert most_telling(each)[0] == "ignored: a, b: <thing 0>"

@@ -193,6 +193,15 @@ def test_a_start_beyond_the_limits_is_clamped_and_said():
     assert "joint joint_4 starts at its limit 0.8 instead of 2" in plan.warnings[0]
 
 
+def test_joints_that_start_at_the_same_limit_are_one_warning(cart):
+    limit = '<limit lower="1" upper="2" effort="1" velocity="8"/></joint>'
+    file = TWO_WHEELS.replace("continuous", "revolute").replace('<limit effort="1" velocity="8"/></joint>', limit)
+    file = file.replace('<child link="right"/></joint>', f'<child link="right"/>{limit}').replace(">0.5<", ">0<")
+    assert [item for item in cart(file=file).warnings if "start" in item] == [
+        "cart: joints left_joint, right_joint start at their limit 1 instead of 0"
+    ]
+
+
 def test_a_start_of_a_joint_that_follows_another_is_said():
     plan = plan_robot(Robot("arm", ARM, initial_positions={"joint_4": 0.3, "joint_5": 0.1}), PACKAGES)
     assert plan.start_positions["joint_5"] == -0.3
