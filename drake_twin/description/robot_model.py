@@ -189,8 +189,10 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
     root = etree.Element("sdf", version=".".join(map(str, found.version)))
     root.append(found.element)
     found.element.extend(deepcopy(includes[0].findall("plugin")))
-    lost = tuple(finding for finding in addresses.findings if not finding.what.startswith("<plugin>"))
-    return ModelText(etree.tostring(root, encoding="unicode"), found.reader.file or file, lost)
+    lost = [finding for finding in addresses.findings if not finding.what.startswith("<plugin>")]
+    if addresses.asked:
+        lost += addresses.not_found(reader.place(includes[0]))
+    return ModelText(etree.tostring(root, encoding="unicode"), found.reader.file or file, tuple(lost))
 
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:

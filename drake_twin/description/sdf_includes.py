@@ -1,6 +1,7 @@
 """``<include>`` in SDF files: each is replaced by its model, under the name and pose asked for."""
 
 import contextlib
+from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from drake_twin.description.sdf_addresses import NotIncludedError, SdfAddresses
 from drake_twin.description.sdf_document import free_name, modernize, read_sdf, sdf_version
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Finding, Kind, Place, Weight, at_places
 from drake_twin.values import is_true
 
 # Bounds that worlds do not reach; a file beyond them is a mistake, or hostile.
@@ -83,8 +84,19 @@ class SdfIncludes:
             return self._model(address, include, reader, above)
         except NotIncludedError as reason:
             what = f"{address} is not included: {reason}"
-            self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(include)))
+            self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(include), weight=Weight.LOST))
             return None
+
+    def not_found(self, otherwise: Place) -> Iterator[Finding]:
+        """Report the models and packages that were not found, at ``otherwise`` if only meshes are in them."""
+        missing = self.addresses.missing
+        if not missing:
+            return
+        names = ", ".join(sorted(missing))
+        first = next(iter(missing.values()))
+        what = f"these models and packages were not found: {names}. Searched: {first.searched}. {first.advice}"
+        places = ((what, place) for place in self.asked or [otherwise])
+        yield from at_places(Kind.IGNORED, places, weight=Weight.LOST if self.asked else Weight.MOVES)
 
     def _model(
         self, address: str, include: etree._Element, reader: XmlReader, above: tuple[Path, ...]

@@ -29,7 +29,7 @@ from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place, at_places, merged
+from drake_twin.findings import Finding, Kind, Place, Weight, at_places, merged
 from drake_twin.values import is_true
 
 # SDF's default.
@@ -228,7 +228,7 @@ class _World:
             models=tuple(models),
             findings=(
                 *self._not_used(),
-                *self._missing(),
+                *self._includes.not_found(self._reader.place(world)),
                 *self._includes.findings,
                 *self._findings,
                 *self._grouped(),
@@ -237,12 +237,12 @@ class _World:
             surroundings=surroundings,
         )
 
-    def _lose(self, error: InputError) -> None:
+    def _lose(self, error: InputError, weight: Weight = Weight.MOVES) -> None:
         """Leave out one element of the world, as an error about it says why."""
         place = Place(error.file or "", error.line)
         choices = f" Valid: {', '.join(error.valid)}." if error.valid else ""
         what = f"{error.message.rstrip('.')}: it is left out.{choices}"
-        self._findings.append(Finding.at(Kind.IGNORED, what, place))
+        self._findings.append(Finding.at(Kind.IGNORED, what, place, weight=weight))
 
     def _gravity(self, physics: etree._Element | None) -> Vector3:
         element = self._world.find("gravity")
@@ -271,7 +271,7 @@ class _World:
             try:
                 X = states[name] if name in states else frames.pose(model, pose)
             except InputError as error:
-                self._lose(error)
+                self._lose(error, Weight.LOST)
                 continue
             own = free_name(name.replace("::", "_"), taken)
             if own != name:
@@ -340,7 +340,7 @@ class _World:
                 try:
                     self._reader.text(child, "name")
                 except InputError as error:
-                    self._lose(error)
+                    self._lose(error, Weight.LOST)
                     continue
                 self._includes.expand(child, self._reader, self._version, above)
                 yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
@@ -352,15 +352,6 @@ class _World:
             for model in self._world.iterfind("state/model")
             if (pose := model.find("pose")) is not None
         }
-
-    def _missing(self) -> Iterator[Finding]:
-        missing = self._includes.addresses.missing
-        if missing:
-            names = ", ".join(sorted(missing))
-            first = next(iter(missing.values()))
-            what = f"these models and packages were not found: {names}. Searched: {first.searched}. {first.advice}"
-            places = self._includes.asked or [self._reader.place(self._world)]
-            yield from at_places(Kind.IGNORED, ((what, place) for place in places))
 
     def _grouped(self) -> Iterator[Finding]:
         for finding, models in self._mended.items():

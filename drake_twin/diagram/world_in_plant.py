@@ -20,7 +20,7 @@ from drake_twin.diagram.static_world import (
     static_shapes,
 )
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.scenario import GROUND_FRICTION, Scenario, World
 
 _GRAVITY = (0.0, 0.0, -9.81)
@@ -115,7 +115,7 @@ def _add_models(
             except (*DRAKE_RAISES, InputError) as error:
                 reason = without_literal(" ".join(str(error).split())) or "no reason given"
                 what = f"{model.name}: the model is left out, because Drake refuses it ({reason.rstrip('.')})"
-                findings.append(Finding.at(Kind.IGNORED, what, model.place))
+                findings.append(Finding.at(Kind.IGNORED, what, model.place, weight=Weight.LOST))
         warnings += dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages)
         findings += [Finding.at(Kind.WARNING, warning, model.place) for warning in warnings]
     return shapes, moving, anchors
