@@ -14,7 +14,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_version, check_figure, leave, run_program, say, stop_signals
+from drake_twin.program import (
+    ArgumentParser,
+    add_keep_going,
+    add_version,
+    check_figure,
+    leave,
+    run_program,
+    say,
+    stop_signals,
+)
 
 if TYPE_CHECKING:
     from drake_twin.calibration.result import Result
@@ -103,6 +112,7 @@ def _parser() -> ArgumentParser:
         metavar="PATH=VALUE",
         help="where to begin (may be repeated; by default at the values of the scenario)",
     )
+    add_keep_going(how)
     how.add_argument("--episodes", type=int, metavar="N", help="simulate a log so often at most (default: 700)")
     out = parser.add_argument_group("output")
     out.add_argument("--out", type=Path, metavar="FILE", help="write the scenario with the values (.yaml)")
@@ -151,6 +161,7 @@ def _calibrated(options: argparse.Namespace, arguments: Sequence[str], stopped: 
     from drake_twin.calibration.fit import LONGEST_DELAY, MOST_EPISODES, StoppedError, calibrate
     from drake_twin.calibration.fitted import Fitted
     from drake_twin.calibration.noise import parse_noise
+    from drake_twin.cli.lost import check_lost
     from drake_twin.cli.options import parser as run_parser
     from drake_twin.cli.target import find_target
 
@@ -159,6 +170,7 @@ def _calibrated(options: argparse.Namespace, arguments: Sequence[str], stopped: 
     noise = parse_noise(options.noise)
     start = dict(map(_number, options.start))
     scenario = find_target(run_parser().parse_args(options.target)).scenario
+    check_lost(scenario.findings, keep_going=options.keep_going)
     try:
         return calibrate(
             scenario,

@@ -10,11 +10,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drake_twin.cli.lost import check_lost
 from drake_twin.cli.plugins import add_plugin, load_plugins
 from drake_twin.description.package_index import absolute_path
 from drake_twin.errors import InputError, TwinError
-from drake_twin.findings import Finding, Kind, counted, texts
-from drake_twin.program import ArgumentParser, add_strict, add_version, announce_page, run_program, say, stop_signals
+from drake_twin.findings import Finding, Kind, Weight, counted, texts
+from drake_twin.program import (
+    ArgumentParser,
+    add_keep_going,
+    add_strict,
+    add_version,
+    announce_page,
+    run_program,
+    say,
+    stop_signals,
+)
 
 if TYPE_CHECKING:
     from drake_twin.twin.twin import Twin
@@ -22,7 +32,7 @@ if TYPE_CHECKING:
 _DESCRIPTION = """\
 Reads a robot file (xacro, URDF, SDF or MJCF), builds it, simulates it for 0.1 s, and reports what it contains, what was
 mended in it and what the twin ignores. Exit code 0: it runs; 1: it does not run, or --strict does not accept it;
-2: the arguments cannot be used. Made for the CI of a package."""
+2: the arguments cannot be used, or a model that it includes is lost. Made for the CI of a package."""
 
 _STEPS = 100
 _FRAME = 1 / 30  # s
@@ -144,7 +154,9 @@ def _lines(report: Report) -> Iterator[str]:
     for finding in sorted(report.findings, key=lambda finding: list(Kind).index(finding.kind)):
         yield f"  {finding.kind}: {finding.sentence}"
     is_mended = any(finding.kind is Kind.MENDED for finding in report.findings)
-    verdict = "does not run" if not report.ok else "runs, mended" if is_mended else "runs as it is"
+    is_lost = any(finding.weight is Weight.LOST for finding in report.findings)
+    how = "without what is lost" if is_lost else "mended" if is_mended else ""
+    verdict = "does not run" if not report.ok else f"runs, {how}" if how else "runs as it is"
     yield f"  verdict: {verdict}"
 
 
@@ -199,6 +211,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--package-path", action="append", default=[], metavar="DIR", help="a folder of ROS packages")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
     add_strict(parser, "exit code 1 also")
+    add_keep_going(parser)
     parser.add_argument("--view", action="store_true", help="show the robot on the page, with a slider for each joint")
     parser.add_argument("--no-browser", action="store_true", help="do not open the page in a browser")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -220,7 +233,10 @@ def _program(arguments: Sequence[str]) -> int:
         say(json.dumps(report.as_plain, indent=2) if options.json else "\n".join(_lines(report)))
         if options.view and report.ok:
             _view(Path(report.file), xacro_args, paths, stopped, open_browser=not options.no_browser)
-    return 0 if report.ok and not counted(report.findings, options.strict) else 1
+    if not report.ok or counted(report.findings, options.strict):
+        return 1
+    check_lost(report.findings, keep_going=options.keep_going)
+    return 0
 
 
 def _view(

@@ -25,7 +25,7 @@ class Kind(StrEnum):
 class Weight(StrEnum):
     """What a part of a file is for, in the order in which findings are told."""
 
-    LOST = "lost"  # a robot, a world or a model of it: without it, what runs is something else
+    LOST = "lost"  # a robot, a part of it that has a file of its own, or a world: what runs is something else
     MOVES = "moves"  # how robots move, and what is published and heard
     LOOKS = "looks"  # how they look, or what Gazebo's engine (DART) does not use either
 

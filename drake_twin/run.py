@@ -17,6 +17,7 @@ from drake_twin.cli.announcement import announce
 from drake_twin.cli.build_line import build_line
 from drake_twin.cli.html_file import html_file
 from drake_twin.cli.launch_arguments import launch_arguments
+from drake_twin.cli.lost import check_lost
 from drake_twin.cli.node_options import start_nodes
 from drake_twin.cli.observers import Observers
 from drake_twin.cli.options import check, parser
@@ -72,6 +73,7 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         target = find_target(options) if again is None else again.target
         if options.show_scenario:
             _print_scenario(target)
+            check_lost(target.scenario.findings, keep_going=options.keep_going)
             return 0
         has_page = not (options.headless or options.graphviz or options.end_with_recording)
         page = ProgramPage(options) if has_page else None  # before the twin, for a port may be taken
@@ -80,6 +82,7 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         twin = build_twin(target)
     if options.graphviz is not None:
         _draw_diagram(twin, options.graphviz)
+        check_lost(twin.findings, keep_going=options.keep_going)
         return 0
     announce(twin, target, options)
     if target.paused and page is not None:
@@ -101,6 +104,7 @@ def _run_target(options: argparse.Namespace, stopped: Sequence[int], stack: Exit
         failure = save_results(run.twin, run.simulated, run.wall_time, options, run.failure)
     if failure is not None:
         raise failure
+    check_lost(run.twin.findings, keep_going=options.keep_going)
     return 1 if options.strict and texts(run.twin.findings, Kind.FAILED) else 0
 
 

@@ -16,7 +16,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drake_twin.errors import InputError, RunError
-from drake_twin.program import ArgumentParser, add_version, check_figure, leave, run_program, say, stop_signals
+from drake_twin.program import (
+    ArgumentParser,
+    add_keep_going,
+    add_version,
+    check_figure,
+    leave,
+    run_program,
+    say,
+    stop_signals,
+)
 from drake_twin.sweeps.processes import Processes, workers_of_machine
 
 if TYPE_CHECKING:
@@ -100,6 +109,7 @@ def _parser() -> ArgumentParser:
     )
     how.add_argument("--timeout", type=float, default=600.0, metavar="S", help="longest wall time (default: 600)")
     how.add_argument("--force", action="store_true", help="run all again, also where the file is of another sweep")
+    add_keep_going(how)
     how.add_argument("--yes", action="store_true", help=f"run more than {_MANY:,} episodes")
     shown = parser.add_argument_group("what is shown")
     shown.add_argument("--show", type=Path, metavar="FILE", help="print what a table says, and end")
@@ -151,6 +161,7 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Sequence[int], processes: Processes) -> int:
+    from drake_twin.cli.lost import check_lost
     from drake_twin.sweeps.episode import ERROR, trial
     from drake_twin.sweeps.progress_line import ProgressLine
     from drake_twin.sweeps.results import Results, check_format
@@ -167,7 +178,7 @@ def _sweep(options: argparse.Namespace, arguments: Sequence[str], stopped: Seque
     outcomes: Counter[str] = Counter()
     try:
         with _engine(options, sweep, left, processes) as engine:
-            trial(sweep)
+            check_lost(trial(sweep), keep_going=options.keep_going)
             episodes = (item for item in sweep.design.episodes() if sweep.id_of(item) not in results.rows)
             with ProgressLine(len(sweep), len(results.rows)) as progress:
                 for row in engine.rows(episodes, stopped):

@@ -8,7 +8,7 @@ from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
 from drake_twin.cli.wire_options import add_wires, check_wires
 from drake_twin.errors import InputError
-from drake_twin.program import ArgumentParser, add_strict, add_version
+from drake_twin.program import ArgumentParser, add_keep_going, add_strict, add_version
 from drake_twin.scenario import LONGEST_TIME
 
 _DESCRIPTION = """\
@@ -124,6 +124,7 @@ def _add_page(group: argparse._ArgumentGroup) -> None:
 def _add_launch_files(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--show-args", action="store_true", help="print the arguments of the launch file and end")
     add_strict(group, "refuse to run")
+    add_keep_going(group)
     group.add_argument("--watch", action="store_true", help="restart when a file that the twin is made of changes")
 
 

@@ -23,7 +23,7 @@ from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro, places_of_expanded
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place, at_places
+from drake_twin.findings import Finding, Kind, Place, Weight, at_places
 
 _EXPANDED = "<!-- drake_twin: expanded -->"
 
@@ -195,8 +195,13 @@ def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
     root = etree.Element("sdf", version=".".join(map(str, found.version)))
     root.append(found.element)
     found.element.extend(deepcopy(includes[0].findall("plugin")))
-    lost = tuple(finding for finding in addresses.findings if not finding.what.startswith("<plugin>"))
-    return ModelText(etree.tostring(root, encoding="unicode"), found.reader.file or file, lost)
+    lost = [finding for finding in addresses.findings if not finding.what.startswith("<plugin>")]
+    lost += addresses.not_found(reader.place(includes[0])) if addresses.asked else ()
+    return ModelText(
+        etree.tostring(root, encoding="unicode"),
+        found.reader.file or file,
+        tuple(replace(finding, weight=Weight.LOST) for finding in lost),
+    )
 
 
 def _load_mjcf(text: str, file: Path, name: str | None) -> RobotModel:

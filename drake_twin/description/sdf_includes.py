@@ -149,7 +149,7 @@ class SdfIncludes:
                 found.element.set("name", free_name(found.element.get("name", ""), taken))
                 parent.replace(include, found.element)
 
-    def missing(self, place: Place) -> Iterator[Finding]:
+    def not_found(self, place: Place) -> Iterator[Finding]:
         """Yield a finding of all models and packages that were not found in the same folders.
 
         Args:

@@ -177,6 +177,8 @@ _LOOKS = frozenset(("visual", "material", "scene", "light", "script", "color", "
 
 def weight_of(element: etree._Element) -> Weight:
     """Return what an element of a URDF, an SDF model or a world is for."""
+    if element.tag == "include":
+        return Weight.LOST
     is_seen = any(each.tag in _LOOKS for each in (element, *element.iterancestors()))
     return Weight.LOOKS if is_seen else Weight.MOVES
 

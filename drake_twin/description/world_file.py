@@ -230,7 +230,7 @@ class _World:
             models=tuple(models),
             findings=(
                 *self._not_used(),
-                *self._includes.missing(self._reader.place(self._world)),
+                *self._includes.not_found(self._reader.place(world)),
                 *self._includes.findings,
                 *self._findings,
                 *self._grouped(),

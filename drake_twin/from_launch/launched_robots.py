@@ -16,7 +16,7 @@ from drake_twin.description.robot_model import included_model
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.from_launch.command_line import CommandLine, command_line
 from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
@@ -163,7 +163,8 @@ class LaunchedRobots:
         """Add the robots of ros2_control_nodes, unless a simulator starts a robot."""
         source, publisher = self._described(process)
         if any(robot.publisher is publisher and publisher is not None for robot in self.robots):
-            self._drop(f"{process.what} (the simulated robot has its own controller manager)", process)
+            what = f"{process.what} (the simulated robot has its own controller manager)"
+            self._drop(what, process, Weight.MOVES)
             return
         files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
         self._add(source.name, source, process, None, publisher, process.namespace)
@@ -289,8 +290,8 @@ class LaunchedRobots:
             )
         return self._text_source(_description_of(publisher, self._packages), publisher.namespace), publisher
 
-    def _drop(self, what: str, process: LaunchedProcess) -> None:
-        self.findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
+    def _drop(self, what: str, process: LaunchedProcess, weight: Weight = Weight.LOST) -> None:
+        self.findings.append(Finding.at(Kind.NOT_STARTED, what, process.place, weight=weight))
 
     def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
         if file.startswith(("http://", "https://")):

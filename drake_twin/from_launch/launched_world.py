@@ -9,7 +9,7 @@ from pathlib import Path
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldModel, read_world
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.from_launch.launched_controllers import words_of
 from drake_twin.ros2.launched import WORLD, LaunchedProcess, WorldStart
 from drake_twin.scenario import LONGEST_STEP, SHORTEST_STEP, World
@@ -70,7 +70,8 @@ def launched_world(
             what = f"world {name} is not on this machine: {address} is used"
             findings.append(Finding.at(Kind.WARNING, what, process.place))
     except InputError as error:
-        findings.append(Finding.at(Kind.NOT_STARTED, f"world {name}: {error}", process.place))
+        what = f"world {name}: {error}"
+        findings.append(Finding.at(Kind.NOT_STARTED, what, process.place, weight=Weight.LOST))
         return LaunchedWorld()
     step = world.max_step_size
     usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP

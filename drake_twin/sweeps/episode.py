@@ -10,6 +10,7 @@ from math import ceil
 from typing import Any
 
 from drake_twin.errors import InputError, TwinError, described
+from drake_twin.findings import Finding
 from drake_twin.program import version_text
 from drake_twin.scenario import Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
@@ -228,11 +229,14 @@ def failed(sweep: Sweep, episode: Episode, reason: str) -> Row:
     return {**first_columns(sweep, episode), "reason": reason}
 
 
-def trial(sweep: Sweep) -> None:
+def trial(sweep: Sweep) -> tuple[Finding, ...]:
     """Start every varied value once, so that what is wrong with a sweep is found before it begins.
 
     Of the values that need a build only the first one of each path is built; of many values some are tried, with the
     least and the largest.
+
+    Returns:
+        What became of the files.
 
     Raises:
         InputError: If a path, a value or a metric's topic cannot be used.
@@ -249,6 +253,7 @@ def trial(sweep: Sweep) -> None:
         for metric in sweep.metrics:
             for topic in metric.topics(twin):
                 twin.subscribe(topic, lambda message: None)
+        return twin.findings
 
 
 def _some(values: Sequence[Value]) -> Sequence[Value]:
