@@ -56,7 +56,7 @@ def add_strict(parser: Any, consequence: str) -> None:
 
 
 def add_keep_going(parser: Any) -> None:
-    """Add ``--keep-going``; `drake_twin.cli.lost.check_lost` obeys it."""
+    """Add ``--keep-going``; `drake_twin.cli.lost.check_lost` reads it."""
     what = "exit code 0 also when a robot, a part of it or a world that the files ask for could not be had"
     parser.add_argument("--keep-going", action="store_true", help=what)
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from lxml import etree
 
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
+from drake_twin.description.link_surface import LinkSurface
 from drake_twin.description.meshes import (
     Primitive,
     collision_mesh,
@@ -22,7 +23,7 @@ from drake_twin.description.meshes import (
     visual_mesh,
 )
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.robot_description import LinkSurface, RobotDescription
+from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.used_elements import is_known, weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -89,9 +90,9 @@ def prepare_urdf(
     reader.root.set("name", model_name)
     _drop_what_drake_does_not_know(reader)
     findings += _inline_materials(reader, original, without)
+    _give_friction(reader, description)  # while each shape is still where the file has it
     meshes: list[Path] = []
     findings += _resolve_meshes(reader, packages, without, collision, meshes)
-    _give_friction(reader, description)
     _give_mimic(reader, description)
     _drop_what_drake_warns_of(reader)
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
@@ -271,19 +272,18 @@ def _replace_by_primitive(reader: XmlReader, shape: etree._Element, mesh: etree.
 
 
 def _give_friction(reader: XmlReader, description: RobotDescription) -> None:
-    """Apply ``<gazebo reference="link"><mu1>``: Drake has one coefficient a shape, the smaller of mu1 and mu2."""
+    """Apply the frictions of surfaces: Drake has one coefficient a shape, the smaller of the two directions'."""
     for link in reader.root.iterfind("link"):
-        surface = description.surfaces.get(link.get("name", ""), LinkSurface())
-        coefficients = [mu for mu in (surface.mu1, surface.mu2) if mu is not None]
-        if not coefficients:
-            continue
-        friction = f"{max(0.0, min(coefficients)):.17g}"
-        for collision in link.iterfind("collision"):
+        frictions = description.surfaces.get(link.get("name", ""), LinkSurface()).frictions
+        for collision, friction in zip(link.findall("collision"), frictions, strict=False):
+            if friction is None:
+                continue
             properties = etree.SubElement(
                 collision, f"{{{_DRAKE_NAMESPACE}}}proximity_properties", nsmap={"drake": _DRAKE_NAMESPACE}
             )
             for name in ("mu_dynamic", "mu_static"):
-                etree.SubElement(properties, f"{{{_DRAKE_NAMESPACE}}}{name}", value=friction)
+                value = f"{max(0.0, min(friction.mu, friction.mu2)):.17g}"
+                etree.SubElement(properties, f"{{{_DRAKE_NAMESPACE}}}{name}", value=value)
 
 
 def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:

@@ -32,6 +32,11 @@ def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
         yield read_plugin(reader, plugin)
 
 
+def is_of_gazebo_sim(plugin: etree._Element) -> bool:
+    """Tell whether a ``<plugin>`` is one of Gazebo Sim's own, and so not one of Gazebo classic."""
+    return bool(_GZ_LIBRARY.fullmatch(plugin.get("filename", "")) or _CLASS.fullmatch(plugin.get("name", "")))
+
+
 def read_plugin(reader: XmlReader, plugin: etree._Element) -> GazeboPlugin:
     """Read a ``<plugin>``."""
     elements: dict[str, tuple[str, ...]] = {}

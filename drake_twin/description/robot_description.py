@@ -9,6 +9,7 @@ from functools import cached_property
 from math import inf, nan
 from pathlib import Path
 
+from drake_twin.description.link_surface import LinkSurface
 from drake_twin.findings import Place
 
 Vector3 = tuple[float, float, float]
@@ -249,15 +250,6 @@ class GazeboPlugin:
 
 
 @dataclass(frozen=True)
-class LinkSurface:
-    """Contact properties of a ``<gazebo reference="link">`` tag; friction coefficients have no unit."""
-
-    mu1: float | None = None
-    mu2: float | None = None
-    self_collide: bool | None = None
-
-
-@dataclass(frozen=True)
 class RobotDescription:
     """One robot as its file describes it.
 
@@ -267,7 +259,7 @@ class RobotDescription:
         joints: The joints, in file order.
         systems: Its ``<ros2_control>`` tags.
         plugins: The plugins of its ``<gazebo>`` tags.
-        surfaces: Link name → its surface by ``<gazebo reference>``.
+        surfaces: Link name → the surface of its shapes by ``<gazebo reference>``; of a URDF only.
         sensors: The sensors of its ``<gazebo>`` tags, or of an SDF's links and joints.
         text: The expanded URDF (or the SDF), which is also published as ``robot_description``.
         file: The file it was read from.

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from lxml import etree
 
+from drake_twin.description.fixed_joint_lumping import gazebo_collisions
+from drake_twin.description.link_surface import SURFACE_FRICTION
 from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.description.sdf_document import numbers_in
-from drake_twin.description.urdf import SURFACE_FRICTION
 from drake_twin.description.wheel_geometry import link_poses, rotation, wheel_radius
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Place
@@ -70,8 +71,10 @@ def roller_links(description: RobotDescription) -> frozenset[str]:
 def _one_way_frictions(root: etree._Element) -> Iterator[tuple[str, Mapping[str, etree._Element]]]:
     """Yield link → its elements of friction, for each link with a direction of friction."""
     links: dict[str, list[etree._Element]] = {}
+    told = {place[0] for place, shape in gazebo_collisions(root).items() if place[0] in shape.sources}
     for element in root.iterfind("gazebo"):
-        links.setdefault(element.get("reference", ""), []).append(element)
+        if element.get("reference", "") in told:
+            links.setdefault(element.get("reference", ""), []).append(element)
     for link in root.iter("link"):
         surfaces = link.iterfind(SURFACE_FRICTION)
         links.setdefault(link.get("name", ""), []).extend(surfaces)

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from lxml import etree
 
+from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_plugins import plugin_kind, read_plugin
 from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.values import is_true
 
 # Plugins of Gazebo classic that are sensors by themselves, outside of a <sensor>: the element that names their link
 # or joint, and the one of their rate (Hz).
@@ -94,34 +94,6 @@ def _children(root: etree._Element) -> dict[str, str]:
         child = joint.find("child")
         if child is not None:
             found[(joint.get("name") or "").strip()] = (child.get("link") or child.text or "").strip()
-    return found
-
-
-def lumped_links(root: etree._Element) -> dict[str, str]:
-    """Return link → the link into which Gazebo folds it, for the links on fixed joints.
-
-    libsdformat's ``FixedJointShouldBeReduced`` (src/parser_urdf.cc): every fixed joint that is not marked by
-    ``<preserveFixedJoint>`` or ``<disableFixedJointLumping>`` and whose parent is not ``world``.
-    """
-    kept = {
-        (element.get("reference") or "").strip()
-        for element in root.iterfind("gazebo[@reference]")
-        for tag in ("preserveFixedJoint", "disableFixedJointLumping")
-        if is_true(element.findtext(tag))
-    }
-    parents: dict[str, str] = {}
-    for joint in root.iterfind("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        is_folded = joint.get("type") == "fixed" and (joint.get("name") or "").strip() not in kept
-        if is_folded and parent is not None and child is not None and parent.get("link", "").strip() != "world":
-            parents[child.get("link", "").strip()] = parent.get("link", "").strip()
-    found = {}
-    for link in parents:
-        last, seen = link, {link}
-        while last in parents and parents[last] not in seen:
-            last = parents[last]
-            seen.add(last)
-        found[link] = last
     return found
 
 

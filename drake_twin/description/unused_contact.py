@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 from lxml import etree
 
+from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, Place, Weight, at_places
 
@@ -19,6 +20,9 @@ _ROLLING = "rolling has no resistance but friction"
 _TORSION = "only contact between faces resists a turn on the spot"
 _BOUNCE = "nothing bounces"
 _MASKS = "shapes of different models always collide"
+_NAMED = "without effect on collision shapes that have a name: Gazebo's reader gives those the default surface"
+_FOLDED = "without effect: Gazebo's reader takes the link's shapes for those of the link that it is fixed to"
+_SHAPELESS = "without effect: the link has no collision shape"
 
 # Parameter → Gazebo's default, and what the twin does instead.
 _UNUSED: Mapping[str, tuple[tuple[float, ...], str]] = {
@@ -62,12 +66,36 @@ def unused_in_urdf(reader: XmlReader, rollers: Collection[str] = ()) -> list[Fin
         reader: The robot's document.
         rollers: The links whose direction of friction is used.
     """
-    surfaces: dict[str, list[etree._Element]] = {
-        link.get("name", ""): [] for link in reader.root.iterfind("link") if link.find("collision") is not None
-    }
-    for element in reader.root.iterfind("gazebo"):
-        surfaces.get(element.get("reference", ""), []).extend([*element, *element.iterfind("collision/surface//*")])
-    return list(_findings(reader, surfaces.items(), rollers))
+    shapes = gazebo_collisions(reader.root)
+    told = {source for shape in shapes.values() for source in shape.sources}
+    own = {link.get("name", ""): link.findall("collision") for link in reader.root.iterfind("link")}
+    untold = {place for place, shape in shapes.items() if place[0] not in shape.sources}
+    named = {link for link, index in untold if own[link][index].get("name")}
+    folded = {link for link, index in untold if not own[link][index].get("name")}
+    bare = {link for link, collisions in own.items() if not collisions} - told
+    surfaces: dict[str, list[etree._Element]] = {}
+    for element in reader.root.iterfind("gazebo[@reference]"):
+        inside = surfaces.setdefault(element.get("reference", ""), [])
+        inside += [*element, *element.iterfind("collision/surface//*")]
+    used = {link: elements for link, elements in surfaces.items() if link in told}
+    return [
+        *_findings(reader, used.items(), rollers),
+        *_together(reader, _asked(surfaces, named, _NAMED)),
+        *_together(reader, _asked(surfaces, folded, _FOLDED)),
+        *_together(reader, _asked(surfaces, bare, _SHAPELESS)),
+    ]
+
+
+def _asked(
+    surfaces: Mapping[str, Sequence[etree._Element]], links: Collection[str], why: str
+) -> Iterator[tuple[str, etree._Element, str]]:
+    """Yield link, parameter and why it has no effect, for all parameters of links that are not Gazebo's defaults."""
+    for link in (each for each in surfaces if each in links):
+        for element in surfaces[link]:
+            name, values = parameter(element), _values(element)
+            default = (1.0,) if name in _COEFFICIENTS else _UNUSED[name][0] if name in _UNUSED else None
+            if default is not None and values not in (default, ()):
+                yield link, element, why
 
 
 def unused_in_sdf(
@@ -92,20 +120,29 @@ def unused_in_sdf(
 def _findings(
     reader: XmlReader, surfaces: Iterable[tuple[str, Sequence[etree._Element]]], rollers: Collection[str]
 ) -> Iterator[Finding]:
+    yield from _together(
+        reader,
+        (
+            (link, element, f"without effect: {instead}")
+            for link, elements in surfaces
+            for element, instead in _found(elements)
+            if link not in rollers or not instead.startswith(_ISOTROPY)
+        ),
+    )
+
+
+def _together(reader: XmlReader, unused: Iterable[tuple[str, etree._Element, str]]) -> Iterator[Finding]:
     """Make a finding for each kind of effect, with all parameters and links that it is about."""
     found: dict[str, list[tuple[str, str, Place]]] = defaultdict(list)
-    for link, elements in surfaces:
-        for element, instead in _found(elements):
-            if link in rollers and instead.startswith(_ISOTROPY):
-                continue
-            found[instead].append((parameter(element), link, reader.place(element)))
-    for instead, about in found.items():
+    for link, element, effect in unused:
+        found[effect].append((parameter(element), link, reader.place(element)))
+    for effect, about in found.items():
         names, links, places = (list(dict.fromkeys(column)) for column in zip(*about, strict=True))
         links = [link for link in links if link]
         more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
-        what = f"{', '.join(names)}{whose}: without effect: {instead}"
-        weight = Weight.LOOKS if instead == _STIFFNESS else Weight.MOVES  # DART does not use it either
+        weight = Weight.LOOKS if effect.endswith(_STIFFNESS) else Weight.MOVES  # DART does not use it either
+        what = f"{', '.join(names)}{whose}: {effect}"
         yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight)
 
 

@@ -9,13 +9,13 @@ from lxml import etree
 
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.gpios import hardware_gpios
+from drake_twin.description.link_surface import link_surfaces, text_or_value
 from drake_twin.description.robot_description import (
     CommandInterface,
     ControlledJoint,
     HardwareSystem,
     Joint,
     JointLimits,
-    LinkSurface,
     Mimic,
     Pose,
     RobotDescription,
@@ -25,9 +25,6 @@ from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
 from drake_twin.values import is_true, parse_number
-
-# Below a link of SDF, and below a URDF's <gazebo reference>, whose <collision> Gazebo merges into the link's.
-SURFACE_FRICTION = "collision/surface/friction/ode"
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
@@ -58,7 +55,7 @@ def describe_urdf(reader: XmlReader, text: str) -> RobotDescription:
         joints=tuple(joints),
         systems=systems,
         plugins=tuple(read_plugins(reader, "gazebo/plugin")),
-        surfaces=_surfaces(reader),
+        surfaces=link_surfaces(reader),
         sensors=tuple(sensors_in_urdf(reader)),
         text=text,
         file=reader.file,
@@ -222,29 +219,10 @@ def _check_followers(reader: XmlReader, joints: list[Joint]) -> None:
             seen.add(leader.name)
 
 
-def _surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
-    surfaces: dict[str, LinkSurface] = {}
-    for element in reader.root.iterfind("gazebo"):
-        link = element.get("reference")
-        if link is None:
-            continue
-        found = surfaces.get(link, LinkSurface())
-        for tag, in_collision in (("mu1", "mu"), ("mu2", "mu2")):
-            text = _text_or_value(element, tag) or element.findtext(f"{SURFACE_FRICTION}/{in_collision}")
-            if text is not None:
-                found = replace(found, **{tag: reader.parse_number(element, text.strip(), tag)})  # type: ignore[arg-type]
-        self_collide = _text_or_value(element, "selfCollide") or _text_or_value(element, "self_collide")
-        if self_collide is not None:
-            found = replace(found, self_collide=is_true(self_collide))
-        if found != LinkSurface():
-            surfaces[link] = found
-    return surfaces
-
-
 def is_static_in_gazebo(root: etree._Element) -> bool:
     """Return whether a ``<gazebo>`` tag without a reference says ``<static>true</static>``."""
     found = [element for element in root.findall("gazebo") if element.get("reference") is None]
-    return any(is_true(text) for element in found if (text := _text_or_value(element, "static")) is not None)
+    return any(is_true(text) for element in found if (text := text_or_value(element, "static")) is not None)
 
 
 def skip_wrong_bounds(reader: XmlReader) -> Iterator[Finding]:
@@ -260,14 +238,6 @@ def skip_wrong_bounds(reader: XmlReader) -> Iterator[Finding]:
                 what = f"{name} of a command interface is {text!r}, which is {error}: the interface has no such bound"
                 yield Finding.at(Kind.IGNORED, what, reader.place(param))
                 interface.remove(param)
-
-
-def _text_or_value(element: etree._Element, tag: str) -> str | None:
-    """Read ``<mu1>0.9</mu1>`` or ``<mu1 value="0.9"/>``: both are in use."""
-    child = element.find(tag)
-    if child is None:
-        return None
-    return child.get("value") or (child.text or "").strip() or None
 
 
 def _check_tree(reader: XmlReader, links: list[str], joints: list[Joint]) -> None:

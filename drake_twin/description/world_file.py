@@ -16,11 +16,11 @@ from lxml import etree
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
+from drake_twin.description.saved_state import SavedState
 from drake_twin.description.sdf_addresses import ground_plane
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
-from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.surroundings import Surroundings, read_surroundings
 from drake_twin.description.unused_contact import unused_in_sdf
@@ -265,13 +265,13 @@ class _World:
     def _models(self) -> Iterator[WorldModel]:
         found = list(self._elements())
         frames = WorldFrames(self._reader, self._world, [(model, pose, reader) for model, _, pose, _, reader in found])
-        states = self._states()
+        state = SavedState(self._reader, self._world)
         taken = {"world"}  # which SDF reserves
         copies = [(copy, name) for copy, name in self._copies.items() if copy not in self._without]
         for model, version, pose, place, reader in found:
             name = model.get("name", "")
             try:
-                X = states[name] if name in states else frames.pose(model, pose)
+                X = state.pose(name, frames.pose(model, pose))
             except InputError as error:
                 self._lose(error)
                 continue
@@ -289,6 +289,7 @@ class _World:
                 yield self._model(model, own, version, X, place, reader)
             elif not self._includes.addresses.missing:  # that finding gives the reason
                 self._mended[Finding(Kind.IGNORED, "the model has no link: it is left out")][own] = place
+        self._findings += state.findings()
         for copy, original in copies:
             if original not in taken or copy in taken:
                 what = f"model_copies: {copy}: {original!r} does not exist" if copy not in taken else f"{copy} is taken"
@@ -346,14 +347,6 @@ class _World:
                     continue
                 self._includes.expand(child, self._reader, self._version, above)
                 yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
-
-    def _states(self) -> dict[str, Any]:
-        """Return the poses of the world's state as Gazebo classic saved it; they replace those of the models."""
-        return {
-            model.get("name", ""): transform_of(pose, self._reader)
-            for model in self._world.iterfind("state/model")
-            if (pose := model.find("pose")) is not None
-        }
 
     def _grouped(self) -> Iterator[Finding]:
         for finding, models in self._mended.items():

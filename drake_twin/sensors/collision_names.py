@@ -8,31 +8,20 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex
 
 from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.sensors import lumped_links
-
-_LUMP, _COLLISION = "_fixed_joint_lump__", "_collision"
 
 
 def collision_names(description: RobotDescription, link: str) -> dict[tuple[str, int], str]:
     """Return link and index of each collision shape that a link has in Gazebo → its name there.
 
-    libsdformat's ``CreateCollisions`` (src/parser_urdf.cc): ``NAME_collision``, or ``LINK_collision`` without a name,
-    with a number from the second on; of a link that is folded into another ``OTHER_fixed_joint_lump__NAME_collision``.
     An SDF's names are kept.
     """
     root = etree.fromstring(description.text.encode())
     if root.tag != "robot":
         collisions = root.iterfind(f"model/link[@name='{link}']/collision")
         return {(link, index): item.get("name", "") for index, item in enumerate(collisions)}
-    parents = lumped_links(root)
-    found: dict[tuple[str, int], str] = {}
-    for own in (link, *(other for other in description.links if parents.get(other) == link)):
-        prefix = "" if own == link else f"{link}{_LUMP}"
-        for index, item in enumerate(root.iterfind(f"link[@name='{own}']/collision")):
-            number = f"_{len(found)}" if found else ""
-            found[own, index] = f"{prefix}{item.get('name') or own}{_COLLISION}{number}"
-    return found
+    return {place: shape.name for place, shape in gazebo_collisions(root).items() if shape.link == link}
 
 
 def static_geometries(

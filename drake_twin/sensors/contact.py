@@ -12,6 +12,7 @@ from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context
 
 from drake_twin import messages
+from drake_twin.description.fixed_joint_lumping import LUMP
 from drake_twin.description.robot_description import Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.sensors.classic import classic_plugin, classic_topic
@@ -242,9 +243,11 @@ class ContactSensor(SensorSystem):
 
 
 def _spellings(name: str, link: str) -> set[str]:
-    """Return how files name a collision shape: as Gazebo does, without the number, or without ``_collision``."""
-    plain = name.rstrip("0123456789").removesuffix("_") if name.rpartition("_")[2].isdigit() else name
-    return {name, plain, plain.removesuffix("_collision"), f"{link}_collision"}
+    """Return how files name a collision shape: as Gazebo does, or without prefix, number or ``_collision``."""
+    short = name.rpartition(LUMP)[2]
+    plain = {each.rstrip("0123456789").removesuffix("_") for each in (name, short) if name.rpartition("_")[2].isdigit()}
+    plain |= {name, short}
+    return {*plain, *(each.removesuffix("_collision") for each in plain), f"{link}_collision"}
 
 
 def _normal(surface: ContactSurface) -> np.ndarray:

@@ -49,13 +49,34 @@ def test_what_a_urdf_asks_of_contact(inside, expected):
     assert of_urdf(of("left", inside)) == expected
 
 
-def test_links_share_a_sentence_and_links_without_a_shape_have_none():
-    assert of_urdf(of("left", "<kp>1</kp>"), of("right", "<kd>5</kd>"), of("bare", "<kp>1</kp>")) == [
-        f"kp, kd of left, right: {STIFFNESS}"
-    ]
+def test_links_share_a_sentence():
+    assert of_urdf(of("left", "<kp>1</kp>"), of("right", "<kd>5</kd>")) == [f"kp, kd of left, right: {STIFFNESS}"]
     many = [f"l{index}" for index in range(9)]
     (text,) = of_urdf(*(of(link, "<kp>1</kp>") for link in many), links=many)
     assert text == f"kp of l0, l1, l2, l3, l4, l5 and 3 more: {STIFFNESS}"
+
+
+def test_a_link_without_a_shape_has_no_surface():
+    assert of_urdf(of("bare", "<mu1>0.2</mu1><mu2>1.0</mu2><kp>1</kp><material>Gazebo/Red</material>")) == [
+        "mu1, kp of bare: without effect: the link has no collision shape"
+    ]
+
+
+def test_a_named_shape_does_not_have_the_surface_of_its_link():
+    """As libsdformat gives ``<mu1>`` only to shapes without a name."""
+    named = "<link name='named'><collision name='tyre'/><collision name='named_rim'/></link><gazebo reference='named'>"
+    reader = XmlReader(f"<robot name='r'>{named}<mu1>0.2</mu1><mu2>0.2</mu2><kp>1e12</kp></gazebo></robot>")
+    why = "without effect on collision shapes that have a name: Gazebo's reader gives those the default surface"
+    assert [item.what for item in unused_in_urdf(reader)] == [f"mu1, mu2 of named: {why}"]
+
+
+def test_a_folded_link_can_lose_its_surface_to_the_link_that_its_name_begins_with():
+    """As libsdformat takes ``left_rib_collision_1`` for a shape that ``left`` always had."""
+    joint = "<joint name='j' type='fixed'><parent link='left'/><child link='left_rib'/></joint>"
+    rib = f"{joint}{of('left_rib', '<mu1>0.2</mu1>')}"
+    (text,) = of_urdf(rib, links=("left", "left_rib"))
+    why = "Gazebo's reader takes the link's shapes for those of the link that it is fixed to"
+    assert text == f"mu1 of left_rib: without effect: {why}"
 
 
 def test_coefficients_in_two_tags_are_those_of_one_link():

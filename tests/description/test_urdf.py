@@ -8,7 +8,6 @@ from drake_twin.description.robot_description import (
     CommandInterface,
     Joint,
     JointLimits,
-    LinkSurface,
     Mimic,
     Pose,
     RobotDescription,
@@ -229,21 +228,6 @@ def test_gazebo_plugins_give_parameters_files_and_namespace():
     (plugin,) = description.plugins
     assert (plugin.filename, plugin.name, plugin.namespace) == ("gz_ros2_control-system", "Control", "robot_1")
     assert description.controller_files == ("one.yaml", "two.yaml")
-
-
-@pytest.mark.parametrize(
-    "inside", ["<mu1>0.9</mu1><mu2>0.8</mu2>", '<mu1 value="0.9"/><mu2 value="0.8"/>', "<mu1> 0.9 </mu1><mu2>.8</mu2>"]
-)
-def test_friction_is_read_in_both_spellings(inside):
-    description = robot(f'<link name="base"/><gazebo reference="base">{inside}</gazebo>')
-    assert description.surfaces == {"base": LinkSurface(0.9, 0.8)}
-
-
-def test_two_gazebo_tags_for_one_link_add_up():
-    tags = "".join(
-        f'<gazebo reference="base">{tag}</gazebo>' for tag in ("<mu1>1</mu1>", "<selfCollide>1</selfCollide>")
-    )
-    assert robot(f'<link name="base"/>{tags}').surfaces == {"base": LinkSurface(mu1=1.0, self_collide=True)}
 
 
 def test_friction_that_is_no_number_is_refused():

@@ -115,7 +115,22 @@ def test_an_empty_pose_is_no_pose(tmp_path, pose):
 def test_a_saved_state_goes_before_the_models_own_pose(tmp_path):
     body = f"""<model name="a"><pose>9 9 9 0 0 0</pose>{BOX}</model>
     <state world_name="w"><model name="a"><pose>1 2 3 0 0 0</pose></model></state>"""
-    assert world_of(tmp_path, body).models[0].pose.xyz == (1.0, 2.0, 3.0)
+    world = world_of(tmp_path, body)
+    assert world.models[0].pose.xyz == (1.0, 2.0, 3.0)
+    assert findings(world) == (
+        "a: the start pose is that of <state>, as in Gazebo classic; Gazebo Sim does not read it",
+    )
+
+
+@pytest.mark.parametrize(
+    "plugin", ['filename="gz-sim-physics-system" name="x"', 'filename="x" name="ignition::gazebo::systems::Physics"']
+)
+def test_a_world_of_gazebo_sim_has_no_saved_state(tmp_path, plugin):
+    body = f"""<plugin {plugin}/><model name="a"><pose>9 9 9 0 0 0</pose>{BOX}</model>
+    <state world_name="w"><model name="a"><pose>1 2 3 0 0 0</pose></model></state>"""
+    world = world_of(tmp_path, body)
+    assert world.models[0].pose.xyz == (9.0, 9.0, 9.0)
+    assert "<state> of the world, which Gazebo Sim does not read" in findings(world)
 
 
 def test_two_models_of_one_name_get_two_names(tmp_path):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder, World
+from drake_twin.description.link_surface import Friction
 
 RADIUS, AHEAD, ASIDE = 0.08, 0.25, 0.2
 LIGHT = "<inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.002</izz></inertia>"
@@ -161,7 +162,7 @@ def test_a_collision_in_gazebos_tag_says_the_same(tmp_path):
     )
     twin = build(tmp_path, blob)
     assert twin.findings == ()
-    assert twin.plans[0].description.surfaces["front_left"].mu2 == 0
+    assert twin.plans[0].description.surfaces["front_left"].frictions == (Friction(1.0, 0.0),)
     speeds = {"front_left_joint": -5.0, "front_right_joint": 5.0, "rear_left_joint": 5.0, "rear_right_joint": -5.0}
     assert velocity(driven(tmp_path, blob, speeds)) == pytest.approx([0, 0.4, 0], abs=1e-5)
 

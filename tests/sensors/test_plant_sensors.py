@@ -199,6 +199,9 @@ FOLDED = """<robot name="box"><link name="box"><inertial><mass value="2"/>
     [
         ("box_fixed_joint_lump__shoe_collision_1", True),
         ("box_fixed_joint_lump__shoe_collision", True),
+        ("shoe_collision_1", True),
+        ("shoe_collision", True),
+        ("shoe", True),
         ("box_collision", False),
     ],
 )
@@ -209,6 +212,13 @@ def test_a_shape_of_a_folded_link_has_the_name_that_gazebo_gives_it(tmp_path, na
     assert (message is not None) == heard
     if heard:
         assert message.contacts[0].collision1.name == "box::box::box_fixed_joint_lump__shoe_collision_1"
+
+
+def test_a_shape_with_a_name_of_its_own_is_found_by_both_names(tmp_path):
+    """Gazebo's reader takes each name that does not begin with the link's for that of a folded link's shape."""
+    body = FOLDED.replace('<collision><origin xyz="0 0 1"/>', '<collision name="roof"><origin xyz="0 0 1"/>')
+    for name in ("box_fixed_joint_lump__roof_collision", "roof_collision", "roof"):
+        assert not any("collision shape" in text for text in twin_with(tmp_path, contact(name), body=body).warnings)
 
 
 def test_a_shape_that_the_link_lacks_is_a_warning_with_those_that_it_has(tmp_path):

@@ -1,0 +1,92 @@
+"""The surfaces that ``<gazebo reference="link">`` gives the collision shapes of a URDF's links."""
+
+from collections import defaultdict
+from dataclasses import dataclass, replace
+
+from lxml import etree
+
+from drake_twin.description.fixed_joint_lumping import gazebo_collisions
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.values import is_true
+
+# Below a link of SDF, and below a URDF's <gazebo reference>, whose <collision> Gazebo merges into the link's.
+SURFACE_FRICTION = "collision/surface/friction/ode"
+
+
+@dataclass(frozen=True)
+class Friction:
+    """The coefficients of friction of a collision shape along its two directions, without unit; SDF's defaults."""
+
+    mu: float = 1.0
+    mu2: float = 1.0
+
+
+@dataclass(frozen=True)
+class LinkSurface:
+    """The contact properties of a link.
+
+    Attributes:
+        frictions: The friction of each of its collision shapes, in file order; None where the file gives none. Empty
+            if it gives none at all.
+        self_collide: Whether its shapes touch those of other links of the robot; None where the file does not tell.
+    """
+
+    frictions: tuple[Friction | None, ...] = ()
+    self_collide: bool | None = None
+
+
+def link_surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
+    """Read the surfaces of a URDF's links.
+
+    As in Gazebo, a ``<gazebo reference>`` is about those collision shapes that have no name of their own; see
+    `gazebo_collisions`.
+
+    Raises:
+        InputError: If a coefficient is not a number.
+    """
+    tags: defaultdict[str, list[etree._Element]] = defaultdict(list)
+    for element in reader.root.iterfind("gazebo[@reference]"):
+        tags[element.get("reference", "")].append(element)
+    for element in (tag for found in tags.values() for tag in found):
+        _with_friction_of(element, None, reader)  # a wrong number is wrong on any link
+    frictions: defaultdict[str, dict[int, Friction | None]] = defaultdict(dict)
+    for (link, index), shape in gazebo_collisions(reader.root).items():
+        friction: Friction | None = None
+        for element in (tag for source in shape.sources for tag in tags.get(source, ())):
+            friction = _with_friction_of(element, friction, reader)
+        frictions[link][index] = friction
+    surfaces: dict[str, LinkSurface] = {}
+    for link in dict.fromkeys((*frictions, *tags)):
+        own = tuple(friction for _, friction in sorted(frictions[link].items()))
+        flags = [flag for tag in tags.get(link, ()) if (flag := _self_collide(tag)) is not None]
+        surface = LinkSurface(own if any(own) else (), flags[-1] if flags else None)
+        if surface != LinkSurface():
+            surfaces[link] = surface
+    return surfaces
+
+
+def _with_friction_of(element: etree._Element, friction: Friction | None, reader: XmlReader) -> Friction | None:
+    """Return a friction as a ``<gazebo reference>`` changes it: ``<surface>`` first, then ``<mu1>`` and ``<mu2>``."""
+    for surface in element.iterfind("collision/surface"):
+        found = {"mu": surface.findtext("friction/ode/mu"), "mu2": surface.findtext("friction/ode/mu2")}
+        numbers = {name: reader.parse_number(surface, text.strip(), name) for name, text in found.items() if text}
+        friction = Friction(**numbers) if numbers else None
+    for tag, name in (("mu1", "mu"), ("mu2", "mu2")):
+        text = text_or_value(element, tag)
+        if text is not None:
+            value = reader.parse_number(element, text, tag)
+            friction = replace(friction or Friction(), **{name: value})
+    return friction
+
+
+def _self_collide(element: etree._Element) -> bool | None:
+    text = text_or_value(element, "selfCollide") or text_or_value(element, "self_collide")
+    return None if text is None else is_true(text)
+
+
+def text_or_value(element: etree._Element, tag: str) -> str | None:
+    """Read ``<mu1>0.9</mu1>`` or ``<mu1 value="0.9"/>``: both are in use."""
+    child = element.find(tag)
+    if child is None:
+        return None
+    return child.get("value") or (child.text or "").strip() or None
