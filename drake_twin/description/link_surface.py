@@ -1,4 +1,4 @@
-"""The surfaces that ``<gazebo reference="link">`` gives the collision shapes of a URDF's links."""
+"""The surfaces that ``<gazebo reference="link">`` gives shapes of a URDF's links, and which links of SDF collide."""
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
@@ -63,6 +63,16 @@ def link_surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
         if surface != LinkSurface():
             surfaces[link] = surface
     return surfaces
+
+
+def sdf_surfaces(model: etree._Element) -> dict[str, LinkSurface]:
+    """Read which links of an SDF model touch others of it; Drake's parser reads the friction of their shapes.
+
+    A link without ``<self_collide>`` has the model's. Between a link and its parent nothing collides.
+    """
+    of_model = model.findtext("self_collide")
+    flags = {link.get("name", ""): link.findtext("self_collide") or of_model for link in model.iterfind("link")}
+    return {name: LinkSurface(self_collide=True) for name, flag in flags.items() if is_true(flag)}
 
 
 def _with_friction_of(element: etree._Element, friction: Friction | None, reader: XmlReader) -> Friction | None:

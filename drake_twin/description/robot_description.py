@@ -259,7 +259,7 @@ class RobotDescription:
         joints: The joints, in file order.
         systems: Its ``<ros2_control>`` tags.
         plugins: The plugins of its ``<gazebo>`` tags.
-        surfaces: Link name → the surface of its shapes by ``<gazebo reference>``; of a URDF only.
+        surfaces: Link name → the surface of its shapes, by ``<gazebo reference>``; of SDF only whether they collide.
         sensors: The sensors of its ``<gazebo>`` tags, or of an SDF's links and joints.
         text: The expanded URDF (or the SDF), which is also published as ``robot_description``.
         file: The file it was read from.

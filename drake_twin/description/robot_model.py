@@ -136,6 +136,7 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
+    from drake_twin.description.link_surface import sdf_surfaces
     from drake_twin.description.sdf import joint_frictions, prepare_sdf
     from drake_twin.description.sensors import sensors_in_sdf
 
@@ -151,7 +152,13 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         for joint in description.joints
     ]
     unbraked = ((f"friction of joint {name}", place) for name, (_, place) in frictions.items())
-    description = replace(description, joints=tuple(joints), sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
+    description = replace(
+        description,
+        joints=tuple(joints),
+        sensors=tuple(sensors_in_sdf(text, file)),
+        plugins=plugins,
+        surfaces=sdf_surfaces(model),
+    )
     unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
     return RobotModel(
         description,

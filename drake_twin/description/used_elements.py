@@ -115,6 +115,7 @@ SDF_MODEL = _part(
     "name canonical_link placement_frame",
     pose=_POSE,
     static=_TEXT,
+    self_collide=_TEXT,
     frame=_part("name attached_to", pose=_POSE),
     link=_part(
         "name",
@@ -125,6 +126,7 @@ SDF_MODEL = _part(
             inertia=_part(ixx=_TEXT, ixy=_TEXT, ixz=_TEXT, iyy=_TEXT, iyz=_TEXT, izz=_TEXT),
         ),
         gravity=_TEXT,
+        self_collide=_TEXT,
         visual=_part(
             "name",
             pose=_POSE,

@@ -49,8 +49,6 @@ def test_what_gazebo_saves_unchanged_is_no_finding(tmp_path):
 @pytest.mark.parametrize(
     ("default", "value", "message"),
     [
-        ("<self_collide>false", "<self_collide>true", "<self_collide> in <model>"),
-        ("<self_collide>0", "<self_collide>1", "<self_collide> in <link>"),
         ("<enable_wind>0", "<enable_wind>1", "<enable_wind> in <model>"),
         ("<kinematic>0", "<kinematic>true", "<kinematic> in <link>"),
         ("<linear>0", "<linear>0.1", "<velocity_decay> in <link>"),
@@ -72,13 +70,12 @@ def test_what_differs_is_one_finding(tmp_path, default, value, message):
 
 def test_elements_of_one_parent_are_one_line_of_a_run_and_findings_of_their_own(tmp_path):
     changed = SAVED.replace("<enable_wind>0", "<enable_wind>1").replace("<kinematic>0", "<kinematic>1")
-    changed = changed.replace("<self_collide>0", "<self_collide>1")
     found = findings_of(tmp_path, changed)
     assert [finding.what for finding in found] == [
         "<enable_wind> in <model>",
-        *(f"<{tag}> in <link>" for tag in ("self_collide", "kinematic", "enable_wind")),
+        *(f"<{tag}> in <link>" for tag in ("kinematic", "enable_wind")),
     ]
     assert most_telling(found) == [
         "ignored: <enable_wind> in <model> (r.sdf:2)",
-        "ignored: <self_collide>, <kinematic>, <enable_wind> in <link> (r.sdf:3, 4)",
+        "ignored: <kinematic>, <enable_wind> in <link> (r.sdf:3, 4)",
     ]

@@ -6,7 +6,7 @@ from conftest import ARM, ROVER, rovers
 from living import living
 from pydrake.systems.framework import LeafSystem
 
-from drake_twin import TwinBuilder, messages
+from drake_twin import TwinBuilder, World, messages
 from drake_twin.errors import CommandError, InputError, RunError
 
 WHEELS_1 = "/robot_1/forward_velocity_controller/commands"
@@ -621,6 +621,34 @@ def test_links_of_one_robot_collide_only_where_they_are_told_to(tmp_path, gazebo
     twin.advance_to(1.0)
     a, b = twin.robot_state("o").positions
     assert (0.15 + b - a > 0.16) == apart
+
+
+INERTIAL = "<inertial><mass>1</mass><inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia></inertial>"
+BLOCK = '<collision name="c"><geometry><box><size>.4 .4 .4</size></box></geometry></collision>'
+SLIDES = """<joint name="{}" type="prismatic"><parent>{}</parent><child>{}</child><axis><xyz>{}</xyz></axis></joint>"""
+
+
+@pytest.mark.parametrize(
+    ("model", "below", "above", "height"),
+    [
+        ("", "", "", -18.6098),
+        ("<self_collide>true</self_collide>", "", "", 0.39968),
+        ("<self_collide>1</self_collide>", "", "<self_collide>0</self_collide>", -18.6098),
+        ("", "<self_collide>1</self_collide>", "<self_collide>true</self_collide>", 0.39968),
+    ],
+)
+def test_links_of_sdf_collide_where_model_or_both_links_are_told_to(tmp_path, model, below, above, height):
+    """The heights after 2 s are those of gz-physics 5 with DART 6.12, which does not read the links' own flags."""
+    joints = SLIDES.format("x", "a", "m", "1 0 0") + SLIDES.format("z", "m", "b", "0 0 1")
+    (tmp_path / "r.sdf").write_text(
+        f"""<sdf version="1.9"><model name="r">{model}<link name="a">{INERTIAL}{BLOCK}{below}</link>
+<link name="m">{INERTIAL}</link><link name="b"><pose>0 0 1 0 0 0</pose>{INERTIAL}{BLOCK}{above}</link>
+<joint name="w" type="fixed"><parent>world</parent><child>a</child></joint>{joints}</model></sdf>"""
+    )
+    twin = TwinBuilder(world=World(gravity=(0.0, 0.0, -9.8), ground=False)).robot("r", tmp_path / "r.sdf").build()
+    assert twin.findings == ()
+    twin.advance_to(2.0)
+    assert 1.0 + twin.robot_state("r").positions[1] == pytest.approx(height, abs=1.1e-2 if height < 0 else 4e-4)
 
 
 def test_a_subscription_made_in_a_callback_begins_with_the_present_message(twin):
