@@ -11,6 +11,7 @@ from lxml import etree
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.link_gravity import gravity_of_sdf, gravity_of_urdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import check_repair_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
@@ -39,6 +40,7 @@ class RobotModel:
         is_fixed: Whether the root link is welded to the world where the robot is spawned.
         findings: What was mended in the file, what of it is ignored, and xacro's warnings.
         meshes: The mesh files that the robot refers to.
+        falls: Whether gravity acts on it.
     """
 
     description: RobotDescription
@@ -47,6 +49,7 @@ class RobotModel:
     is_fixed: bool
     findings: tuple[Finding, ...] = ()
     meshes: tuple[Path, ...] = ()
+    falls: bool = True
 
     @property
     def root_body(self) -> str:
@@ -102,6 +105,7 @@ def load_robot_model(
     repairs = repair_urdf(reader, without_repairs)
     description = describe_urdf(reader, text)
     unused_surfaces = unused_in_urdf(reader, roller_links(description))
+    gravity = gravity_of_urdf(reader)
     prepared = prepare_urdf(
         reader, description, name or description.name, packages, without=without_repairs, collision=collision
     )
@@ -113,9 +117,10 @@ def load_robot_model(
         findings=(
             *(*repairs, *skipped, *prepared.findings),
             *(Finding(Kind.WARNING, what) for what in warnings),
-            *(*unused_surfaces, *unread),
+            *(*unused_surfaces, *gravity.findings, *unread),
         ),
         meshes=prepared.meshes,
+        falls=gravity.falls,
     )
 
 
@@ -160,12 +165,17 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         surfaces=sdf_surfaces(model),
     )
     unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
+    gravity = gravity_of_sdf(reader, model)
     return RobotModel(
         description,
         prepared,
         "sdf",
         is_fixed,
-        findings=(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings, *unread_in_sdf(reader)),
+        findings=(
+            *(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings),
+            *(*gravity.findings, *unread_in_sdf(reader)),
+        ),
+        falls=gravity.falls,
     )
 
 

@@ -87,6 +87,8 @@ URDF = _part(
         self_collide=_TEXT_OR_VALUE,
         material=_TEXT,
         static=_TEXT_OR_VALUE,
+        gravity=_TEXT_OR_VALUE,
+        turnGravityOff=_TEXT_OR_VALUE,
         preserveFixedJoint=_TEXT,
         disableFixedJointLumping=_TEXT,
         collision=_part(surface=_SURFACE),

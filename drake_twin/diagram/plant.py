@@ -173,8 +173,10 @@ def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) 
     for actuator in map(plant.get_joint_actuator, plant.GetJointActuatorIndices()):
         if actuator.model_instance() == instance:
             plant.RemoveJointActuator(actuator)
+    plant.set_gravity_enabled(instance, plan.model.falls)
     bodies = [plant.get_body(index) for index in plant.GetBodyIndices(instance)]
-    if not plan.model.is_fixed and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
+    stays = plan.model.is_fixed or not plan.model.falls
+    if not stays and not any(plant.GetCollisionGeometriesForBody(body) for body in bodies):
         texts.append("the robot has no collision shape: it falls through the ground")
     for text in texts:
         is_lost = plan.model.drake_format == "xml" and "will be ignored" in text  # words of Drake's parser

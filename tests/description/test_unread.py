@@ -79,14 +79,14 @@ def test_the_same_at_several_places_is_said_once_with_its_lines():
 <link name="arm"><self_collision_checking/></link>
 <joint name="hinge" type="fixed"><parent link="base"/><child link="arm"/><safety_controller/></joint>
 <transmission name="t"/>
-<gazebo reference="arm"><kp>1</kp><turnGravityOff/><plugin name="laser" filename="l.so"/></gazebo>
+<gazebo reference="arm"><kp>1</kp><dampingFactor/><plugin name="laser" filename="l.so"/></gazebo>
 <gazebo><plugin filename="gz_ros2_control-system" name="c"/></gazebo>
 </robot>"""
     assert [str(item) for item in unread_in_urdf(XmlReader(text))] == [
         "<self_collision_checking> in <link> (line 2, 3)",
         "<safety_controller> in <joint> (line 4)",
         "<transmission> (line 5)",
-        "<turnGravityOff> in <gazebo> (line 6)",
+        "<dampingFactor> in <gazebo> (line 6)",
         "Gazebo plugin laser (l.so): the twin simulates no such sensor (line 6)",
     ]
 
