@@ -34,6 +34,7 @@ JointInterface = tuple[str, str]
 PLANAR_MOVE = "gazebo_ros/PlanarMove"
 ODOMETRY_PUBLISHER = "gz_sim/OdometryPublisher"
 POSE_PUBLISHER = "gz_sim/PosePublisher"
+DETACHABLE_JOINT = "gz_sim/DetachableJoint"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
