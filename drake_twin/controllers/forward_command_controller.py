@@ -1,5 +1,6 @@
 """Joint commands from a topic, as ros2_controllers' forward command controllers write them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any, ClassVar
@@ -51,6 +52,30 @@ class MultiInterfaceForwardCommandParameters(CommandTimeoutParameters):
 
     joint: str = field(metadata={"not_empty": True})
     interface_names: tuple[str, ...]
+
+
+def numbers_of_claims(message: Any, claims: Sequence[Interface]) -> messages.Numbers:
+    """Convert a message to numbers, one for each claim.
+
+    Args:
+        message: A ``std_msgs/msg/Float64MultiArray``, or `messages.Numbers`.
+        claims: The claimed interfaces.
+
+    Raises:
+        CommandError: If the number of elements is wrong, for which ros2_control deactivates the controller, or an
+            element is not finite, for which the message is dropped.
+    """
+    data = tuple(map(float, message.data))
+    if len(data) != len(claims):
+        raise CommandError(
+            f"the command has {len(data)} elements, but there are {len(claims)} command interfaces:"
+            f" {', '.join(map(str, claims))}",
+            deactivates=True,
+        )
+    for claim, number in zip(claims, data, strict=True):
+        if not isfinite(number):
+            raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
+    return messages.Numbers(data)
 
 
 @controller("forward_command_controller/ForwardCommandController")
@@ -105,17 +130,7 @@ class ForwardCommandController(Controller):
             CommandError: If the number of elements is wrong, for which ros2_control deactivates the controller, or an
                 element is not finite, for which the message is dropped.
         """
-        data = tuple(map(float, message.data))
-        if len(data) != len(self.claims):
-            raise CommandError(
-                f"the command has {len(data)} elements, but there are {len(self.claims)} command interfaces:"
-                f" {', '.join(map(str, self.claims))}",
-                deactivates=True,
-            )
-        for claim, number in zip(self.claims, data, strict=True):
-            if not isfinite(number):
-                raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
-        return messages.Numbers(data)
+        return numbers_of_claims(message, self.claims)
 
     def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
         """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes."""

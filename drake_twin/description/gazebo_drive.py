@@ -29,11 +29,16 @@ from drake_twin.description.robot_description import GazeboPlugin, RobotDescript
 FOR_EVER = 1e9  # s; Gazebo's plugins have no timeout, and zero means one update to some controllers
 
 JointInterface = tuple[str, str]
+Element = tuple[str, int | None]
+
+ACTUATORS = "actuator_msgs/msg/Actuators"
 
 # The twin's own types: ros2_controllers has nothing like them.
 PLANAR_MOVE = "gazebo_ros/PlanarMove"
 ODOMETRY_PUBLISHER = "gz_sim/OdometryPublisher"
 POSE_PUBLISHER = "gz_sim/PosePublisher"
+DETACHABLE_JOINT = "gz_sim/DetachableJoint"
+JOINT_PID = "gz_sim/JointPidController"
 ROLLER_WHEELS = "drake_twin/RollerWheels"
 PLANAR_INTERFACES: tuple[JointInterface, ...] = (
     (LINEAR_X, "velocity"),
@@ -68,6 +73,8 @@ class GazeboDrive:
             the controller that is not here is not published.
         gz_topics: The same in gz's transport, as a ``parameter_bridge`` names it; ``{model}`` stands for the model.
         types: Topic of the controller → the ROS type that the plugin or its bridge has there, where it is another one.
+        elements: Topic with another type → the field of its messages that commands all joints, and the index in that;
+            None for a field that is a number, as of the ``std_msgs/msg/Float64`` that need not be given.
         interfaces: (joint, command interface) for each actuator that it needs.
         efforts: Joint → the largest effort that the plugin gives it (N·m or N).
         velocities: Joint → the largest velocity that the plugin gives it (rad/s or m/s).
@@ -84,6 +91,7 @@ class GazeboDrive:
     topics: Mapping[str, str] = field(default_factory=dict)
     gz_topics: Mapping[str, str] = field(default_factory=dict)
     types: Mapping[str, str] = field(default_factory=dict)
+    elements: Mapping[str, Element] = field(default_factory=dict)
     interfaces: tuple[JointInterface, ...] = ()
     efforts: Mapping[str, float] = field(default_factory=dict)
     velocities: Mapping[str, float] = field(default_factory=dict)

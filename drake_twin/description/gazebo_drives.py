@@ -28,7 +28,7 @@ GROUP = "drake_twin.gazebo_plugins"
 _ROS2_CONTROL = ("gz_ros2_control-system", "libgz_ros2_control-system.so", "libgazebo_ros2_control.so")
 
 # Each registers the plugins that it converts.
-for _module in ("classic_drives", "gz_drives", "gz_publishers", "joint_drives"):
+for _module in ("classic_drives", "detachable_joints", "gz_drives", "gz_publishers", "joint_drives"):
     import_module(f"drake_twin.description.{_module}")
 
 

@@ -3,7 +3,15 @@
 from dataclasses import replace
 from math import inf
 
-from drake_twin.description.gazebo_drive import CannotWorkError, DrivePlugin, GazeboDrive, Servo, gazebo_plugin
+from drake_twin.description.gazebo_drive import (
+    ACTUATORS,
+    JOINT_PID,
+    CannotWorkError,
+    DrivePlugin,
+    GazeboDrive,
+    Servo,
+    gazebo_plugin,
+)
 
 
 @gazebo_plugin("libgazebo_ros_joint_state_publisher.so")
@@ -42,7 +50,7 @@ def joint_position_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     drive = _joint_commands(plugin, "position", "joint/{joint}/{index}/cmd_pos")
     if not plugin.flag("use_velocity_commands", False):
         servo = _servo(plugin.number("p_gain", 1.0), plugin.number("d_gain", 0.01))
-        return _with_pid(plugin, drive, servo, i_gain=0.1, unused=("i_gain", "cmd_offset"))
+        return _with_pid(plugin, drive, servo, i_gain=0.1)
     fastest = plugin.number("cmd_max", 1000.0)
     if fastest <= 0.0:
         raise CannotWorkError(f"<cmd_max> is {fastest:g}, which is not a velocity to move at")
@@ -59,7 +67,10 @@ def joint_controller_system(plugin: DrivePlugin) -> GazeboDrive:
     drive = _joint_commands(plugin, "velocity", "joint/{joint}/cmd_vel")
     if not plugin.flag("use_force_commands", False):
         return drive
-    return _with_pid(plugin, drive, _servo(plugin.number("p_gain", 1.0)), unused=("i_gain", "d_gain", "cmd_offset"))
+    drive = _with_pid(plugin, drive, _servo(plugin.number("p_gain", 1.0)))
+    derivative = plugin.number("d_gain", 0.0)
+    unused = f"<d_gain> of {derivative:g} is not simulated"
+    return replace(drive, warnings=(*drive.warnings, unused)) if derivative else drive
 
 
 @gazebo_plugin("gz-sim-apply-joint-force-system")
@@ -133,28 +144,32 @@ def _largest(lowest: float, highest: float) -> float:
     return min(bounds)
 
 
-def _with_pid(
-    plugin: DrivePlugin, drive: GazeboDrive, servo: Servo, *, i_gain: float = 0.0, unused: tuple[str, ...]
-) -> GazeboDrive:
-    """Return a drive with the servo of its PID; what has no part in Drake's servo is a warning.
+def _with_pid(plugin: DrivePlugin, drive: GazeboDrive, servo: Servo, *, i_gain: float = 0.0) -> GazeboDrive:
+    """Return a drive with the servo of its PID, and with a controller of its integral part and its offset.
 
     Args:
         plugin: The plugin.
         drive: The drive.
         servo: Its servo.
         i_gain: The integral gain that the plugin has by default.
-        unused: The elements that have no part in it.
     """
     lowest, highest = plugin.number("cmd_min", -1000.0), plugin.number("cmd_max", 1000.0)
     largest = _largest(lowest, highest)
-    values = {tag: plugin.number(tag, i_gain if tag == "i_gain" else 0.0) for tag in unused}
-    warnings = [f"<{tag}> of {value:g} is not simulated" for tag, value in values.items() if value]
+    warnings = []
     if largest < inf and lowest != -highest:
         warnings.append(f"efforts from {lowest:g} to {highest:g} are limited to {largest:g} in both directions")
-    for tag in ("i_max", "i_min"):
-        plugin.has(tag)  # without an integral part they mean nothing
+    parameters = {
+        "joints": [joint for joint, _ in drive.interfaces],
+        "interface": drive.interfaces[0][1],
+        "i_gain": plugin.number("i_gain", i_gain),
+        "i_max": plugin.number("i_max", 1.0),
+        "i_min": plugin.number("i_min", -1.0),
+        "cmd_offset": plugin.number("cmd_offset", 0.0),
+    }
+    adds = parameters["i_gain"] or parameters["cmd_offset"]
     return replace(
         drive,
+        controller=plugin.controller(JOINT_PID, parameters) if adds else drive.controller,
         servos=dict.fromkeys(drive.interfaces, servo),
         efforts={joint: largest for joint, _ in drive.interfaces} if largest < inf else {},
         warnings=(*drive.warnings, *warnings),
@@ -162,20 +177,36 @@ def _with_pid(
 
 
 def _joint_commands(plugin: DrivePlugin, interface: str, default_topic: str) -> GazeboDrive:
-    if plugin.flag("use_actuator_msg", False):
-        raise CannotWorkError("<use_actuator_msg> is not supported")
     joints = plugin.joints("joint_name")
-    default = plugin.text("sub_topic", default_topic.format(joint=joints[0], index=plugin.text("joint_index", "0")))
-    gz = plugin.text("topic", f"/model/{{model}}/{default}")
-    ros = gz.strip("/") if plugin.has("topic") else default
+    number, warnings = (None, ()) if interface == "effort" else _actuator_number(plugin)
+    default = default_topic.format(joint=joints[0], index=plugin.text("joint_index", "0"))
+    below = plugin.text("sub_topic", "actuators" if number is not None else default)
+    gz = f"/model/{{model}}/{below}" if number is None or plugin.has("sub_topic") else f"/{below}"
+    gz = plugin.text("topic", gz)
     start = plugin.number("initial_position", 0.0) if interface == "position" else 0.0
     kind = f"{interface}_controllers/JointGroup{interface.title()}Controller"
     return GazeboDrive(
         plugin.plugin,
         plugin.controller(kind, {"joints": list(joints)}),
-        topics={"commands": ros},
+        topics={"commands": gz.strip("/") if plugin.has("topic") else below},
         gz_topics={"commands": gz},
-        types={"commands": "std_msgs/msg/Float64"},
+        types={"commands": "std_msgs/msg/Float64" if number is None else ACTUATORS},
+        elements={} if number is None else {"commands": (interface, number)},
         interfaces=tuple((joint, interface) for joint in joints),
         start=dict.fromkeys(joints, start) if start else {},
+        warnings=warnings,
     )
+
+
+def _actuator_number(plugin: DrivePlugin) -> tuple[int | None, tuple[str, ...]]:
+    """Return the element of an ``Actuators`` message that commands the plugin, and what is wrong with that."""
+    is_asked = plugin.flag("use_actuator_msg", False)
+    has_number = plugin.has("actuator_number")
+    if is_asked and not has_number:  # as in gz-sim
+        return None, ("<use_actuator_msg> without <actuator_number>: the commands are single numbers",)
+    if not is_asked:
+        return None, ()
+    number = plugin.number("actuator_number", 0.0)
+    if number < 0 or number != int(number):
+        raise CannotWorkError(f"<actuator_number> is {number:g}, which is not an index")
+    return int(number), ()

@@ -5,12 +5,9 @@ is a quaternion: the child moves on a joint with six degrees of freedom, and a c
 ``cenic`` has such constraints since Drake 1.56.
 """
 
-from functools import cache
-
-import numpy as np
 from lxml import etree
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import (
     FixedOffsetFrame,
     ModelInstanceIndex,
@@ -18,9 +15,8 @@ from pydrake.multibody.tree import (
     SpatialInertia,
     default_model_instance,
 )
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator, SimulatorConfig
-from pydrake.systems.framework import DiagramBuilder
 
+from drake_twin.diagram.cenic_constraints import cenic_has_constraints
 from drake_twin.errors import InputError
 from drake_twin.scenario import CENIC, DISCRETE
 
@@ -48,7 +44,7 @@ def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]
     balls = [joint for joint in root.iter("joint") if joint.get("type") == "ball"]
     if not balls:
         return list(Parser(plant).AddModelsFromString(text, "sdf"))
-    if plant.time_step() == 0.0 and not cenic_has_ball_constraints():
+    if plant.time_step() == 0.0 and not cenic_has_constraints("AddBallConstraint"):
         name = balls[0].get("name", "")
         what = f"the engine {CENIC} of this Drake does not support the ball joint {name!r} (Drake 1.56 and later do)"
         raise InputError(
@@ -61,23 +57,6 @@ def add_sdf_models(plant: MultibodyPlant, text: str) -> list[ModelInstanceIndex]
     for scope, name, damping in places:
         _add_ball_joint(plant, plant.GetModelInstanceByName(scope), name, damping)
     return instances
-
-
-@cache
-def cenic_has_ball_constraints() -> bool:
-    """Try a ball constraint for one step: Drake says only then that its engine has none."""
-    builder = DiagramBuilder()
-    plant, _ = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
-    one, other = (plant.AddRigidBody(name, SpatialInertia.SolidSphereWithMass(1.0, 0.1)) for name in ("one", "other"))
-    plant.AddBallConstraint(one, np.zeros(3), other, np.zeros(3))
-    plant.Finalize()
-    simulator = Simulator(builder.Build())
-    ApplySimulatorConfig(SimulatorConfig(integration_scheme="cenic", max_step_size=1e-3), simulator)
-    try:
-        simulator.AdvanceTo(1e-3)
-    except RuntimeError:
-        return False
-    return True
 
 
 def _scope(joint: etree._Element) -> str:

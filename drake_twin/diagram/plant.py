@@ -23,6 +23,7 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.diagram.contact import TouchingShape, give_contact
 from drake_twin.diagram.contact_models import ContactModel
+from drake_twin.diagram.detachable_joints import JointInPlant, add_detachable_joints
 from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake, can_have_brake, isolate_brakes
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
@@ -65,7 +66,7 @@ class PlantOfTwin:
 
     ``world_models`` are the model instances of each moving model of the world that is not a robot, ``anchors`` the
     poses in the world of the frames of each static one that has sensors, ``shapes`` the contact of all collision
-    shapes.
+    shapes, ``detachable_joints`` the joints that come and go.
     """
 
     plant: MultibodyPlant
@@ -75,6 +76,7 @@ class PlantOfTwin:
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     anchors: dict[str, dict[str, RigidTransform]]
     shapes: tuple[TouchingShape, ...]
+    detachable_joints: tuple[JointInPlant, ...]
 
     def has_model(self, name: str) -> bool:
         """Tell whether a model of the world, or one inside another, is not left out."""
@@ -127,6 +129,7 @@ def add_plant(
         warnings: list[str] = []
         shapes = give_contact(plant, scene_graph, models, scenario.world.contact, warnings)
         findings += [Finding(Kind.WARNING, warning) for warning in warnings]
+        detachable = add_detachable_joints(plant, plans, instances, world_models, findings)
         brakes = [brake for plan in plans for brake in _add_brakes(plant, plan, instances[plan.name])]
         plant.Finalize()
         isolate_brakes(scene_graph, brakes)
@@ -146,7 +149,7 @@ def add_plant(
         )
         for (name, instance), layout in zip(instances.items(), layouts.values(), strict=True)
     }
-    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes)
+    return PlantOfTwin(plant, scene_graph, robots, tuple(findings), world_models, anchors, shapes, detachable)
 
 
 def rigid_transform(pose: Pose) -> RigidTransform:

@@ -22,6 +22,7 @@ from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import WorldFile, read_world
 from drake_twin.diagram.contact import TouchingShape
+from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
@@ -61,6 +62,7 @@ class TwinDiagram:
         world_models: Moving model of the world → its model instances.
         sensing_models: The models of the world that have sensors.
         shapes: The contact of each collision shape.
+        detachable_joints: The joints that come and go.
         extensions: The systems that the user's extensions have added.
         renderer: What draws the pictures of cameras; that of the diagram before, if there was one.
     """
@@ -81,6 +83,7 @@ class TwinDiagram:
     world_models: dict[str, tuple[ModelInstanceIndex, ...]]
     sensing_models: tuple[ModelPlan, ...]
     shapes: tuple[TouchingShape, ...]
+    detachable_joints: tuple[JointInPlant, ...]
     extensions: tuple[System, ...]
     findings: tuple[Finding, ...]
     renderer: LazyRenderer
@@ -266,6 +269,7 @@ def _build(
         world_models=parts.world_models,
         sensing_models=models,
         shapes=parts.shapes,
+        detachable_joints=parts.detachable_joints,
         extensions=added,
         renderer=renderer,
         findings=(

@@ -1,6 +1,9 @@
 """ROS 2 message types that rosbags' type store lacks, by the text of their ``.msg`` files."""
 
 DEFINITIONS = {
+    "actuator_msgs/msg/Actuators": (
+        "std_msgs/Header header\nfloat64[] position\nfloat64[] velocity\nfloat64[] normalized\n"
+    ),
     "gazebo_msgs/msg/ContactState": (
         "string info\nstring collision1_name\nstring collision2_name\n"
         "geometry_msgs/Wrench[] wrenches\ngeometry_msgs/Wrench total_wrench\n"

@@ -7,6 +7,7 @@ from typing import Any
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller_class
 from drake_twin.controllers.sensor_reader import SensorReader
+from drake_twin.description.gazebo_drive import Element
 from drake_twin.errors import InputError
 
 UNLOADED, UNCONFIGURED, INACTIVE, ACTIVE = "unloaded", "unconfigured", "inactive", "active"
@@ -22,12 +23,14 @@ class Wiring:
         gz_topics: The controller's topic → its name in gz, by which a bridge may rename it; ``{model}`` stands for the
             robot.
         types: The controller's topic → its ROS type, if the plugin's is another one.
+        elements: The controller's topic → the field, and its element, of the plugin's message that commands all joints.
         true_odometry: Whether its odometry is the true pose instead of an estimate from its wheels.
     """
 
     topics: Mapping[str, str] = field(default_factory=dict)
     gz_topics: Mapping[str, str] = field(default_factory=dict)
     types: Mapping[str, str] = field(default_factory=dict)
+    elements: Mapping[str, Element] = field(default_factory=dict)
     true_odometry: bool = False
 
 

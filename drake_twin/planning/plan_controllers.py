@@ -67,7 +67,7 @@ def plan_controllers(
         plan, ignored = _plan_or_error(controller, description, manager.update_rate, prefix, by_name)
         if name in by_drive:
             drive = by_drive[name]
-            plan = replace(plan, wiring=Wiring(drive.topics, drive.gz_topics, drive.types, drive.true_odometry))
+            plan = replace(plan, wiring=_wiring(drive))
         plans[name] = plan
         if name in chosen:
             findings += ignored
@@ -89,6 +89,10 @@ def plan_controllers(
             findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}{common}", place, common=common))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
+
+
+def _wiring(drive: GazeboDrive) -> Wiring:
+    return Wiring(drive.topics, drive.gz_topics, drive.types, drive.elements, drive.true_odometry)
 
 
 def _leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:

@@ -1,13 +1,14 @@
 """What is done to the things of a running world: they are spawned, deleted, put elsewhere, pushed and dragged."""
 
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
-from drake_twin.twin.entities import finite_numbers, make_wrench, set_entity_state
+from drake_twin.twin.entities import finite_numbers, make_wrench, set_entity_state, set_joint_positions
 from drake_twin.twin.pull import PERIOD, make_pull
 from drake_twin.twin.session import Session
 from drake_twin.values import is_number
@@ -99,16 +100,31 @@ def place(session: Session, entity: str, xyz: Iterable[float], rpy: Iterable[flo
     is_welded = entity in robots and robots[entity].model.is_fixed and not robots[entity].description.base_joints
     if is_welded or not (entity in robots or entity in session.built.world_models):
         session.rebuild(_moved(session.scenario, entity, (x, y, z), (roll, pitch, yaw)))
-        return
-    set_entity_state(
-        session.built,
-        session.physics.plant_context,
-        entity,
-        position=(x, y, z),
-        orientation=RollPitchYaw(roll, pitch, yaw).ToQuaternion().wxyz(),
-        linear=_STILL,
-        angular=_STILL,
-    )
+        session.physics.detachable_joints.moved(entity)
+    else:
+        orientation = RollPitchYaw(roll, pitch, yaw).ToQuaternion().wxyz()
+        move(session, entity, position=(x, y, z), orientation=orientation, linear=_STILL, angular=_STILL)
+
+
+def move(session: Session, entity: str, **state: Any) -> None:
+    """Set the pose or velocity of a robot or a moving model; see `set_entity_state`.
+
+    Raises:
+        InputError: If an entity does not exist or cannot be moved, or a value is invalid.
+    """
+    set_entity_state(session.built, session.physics.plant_context, entity, **state)
+    session.physics.detachable_joints.moved(entity)
+
+
+def pose_joints(session: Session, robot: str, positions: Mapping[str, float]) -> None:
+    """Set joint positions (rad or m) of a robot without applying forces; its servos hold the joints there.
+
+    Raises:
+        InputError: If the robot or a joint is unknown, or a position is not a finite number.
+    """
+    set_joint_positions(session.built, session.physics.plant_context, session.plan(robot), positions)
+    session.physics.detachable_joints.moved(robot)
+    session.controls[robot].release(positions)
 
 
 def push(

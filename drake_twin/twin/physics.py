@@ -25,6 +25,7 @@ from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_d
 from drake_twin.errors import RunError
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, LONGEST_STEP, Scenario
+from drake_twin.twin.detachable_joints import DetachableJoints
 from drake_twin.twin.entities import Wrench, find_body
 from drake_twin.twin.extension_state import ExtensionState
 from drake_twin.twin.late_measurements import LateMeasurements, Past
@@ -87,6 +88,7 @@ class Physics:
         plant_context: The plant's context.
         gains: Robot → the gains of its servos; those of its file unless the scenario retunes them.
         pushes: The scenario's pushes with their forces.
+        detachable_joints: The joints that come and go.
         new_events: The controllers that have added an event, which the simulator does not know yet.
     """
 
@@ -128,6 +130,7 @@ class Physics:
         self._extensions = ExtensionState(self.built, self.context)
         self._late = LateMeasurements(self.built, self.context)
         self._late.start()
+        self.detachable_joints = DetachableJoints(self.built, self.context)
         plant = self.built.plant
         joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
         starts = [joint.position_start() for joint in joints if joint.type_name() == QuaternionFloatingJoint.kTypeName]
@@ -186,6 +189,7 @@ class Physics:
         for (item, context), sample in zip(self._keepers, moment.samples, strict=True):
             item.set_sample(context, sample)
         self._late.go_back(moment.past)
+        self.detachable_joints.follow()
         self.initialize()
 
     def time_of(self, step: int) -> float:
@@ -206,6 +210,7 @@ class Physics:
         if self._start_parameters:
             self._parameters.put(self.context, self._start_parameters)
         self._late.start()
+        self.detachable_joints.forget()
 
     def use(self, scenario: Scenario) -> None:
         """Start with the values and pushes of a scenario from now on.
@@ -350,4 +355,4 @@ class Physics:
         """Release the diagram, so that its memory can be freed."""
         release([self.simulator, self.built.diagram])
         del self.simulator, self.context, self.plant_context, self.built, self._keepers, self._parameters
-        del self._extensions, self._late
+        del self._extensions, self._late, self.detachable_joints

@@ -73,6 +73,7 @@ class RobotControl:
         self.check_period: float | None = None
         self.kept: ServoAssignment | None = None
         self.faults: list[Finding] = []
+        self._elements = {item.name: item.wiring.elements for item in plan.controllers if item.wiring is not None}
 
     def use(self, physics: Physics) -> None:
         """Switch to a newly built diagram."""
@@ -142,8 +143,11 @@ class RobotControl:
             text = f"{messages.shortened(data)} is not a list of numbers" if is_list else str(error)
             raise CommandError(text) from None
         controller = self.controllers[topic.controller]
-        if topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
-            message = messages.Numbers((message.data,) * len(controller.claims))
+        element = self._elements.get(topic.controller, {}).get(topic.name)
+        if element is None and topic.type == "std_msgs/msg/Float64" and controller.subscribed[topic.name] != topic.type:
+            element = "data", None
+        if element is not None:
+            message = messages.Numbers((_element(message, *element),) * len(controller.claims))
         try:
             return controller.read(topic.name, message, self._contexts[topic.controller])
         except TwinError:
@@ -348,6 +352,20 @@ class RobotControl:
             set_gains(self._plant, self._in_plant.instance, self._gains, assignment.modes)
             self.check_period = check_period(assignment)
             self._slipping = slipping_range(assignment, self._joints)
+
+
+def _element(message: Any, field: str, index: int | None) -> float:
+    """Return the number of a message that commands a plugin's joints.
+
+    Raises:
+        CommandError: If the message does not have it.
+    """
+    value = getattr(message, field)
+    if index is None:
+        return float(value)
+    if index >= len(value):
+        raise CommandError(f"{field}[{index}] is commanded, but the message has {len(value)} elements of {field}")
+    return float(value[index])
 
 
 def _like(present: Any, saved: Any) -> Any:

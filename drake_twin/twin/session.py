@@ -217,6 +217,7 @@ class Session:
                 part.set_state(state)
             if self.clock.next_time_step is not None:
                 self.clock.next_time_step = replace(scenario, time_step=self.clock.next_time_step).time_step
+            self.physics.detachable_joints.follow()
             plant = self.built.plant
             if not is_possible(plant.GetPositionsAndVelocities(self.physics.plant_context)):
                 raise ValueError("positions or velocities are not finite")
@@ -274,6 +275,7 @@ class Session:
         for name, control in self.controls.items():
             if name in known and is_same_robot(control.plan, known[name].plan):
                 control.set_state(state)
+        self.physics.detachable_joints.follow()
         self.wrenches.put(self.wrenches.items)
         self.subscriptions.use(scenario.time_step)
         self.alarm.use(scenario.time_step)
@@ -302,6 +304,7 @@ class Session:
         self.wrenches.start(self.physics.pushes)
         for control in self.controls.values():
             control.start()
+        self.physics.detachable_joints.follow()
         self.physics.initialize()
 
     def _use(self, physics: Physics) -> None:

@@ -30,9 +30,9 @@ from drake_twin.systems.state_layout import StateLayout
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.controller_manager import ControllerManager
-from drake_twin.twin.edits import copy_model, delete, drag, place, push, spawn
+from drake_twin.twin.edits import copy_model, delete, drag, move, place, pose_joints, push, spawn
 from drake_twin.twin.endpoints import Endpoint, MoreTopics, endpoints_of
-from drake_twin.twin.entities import EntityState, entity_state, set_entity_state, set_joint_positions
+from drake_twin.twin.entities import EntityState, entity_state
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.real_time import Frames, run_in_real_time
 from drake_twin.twin.recording import Recorder, Recording, recorded
@@ -303,9 +303,7 @@ class Twin:
         Raises:
             InputError: If the robot or a joint is unknown, or a position is not a finite number.
         """
-        session = self._session
-        set_joint_positions(session.built, session.physics.plant_context, session.plan(robot), positions)
-        session.controls[robot].release(positions)
+        pose_joints(self._session, robot, positions)
 
     # Entities --------------------------------------------------------------------------------------------------------
 
@@ -344,9 +342,8 @@ class Twin:
         Raises:
             InputError: If the entity is unknown or cannot be moved, or a value is invalid.
         """
-        set_entity_state(
-            self._session.built,
-            self._session.physics.plant_context,
+        move(
+            self._session,
             entity,
             position=position,
             orientation=orientation,

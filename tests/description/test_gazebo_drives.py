@@ -269,7 +269,7 @@ def test_joint_state_publishers_broadcast_their_joints():
     ],
 )
 def test_joint_controllers_of_gz_are_joint_group_controllers_commanded_by_a_number(filename, interface, topic):
-    drive = drive_of("<joint_name>fl</joint_name>", filename)
+    drive = drive_of("<joint_name>fl</joint_name><i_gain>0</i_gain>", filename)
     assert drive.controller.type == f"{interface}_controllers/JointGroup{interface.title()}Controller"
     assert (drive.topics, drive.types) == ({"commands": topic}, {"commands": "std_msgs/msg/Float64"})
     assert drive.gz_topics == {"commands": f"/model/{{model}}/{topic}"}
@@ -341,10 +341,43 @@ def test_a_trajectory_controller_of_gz_has_gains_for_each_joint():
     assert drive.warnings == ("<position_i_gain> is not simulated",)
 
 
-def test_an_integral_part_is_said_not_to_be_simulated():
-    drive = drive_of("<joint_name>fl</joint_name><i_max>1</i_max>", POSITIONS)
-    assert drive.warnings == ("<i_gain> of 0.1 is not simulated",)  # JointPositionController.cc's default
-    assert drive_of("<joint_name>fl</joint_name><i_gain>0</i_gain>", POSITIONS).warnings == ()
+@pytest.mark.parametrize(
+    ("filename", "interface", "default"),
+    [(POSITIONS, "position", "joint/fl/0/cmd_pos"), (VELOCITIES, "velocity", "joint/fl/cmd_vel")],
+)
+def test_joint_controllers_of_gz_may_be_commanded_by_an_element_of_actuators(filename, interface, default):
+    asked = "<joint_name>fl</joint_name><use_actuator_msg>true</use_actuator_msg>"
+    numbered = f"{asked}<actuator_number>3</actuator_number>"
+    drive = drive_of(numbered, filename)
+    assert drive.types == {"commands": "actuator_msgs/msg/Actuators"}
+    assert drive.elements == {"commands": (interface, 3)}
+    assert (drive.topics, drive.gz_topics) == ({"commands": "actuators"}, {"commands": "/actuators"})
+    below = drive_of(f"{numbered}<sub_topic>command/motors</sub_topic>", filename)
+    assert below.gz_topics == {"commands": "/model/{model}/command/motors"}
+    assert drive_of(f"{numbered}<topic>/motors</topic>", filename).gz_topics == {"commands": "/motors"}
+    without = drive_of(asked, filename)
+    assert without.topics == {"commands": default}
+    assert "<use_actuator_msg> without <actuator_number>" in without.warnings[0]
+    negative = drive_of(f"{asked}<actuator_number>-1</actuator_number>", filename)
+    assert "<actuator_number> is -1, which is not an index" in negative.not_started
+
+
+def test_a_pid_with_an_integral_part_or_an_offset_has_a_controller_of_it():
+    drive = drive_of("<joint_name>fl</joint_name><i_max>3</i_max>", POSITIONS)
+    assert (drive.controller.type, drive.warnings) == ("gz_sim/JointPidController", ())
+    assert drive.controller.parameters == {
+        "joints": ["fl"],
+        "interface": "position",
+        "i_gain": 0.1,  # JointPositionController.cc's default
+        "i_max": 3.0,
+        "i_min": -1.0,
+        "cmd_offset": 0.0,
+    }
+    force = "<joint_name>fl</joint_name><use_force_commands>1</use_force_commands>"
+    plain, more = (drive_of(force + inside, VELOCITIES) for inside in ("", "<cmd_offset>2</cmd_offset>"))
+    assert plain.controller.type == "velocity_controllers/JointGroupVelocityController"
+    assert (more.controller.parameters["interface"], more.controller.parameters["cmd_offset"]) == ("velocity", 2.0)
+    assert drive_of(f"{force}<d_gain>0.5</d_gain>", VELOCITIES).warnings == ("<d_gain> of 0.5 is not simulated",)
 
 
 def test_several_plugins_of_a_kind_have_names_of_their_own_and_other_plugins_are_left_out():

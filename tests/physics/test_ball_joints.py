@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from drake_twin import TwinBuilder
 from drake_twin.diagram import ball_joints
+from drake_twin.diagram.cenic_constraints import cenic_has_constraints
 from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
@@ -19,7 +20,7 @@ from drake_twin.sensors.force_torque_sensor import ForceTorqueSensor, ForceTorqu
 from drake_twin.sensors.sensor_setup import SensorSetup
 
 # What this Drake's engines can: CENIC has such constraints since 1.56.
-WITH_BALLS = [engine for engine in ENGINES if engine != "cenic" or ball_joints.cenic_has_ball_constraints()]
+WITH_BALLS = [engine for engine in ENGINES if engine != "cenic" or cenic_has_constraints("AddBallConstraint")]
 engines_with_balls = pytest.mark.parametrize("engine", WITH_BALLS)
 
 MASS, MOMENTS = 2.0, np.array([0.02, 0.03, 0.04])  # about the centre of mass
@@ -207,7 +208,7 @@ def test_tf_has_the_child_links_of_sdf_joints(tmp_path, kind):
 
 @pytest.fixture
 def older_cenic(monkeypatch):
-    monkeypatch.setattr(ball_joints, "cenic_has_ball_constraints", lambda: False)
+    monkeypatch.setattr(ball_joints, "cenic_has_constraints", lambda add: False)
 
 
 @pytest.mark.usefixtures("older_cenic")

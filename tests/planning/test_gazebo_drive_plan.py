@@ -1,9 +1,12 @@
 """Robots that only a Gazebo plugin drives, in the twin."""
 
+import re
+
 import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder
+from drake_twin.errors import CommandError
 
 CART = """<robot name="cart">
   <link name="base_footprint"/>
@@ -139,6 +142,21 @@ def test_a_joint_position_controller_of_gz_takes_a_float(make):
     assert twin.robot_state("cart").positions[0] == pytest.approx(0.2, abs=0.01)
 
 
+def test_one_message_of_actuators_commands_each_wheel_by_its_element(make):
+    plugin = """<gazebo><plugin filename="gz-sim-joint-controller-system" name="{joint}">
+        <joint_name>{joint}</joint_name><use_actuator_msg>true</use_actuator_msg><actuator_number>{number}</actuator_number></plugin></gazebo>"""
+    twin = make(plugin.format(joint="left", number=0) + plugin.format(joint="right", number=2))
+    assert twin.topics()["/cart/actuators"] == "actuator_msgs/msg/Actuators"
+    twin.publish("/cart/actuators", {"velocity": [1.5, 9.0, -2.0], "position": [7.0]})
+    twin.advance_to(0.5)
+    assert twin.robot_state("cart").velocities[:2] == pytest.approx((1.5, -2.0), rel=0.01)
+    twin.publish("/cart/actuators", {"velocity": [2.5]})  # the right wheel has no element of it
+    twin.advance_to(1.0)
+    assert twin.robot_state("cart").velocities[:2] == pytest.approx((2.5, -2.0), rel=0.01)
+    with pytest.raises(CommandError, match=re.escape("velocity[2] is commanded, but the message has 0 elements of")):
+        twin.publish("/cart/actuators", {"position": [2.5]})
+
+
 PENDULUM = """<robot name="p"><link name="world"/><link name="base"><inertial><mass value="1"/>
     <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
   <joint name="fix" type="fixed"><parent link="world"/><child link="base"/></joint>
@@ -167,6 +185,36 @@ def test_a_pid_of_gz_swings_as_the_equation_of_its_gains(tmp_path, engine):
         e = q - 0.5
         expected = 0.5 + np.exp(-decay * since) * (e * cosine + (v + decay * e) / turning * sine)
         assert twin.robot_state("p").positions[0] == pytest.approx(expected, abs=0.01)
+
+
+@pytest.mark.parametrize("engine", ["discrete", "cenic"])
+def test_the_integral_part_of_a_pid_moves_as_its_equation_with_its_bound(tmp_path, engine):
+    """0.1 q'' = 4 (0.5 - q) - 0.4 q' + s, s' = 6 (0.5 - q), |s| ≤ 0.7, from the state at 0.02 s."""
+    inside = "<p_gain>4</p_gain><d_gain>0.4</d_gain><i_gain>6</i_gain><i_max>0.7</i_max><i_min>-0.7</i_min>"
+    (tmp_path / "p.urdf").write_text(PENDULUM.format(kind="joint-position-controller", inside=inside))
+    twin = TwinBuilder(engine=engine).robot("p", tmp_path / "p.urdf").build()
+    twin.publish("/p/joint/j/0/cmd_pos", {"data": 0.5})
+    twin.advance_to(0.02)
+    state = twin.robot_state("p")
+    q, v, s, step = state.positions[0], state.velocities[0], 6 * 0.5 * 0.02, 1e-4
+    for number in range(1, 10001):
+        v += step * (4 * (0.5 - q) - 0.4 * v + s) / 0.1
+        q += step * v
+        s = min(max(s + step * 6 * (0.5 - q), -0.7), 0.7)
+        if number in (2800, 5800, 9800):
+            twin.advance_to(0.02 + step * number)
+            assert twin.robot_state("p").positions[0] == pytest.approx(q, abs=0.01)
+
+
+def test_the_integral_part_bears_what_the_servo_alone_would_sag_under(tmp_path):
+    """2 N·m on a PD of 10 N·m/rad would leave 0.2 rad; the offset of a velocity's PID is an effort of its own."""
+    inside = "<p_gain>10</p_gain><d_gain>2</d_gain><i_gain>20</i_gain><i_max>5</i_max><i_min>-5</i_min>"
+    (tmp_path / "p.urdf").write_text(PENDULUM.format(kind="joint-position-controller", inside=inside))
+    twin = TwinBuilder().robot("p", tmp_path / "p.urdf").build()
+    twin.publish("/p/joint/j/0/cmd_pos", {"data": 0.0})
+    twin.apply_wrench("p::disc", torque=(0, 0, 2), duration=20)
+    twin.advance_to(10.0)
+    assert twin.robot_state("p").positions[0] == pytest.approx(0, abs=1e-3)
 
 
 def test_velocity_commands_of_gz_are_there_at_once_at_their_velocity(tmp_path):

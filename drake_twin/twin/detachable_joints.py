@@ -1,0 +1,104 @@
+"""Fixed joints that come and go: what their controllers ask for is done in the plant's context."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, FilterId, GeometrySet
+from pydrake.math import RigidTransform
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import Context
+
+from drake_twin.controllers.detachable_joint import Attachment, DetachableJoint
+from drake_twin.diagram.detachable_joints import JointInPlant
+from drake_twin.diagram.twin_diagram import TwinDiagram
+
+
+@dataclass
+class _Joint:
+    """A joint, its controller, and what was done last: the pose of its rods, and the filter of its shapes."""
+
+    controller: DetachableJoint
+    context: Context
+    in_plant: JointInPlant | None
+    pose: tuple[float, ...] | None = None
+    filter: FilterId | None = None
+
+
+class DetachableJoints:
+    """The detachable joints of one diagram.
+
+    All of their state is in their controllers' memory; the rods and the collision filters follow from it. As in
+    Gazebo's engine, where what is attached becomes part of the other model, the two models do not touch.
+
+    Args:
+        built: The diagram.
+        root: Its context.
+    """
+
+    def __init__(self, built: TwinDiagram, root: Context):
+        self._built, self._root = built, root
+        self._plant_context = built.plant.GetMyMutableContextFromRoot(root)
+        places = {(joint.robot, joint.controller): joint for joint in built.detachable_joints}
+        self._joints = [
+            _Joint(item, item.GetMyMutableContextFromRoot(root), places.get((robot, name)))
+            for robot, parts in built.parts.items()
+            for name, item in parts.controllers.items()
+            if isinstance(item, DetachableJoint)
+        ]
+
+    def forget(self) -> None:
+        """Know that the context has its default values."""
+        for joint in self._joints:
+            joint.pose = joint.filter = None
+
+    def follow(self) -> None:
+        """Attach and detach what the controllers ask for."""
+        for joint in self._joints:
+            memory = joint.controller.asked(joint.context)
+            is_attached = memory.wanted and joint.in_plant is not None
+            if is_attached != bool(memory.pose):
+                pose = self._present_pose(joint) if is_attached else ()
+                memory = replace(memory, pose=pose, since=self._root.get_time())
+            self._put(joint, memory)
+
+    def moved(self, entity: str) -> None:
+        """Keep what is attached to a robot or model that was put elsewhere, or that was itself, where it is now."""
+        for joint in self._joints:
+            memory = joint.controller.asked(joint.context)
+            if memory.pose and joint.in_plant is not None and entity in self._entities(joint.in_plant):
+                self._put(joint, replace(memory, pose=self._present_pose(joint)))
+
+    def _put(self, joint: _Joint, memory: Attachment) -> None:
+        if memory != joint.controller.sample(joint.context).memory:
+            joint.controller.set_memory(joint.context, memory)
+        if memory.pose == joint.pose or joint.in_plant is None:
+            return
+        joint.pose = memory.pose
+        X_PC = RigidTransform(np.array(memory.pose).reshape(3, 4)) if memory.pose else None
+        joint.in_plant.set_pose(self._built.plant, self._plant_context, X_PC)
+        self._filter(joint, joint.in_plant, is_attached=X_PC is not None)
+
+    def _filter(self, joint: _Joint, in_plant: JointInPlant, *, is_attached: bool) -> None:
+        scene_graph = self._built.scene_graph
+        filters = scene_graph.collision_filter_manager(scene_graph.GetMyMutableContextFromRoot(self._root))
+        if joint.filter is not None:
+            filters.RemoveDeclaration(joint.filter)
+            joint.filter = None
+        instances = [body.model_instance() for body in (in_plant.parent, in_plant.child)]
+        if is_attached and instances[0] != instances[1]:
+            parents, children = map(self._shapes, instances)
+            joint.filter = filters.ApplyTransient(CollisionFilterDeclaration().ExcludeBetween(parents, children))
+
+    def _shapes(self, instance: ModelInstanceIndex) -> GeometrySet:
+        plant = self._built.plant
+        return GeometrySet([plant.GetBodyFrameIdOrThrow(index) for index in plant.GetBodyIndices(instance)])
+
+    def _present_pose(self, joint: _Joint) -> tuple[float, ...]:
+        assert joint.in_plant is not None, "it is attached"
+        frames = joint.in_plant.parent.body_frame(), joint.in_plant.child.body_frame()
+        X_PC = self._built.plant.CalcRelativeTransform(self._plant_context, *frames)
+        return tuple(X_PC.GetAsMatrix34().ravel().tolist())
+
+    def _entities(self, in_plant: JointInPlant) -> set[str]:
+        owners = self._built.owners()
+        return {owners.get(body.model_instance(), "") for body in (in_plant.parent, in_plant.child)}
