@@ -46,8 +46,9 @@ def planned_robots(
 ) -> PlannedScenario:
     """Place robots of one file side by side on the ground.
 
-    A single robot keeps the name that its file gives it. Several are named ``robot_1``, ``robot_2``, …; where the xacro
-    file has an argument ``robot_name``, ``prefix`` or ``namespace`` (the first of these), it is set to match.
+    A single robot keeps the name that its file gives it, and the default of its argument ``robot_name``. Several are
+    named ``robot_1``, ``robot_2``, …; where the xacro file has an argument ``robot_name``, ``prefix`` or ``namespace``
+    (the first of these), it is set to match.
 
     Args:
         file: A xacro, URDF, SDF or MJCF file.
@@ -65,9 +66,10 @@ def planned_robots(
     else:
         names = [f"robot_{index + 1}" for index in range(count)]
     naming = None if count is None else _naming_argument(file, xacro_args, packages)
+    given = {**(_own_robot_name(file, packages) if count is None else {}), **xacro_args}
     robots = []
     for name in names:
-        own = dict(xacro_args)
+        own = dict(given)
         if naming is not None:
             own[naming] = f"{name}_" if naming == "prefix" else name
         robots.append(Robot(name=name, model=str(file.absolute()), xacro_args=own))
@@ -87,6 +89,12 @@ def height_on_ground(plan: RobotPlan) -> float:
 def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:
     """Return the robot's name in its file, as a valid name in the twin."""
     return name_in_twin(robot_name_in_file(file, packages, xacro_args))
+
+
+def _own_robot_name(file: Path, packages: PackageIndex) -> dict[str, str]:
+    """Return the argument ``robot_name`` with the file's own default, if it has one and that is plain text."""
+    default = xacro_arguments(file, packages).get("robot_name", "")
+    return {"robot_name": default} if default and "$" not in default else {}
 
 
 def _naming_argument(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str | None:

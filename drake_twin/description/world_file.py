@@ -133,7 +133,12 @@ def read_world(
         InputError: If the file is missing or is not an SDF world, its includes form a loop, a value is invalid, or a
             model to copy does not exist.
     """
-    text, file = _world_text(address, packages)
+    file = find_world(address, packages)
+    name = Path(address)
+    if file is None:
+        text = _EMPTY.format(name=name.stem, ground=_GROUNDS[name.suffix])
+    else:
+        text = read_xml(file, "world file")
     places = None
     if "xacro" in text and "ros.org/wiki/xacro" in text and file is not None:
         text, places, _ = expand_xacro(file, {}, packages)
@@ -145,26 +150,33 @@ def read_world(
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
 
 
-def _world_text(address: str, packages: PackageIndex) -> tuple[str, Path | None]:
+def find_world(address: str, packages: PackageIndex) -> Path | None:
+    """Find the file of a world; None for a built-in one.
+
+    Args:
+        address: As for `read_world`.
+        packages: Resolves it.
+
+    Raises:
+        InputError: If the file is missing.
+    """
     name = Path(address).name
     try:
-        file = packages.resolve(address)
+        return packages.resolve(address)
     except InputError as error:
         folders = (*packages.folders, *packages.resource_folders)
         beside = [folder / address for folder in folders if (folder / address).is_file()]
         if beside:
-            file = beside[0]
-        elif name in BUILT_IN_WORLDS:
-            return _EMPTY.format(name=Path(name).stem, ground=_GROUNDS[Path(name).suffix]), None
-        elif isinstance(error, MissingPackageError):
+            return beside[0]
+        if name in BUILT_IN_WORLDS:
+            return None
+        if isinstance(error, MissingPackageError):
             raise
-        else:
-            raise InputError(
-                f"the world file {address!r} does not exist, and of Gazebo's own worlds only some are built in",
-                valid=BUILT_IN_WORLDS,
-                value=name,
-            ) from None
-    return read_xml(file, "world file"), file
+        raise InputError(
+            f"the world file {address!r} does not exist, and of Gazebo's own worlds only some are built in",
+            valid=BUILT_IN_WORLDS,
+            value=name,
+        ) from None
 
 
 def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:

@@ -94,8 +94,9 @@ def _in_file(process: LaunchedProcess, findings: list[Finding]) -> Iterator[Brid
         return
     file = Path(name)
     if not file.is_file():
+        # ROS ends with an error only if no other program of the launch has written the file by then.
         what = f"{process.what}: its config_file {name} does not exist"
-        findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, process.place))
+        findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
         return
     document = YamlDocument(file.read_text(encoding="utf-8", errors="replace"), file)
     entries = document.data

@@ -20,6 +20,7 @@ from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.from_launch.command_line import CommandLine, command_line
 from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
+from drake_twin.scenario import name_in_twin
 
 _SPAWNERS = {
     ("ros_gz_sim", "create"),
@@ -196,9 +197,9 @@ class LaunchedRobots:
         wanted = [plugin.namespace for plugin in (*control, *source.plugins) if plugin.namespace]
         namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
-        taken = {robot.name for robot in self.robots}
+        taken = {name_in_twin(robot.name) for robot in self.robots}  # team/r and team_r have one name there
         numbered = chain((name,), (f"{name}_{number}" for number in count(1)))
-        name = next(each for each in numbered if each not in taken)
+        name = next(each for each in numbered if name_in_twin(each) not in taken)
         if control or source.has_hardware:
             names = [_element(plugin, "controller_manager_name", "controller_manager_node_name") for plugin in control]
             manager = absolute_name(next(filter(None, names), "controller_manager"), namespace)

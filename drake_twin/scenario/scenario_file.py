@@ -11,11 +11,11 @@ from typing import Any
 
 import yaml
 
-from drake_twin.description.package_index import absolute_path
 from drake_twin.description.source_file import check_regular
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError
+from drake_twin.scenario.absolute_files import with_absolute_files
 from drake_twin.scenario.typed_values import field_types
 from drake_twin.values import yaml_number
 
@@ -45,7 +45,7 @@ class ScenarioFile:
             scenario: Scenario = _read(Scenario, self._document.data, self._document, ())
         except ScenarioError as error:
             raise self.located(error) from None
-        self.scenario = _with_absolute_files(scenario, Path(file).absolute().parent)
+        self.scenario = with_absolute_files(scenario, Path(file).absolute().parent)
 
     @classmethod
     def read(cls, file: str | Path) -> "ScenarioFile":
@@ -167,25 +167,3 @@ def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValueP
         if required and item.name not in value:
             raise document.error(path, f"the entry {item.name!r} is missing")
     return kind(**{key: _read(kinds[key], item, document, (*path, key)) for key, item in value.items()})
-
-
-def _with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:
-    def absolute(name: str) -> str:
-        return name if "://" in name else absolute_path(name if name.startswith("~") else folder / name)
-
-    robots = tuple(
-        dataclasses.replace(
-            robot, model=absolute(robot.model), controllers=tuple(absolute(name) for name in robot.controllers)
-        )
-        for robot in scenario.robots
-    )
-    return dataclasses.replace(
-        scenario,
-        robots=robots,
-        nodes=tuple(
-            node if node.package else dataclasses.replace(node, executable=absolute(node.executable))
-            for node in scenario.nodes
-        ),
-        package_paths=tuple(absolute(name) for name in scenario.package_paths),
-        world=dataclasses.replace(scenario.world, file=scenario.world.file and absolute(scenario.world.file)),
-    )

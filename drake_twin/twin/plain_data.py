@@ -8,6 +8,7 @@ import types
 import typing
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
+from enum import Enum
 from functools import cache
 from math import isfinite
 from typing import Any
@@ -91,13 +92,18 @@ def _special(kind: str, data: dict[str, Any]) -> Any:
         value = found(*(from_plain(item) for item in data["items"]))
         names: Iterable[str] = found._fields
     else:
-        value = found(**{key: from_plain(item) for key, item in data.items()})
+        value = found(**{key: _of_kind(_hints(found).get(key), from_plain(item)) for key, item in data.items()})
         names = [item.name for item in fields(found)]
     hints = _hints(found)
     for field in names:
         if not _fits(getattr(value, field), hints.get(field, Any)):
             raise ValueError(f"{messages.shortened(getattr(value, field))} is not a valid {field} of {name}")
     return value
+
+
+def _of_kind(hint: Any, value: Any) -> Any:
+    """Return an entry; JSON has only the text of a named value, such as a finding's kind."""
+    return hint(value) if isinstance(hint, type) and issubclass(hint, Enum) else value
 
 
 @cache

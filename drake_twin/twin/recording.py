@@ -13,7 +13,8 @@ import numpy as np
 from drake_twin.errors import InputError, TwinError
 from drake_twin.messages import shortened
 from drake_twin.saved import saved
-from drake_twin.scenario import LONGEST_TIME
+from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
+from drake_twin.scenario.absolute_files import robot_with_files_found, with_files_found
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.snapshot import Snapshot
@@ -263,9 +264,16 @@ def _do(twin: "Twin", call: Call) -> None:
 
 
 def _settled(value: Any) -> Any:
-    """Return a value for both the recording and the method: an iterator, which can be read only once, is read here."""
+    """Return a value for both the recording and the method.
+
+    An iterator, which can be read only once, is read here, and files are found from the present working directory.
+    """
     if value is None or isinstance(value, bool | int | float | str | bytes | np.ndarray | np.generic | Set):
         return value
+    if isinstance(value, Robot):
+        return robot_with_files_found(value)
+    if isinstance(value, Scenario):
+        return with_files_found(value)
     if isinstance(value, Real):
         try:
             return float(value)

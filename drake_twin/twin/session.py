@@ -15,6 +15,7 @@ from drake_twin.errors import InputError, RunError, TwinError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
+from drake_twin.scenario.absolute_files import with_files_found
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
@@ -79,7 +80,7 @@ class Session:
         note: Callable[..., object],
     ):
         self._meshcat, self._extensions, self._note = meshcat, tuple(extensions), note
-        self.scenario = self._given = scenario
+        self.scenario = self._given = scenario = with_files_found(scenario)
         self._text: tuple[Scenario | None, str] = None, ""  # as YAML
         self.first_robots = tuple(robot.name for robot in scenario.robots)
         self.clock = Clock(scenario.time_step)
@@ -242,7 +243,7 @@ class Session:
         """
         before = self.clock.time
         if scenario is not None:
-            self._change_to(scenario)
+            self._change_to(with_files_found(scenario))
             self.clock.next_time_step = None
         self.goals.drop_all()
         self.commands.silenced.clear()
@@ -258,7 +259,7 @@ class Session:
         Raises:
             InputError: If the scenario cannot be built; nothing is changed then.
         """
-        old = self.physics
+        old, scenario = self.physics, with_files_found(scenario)
         physics = Physics(scenario, self._meshcat, old.built, extensions=self._extensions)
         state, before, known = self.state(), self.scenario.commands, dict(self.controls)
         self.scenario = self._given = scenario

@@ -53,6 +53,21 @@ def test_several_robots_are_named_through_the_files_own_argument(tmp_path, argum
     assert robots[1].xacro_args == {argument: value}
 
 
+def test_a_robot_file_alone_keeps_its_own_default_of_robot_name(tmp_path):
+    """A lesson's file has links whose names begin with the default."""
+    file = tmp_path / "r.urdf.xacro"
+    text = PREFIXED.format(argument="robot_name").replace('default=""', 'default="lesson_"')
+    joint = '<joint name="j" type="fixed"><parent link="lesson_base"/><child link="arm"/></joint></robot>'
+    file.write_text(text.replace("</robot>", f'<link name="arm"/>{joint}'))
+    scenario = robot_file_scenario(file, xacro_args={})
+    assert scenario.robots[0].name == "r"
+    assert Twin(scenario).plans[0].description.links == ("lesson_base", "arm")
+    assert robot_file_scenario(file, 2, xacro_args={"robot_name": "lesson_"}).robots[0].name == "robot_1"
+    file.write_text(text.replace('default="lesson_"', 'default="$(arg other)"'))
+    (robot,) = robot_file_scenario(file, xacro_args={"other": "x"}).robots
+    assert "robot_name" not in robot.xacro_args
+
+
 def test_an_argument_typed_by_the_user_is_left_alone(tmp_path):
     file = tmp_path / "r.urdf.xacro"
     file.write_text(PREFIXED.format(argument="prefix"))

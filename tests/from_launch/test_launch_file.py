@@ -224,6 +224,21 @@ def test_a_bridges_file_names_topics_too(tmp_path):
     assert "/sim/drive" in Twin(launched(tmp_path, *entities).scenario).topics()
 
 
+def test_a_bridges_file_that_something_else_would_write_is_not_said_to_be_refused(tmp_path):
+    bridge = node("ros_gz_bridge", "parameter_bridge", parameters=[{"config_file": str(tmp_path / "later.yaml")}])
+    scenario = launched_hinge(tmp_path, bridge).scenario
+    assert not_started(scenario) == (
+        f"ros_gz_bridge/parameter_bridge: its config_file {tmp_path / 'later.yaml'} does not exist",
+    )
+    assert not_started(scenario, Kind.REFUSED_BY_ROS) == ()
+
+
+def test_spawn_names_with_slashes_are_robots_of_their_own(tmp_path):
+    file = write_hinge(tmp_path)
+    spawns = [create("-file", file, "-name", name) for name in ("team/r", "team_r", "other/r")]
+    assert [robot.name for robot in launched(tmp_path, *spawns).scenario.robots] == ["team_r", "team_r_1", "other_r"]
+
+
 @pytest.mark.parametrize("form", ["arguments", "file"])
 def test_a_drive_listens_to_stamped_messages_where_the_bridge_has_them(tmp_path, form):
     if form == "file":
