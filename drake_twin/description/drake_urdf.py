@@ -13,6 +13,7 @@ from pathlib import Path
 from lxml import etree
 
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
+from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
 from drake_twin.description.meshes import (
     Primitive,
     collision_mesh,
@@ -26,7 +27,7 @@ from drake_twin.description.robot_description import LinkSurface, RobotDescripti
 from drake_twin.description.used_elements import is_known
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, merged
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
 # would be spawned inside the first.
@@ -177,7 +178,8 @@ def _resolve_meshes(
     A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
     of another machine is searched in the packages that its folders are named after.
     """
-    repairs = []
+    findings = []
+    colliding: dict[Path, None] = {}
     for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
         for mesh in shape.findall("geometry/mesh"):
             address = reader.text(mesh, "filename")
@@ -185,11 +187,16 @@ def _resolve_meshes(
                 file, elsewhere = _find_mesh(address, packages, reader.file, "mesh_elsewhere" not in without)
                 if elsewhere:
                     what = f"mesh {address!r} is not on this machine: {file} is used"
-                    repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "mesh_elsewhere"))
+                    findings.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "mesh_elsewhere"))
+                place = reader.place(mesh)
                 if shape.tag == "visual":
                     mesh.set("filename", mesh_address(visual_mesh(file)))
+                    said = said_of_visual(file)
                 else:
                     _give_collision_shape(reader, shape, mesh, file, collision)
+                    said = said_of_hull(file)
+                    colliding[file] = None
+                findings += [Finding.at(Kind.WARNING, what, place) for what in said]
                 meshes.append(file)
             except InputError as error:
                 if "missing_mesh" in without:
@@ -197,9 +204,10 @@ def _resolve_meshes(
                 link = shape.getparent()
                 if link is not None:
                     what = f"the {shape.tag} mesh of link {link.get('name')!r} is left out: {str(error).rstrip('.')}"
-                    repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "missing_mesh"))
+                    findings.append(Finding.at(Kind.MENDED, what, reader.place(mesh), "missing_mesh"))
                     link.remove(shape)
-    return repairs
+    findings += [Finding(Kind.WARNING, what) for what in said_of_hulls(colliding)]
+    return [*merged(findings)]
 
 
 def _find_mesh(address: str, packages: PackageIndex, near: Path | None, look_elsewhere: bool) -> tuple[Path, bool]:

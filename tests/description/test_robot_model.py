@@ -229,9 +229,9 @@ def test_two_copies_of_a_robot_convert_its_meshes_once(tmp_path, monkeypatch):
     from drake_twin.description import meshes
 
     read = []
-    original = meshes._single_mesh
+    original = meshes.single_mesh
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(meshes, "_single_mesh", lambda file: read.append(file.name) or original(file))
+    monkeypatch.setattr(meshes, "single_mesh", lambda scene, file: read.append(file.name) or original(scene, file))
     arm = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
     TwinBuilder().robot("a", arm).robot("b", arm, xyz=(2, 0, 0)).build()
     names = ("claw", "finger", "forearm", "pedestal", "turret", "upper_arm")
