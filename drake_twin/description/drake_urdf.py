@@ -14,6 +14,7 @@ from lxml import etree
 
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
 from drake_twin.description.link_surface import LinkSurface
+from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
 from drake_twin.description.meshes import (
     Primitive,
     collision_mesh,
@@ -27,7 +28,7 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.used_elements import is_known, weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Weight
+from drake_twin.findings import Finding, Kind, Weight, merged
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
 # would be spawned inside the first.
@@ -179,10 +180,11 @@ def _resolve_meshes(
     A shape whose mesh is missing or broken is left out, as in RViz and Gazebo: the robot still runs. An absolute path
     of another machine is searched in the packages that its folders are named after.
     """
-    repairs: list[Finding] = []
+    findings: list[Finding] = []
+    colliding: dict[Path, None] = {}
 
     def mended(what: str, mesh: etree._Element, rule: str) -> None:
-        repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), rule, weight=weight_of(mesh)))
+        findings.append(Finding.at(Kind.MENDED, what, reader.place(mesh), rule, weight=weight_of(mesh)))
 
     for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
         for mesh in shape.findall("geometry/mesh"):
@@ -192,10 +194,15 @@ def _resolve_meshes(
                 if elsewhere:
                     what = f"mesh {address!r} is not on this machine: {file} is used"
                     mended(what, mesh, "mesh_elsewhere")
+                place = reader.place(mesh)
                 if shape.tag == "visual":
                     mesh.set("filename", mesh_address(visual_mesh(file)))
+                    said = said_of_visual(file)
                 else:
                     _give_collision_shape(reader, shape, mesh, file, collision)
+                    said = said_of_hull(file)
+                    colliding[file] = None
+                findings += [Finding.at(Kind.WARNING, what, place, weight=weight_of(mesh)) for what in said]
                 meshes.append(file)
             except InputError as error:
                 if "missing_mesh" in without:
@@ -205,7 +212,8 @@ def _resolve_meshes(
                     what = f"the {shape.tag} mesh of link {link.get('name')!r} is left out: {str(error).rstrip('.')}"
                     mended(what, mesh, "missing_mesh")
                     link.remove(shape)
-    return repairs
+    findings += [Finding(Kind.WARNING, what, weight=Weight.LOOKS) for what in said_of_hulls(colliding)]
+    return [*merged(findings)]
 
 
 def _find_mesh(address: str, packages: PackageIndex, near: Path | None, look_elsewhere: bool) -> tuple[Path, bool]:

@@ -4,36 +4,31 @@ import base64
 import json
 import re
 import struct
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drake_twin.description.coarse_mesh import coarser
 from drake_twin.description.hull import hull_of
 from drake_twin.description.mesh_cache import cached, note_source
+from drake_twin.description.mesh_faults import MeshFaults, faults_of
+from drake_twin.description.mesh_file import Z_UP_TO_Y_UP, check_mesh_file, read_scene, reading, single_mesh
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.source_file import check_regular
 from drake_twin.errors import InputError
 from drake_twin.requirements import missing
 
-_READ_BY_DRAKE = (".obj", ".gltf")
-_READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
-MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
 HULL = ".hull.obj"  # the end of the names of convex hulls
+_FAULTS = ".faults.json"
+
+MOST_DRAWN = 300_000  # triangles of a mesh without colours: a page draws no more at once
+_FINEST_DRAWN = 1 / 1024  # of its size: details of a mesh of more
 
 # A primitive replaces a mesh whose hull's vertices are on it within this part of the mesh's size.
 _PRIMITIVE_TOLERANCE = 1e-3
 _THINNEST = 1e-3  # of the mesh's size: the thickness of a flat mesh, because Drake needs volume
-
-_FARTHEST = 1e12  # mesh units; larger coordinates are invalid, and overflow in the simulation
-
-# Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
-_Z_UP_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -70,7 +65,7 @@ def visual_mesh(file: Path) -> Path:
     Raises:
         InputError: If the format is unknown, or the file holds no triangles.
     """
-    _check_suffix(file)
+    check_mesh_file(file)
     suffix = file.suffix.lower()
     if suffix == ".gltf" or (suffix == ".obj" and _has_normals(file)):
         return file
@@ -84,7 +79,7 @@ def mesh_for_mjcf(file: Path) -> Path:
     Raises:
         InputError: As `visual_mesh`.
     """
-    _check_suffix(file)
+    check_mesh_file(file)
     return file if file.suffix.lower() == ".obj" and _has_normals(file) else cached(file, ".visual.obj", _visual_obj)
 
 
@@ -94,7 +89,7 @@ def collision_mesh(file: Path) -> Path:
     Raises:
         InputError: If the format is unknown, or the file holds no triangles.
     """
-    _check_suffix(file)
+    check_mesh_file(file)
     hull = cached(file, HULL, _hull_obj)
     note_source(hull, file)
     return hull
@@ -106,7 +101,7 @@ def collision_pieces(file: Path) -> tuple[Path, ...]:
     Raises:
         InputError: As `collision_mesh`, or if the package coacd (the extra ``decomposition``) is not installed.
     """
-    _check_suffix(file)
+    check_mesh_file(file)
     index = cached(file, ".pieces.json", _pieces_json)
     pieces = json.loads(index.read_text())
     return tuple(
@@ -121,8 +116,23 @@ def read_triangles(file: Path) -> Any:
     Raises:
         InputError: If the format is unknown, or the file holds no triangles.
     """
-    _check_suffix(file)
-    return _single_mesh(file)
+    check_mesh_file(file)
+    return _examined(*read_scene(file), file)
+
+
+def mesh_faults(file: Path) -> MeshFaults:
+    """Return what is wrong with the triangles of a mesh file; known where it was read before.
+
+    Raises:
+        InputError: If the format is unknown, or the file holds no triangles.
+    """
+    check_mesh_file(file)
+
+    def examined(source: Path) -> bytes:
+        scene, unplaced = read_scene(source)
+        return _faults_json(single_mesh(scene, source), unplaced)
+
+    return MeshFaults(**json.loads(cached(file, _FAULTS, examined).read_text()))
 
 
 def mesh_primitive(file: Path, scale: Vector3) -> Primitive | None:
@@ -163,17 +173,6 @@ def _primitive_of_hull(hull: Path, scale: Vector3) -> Primitive | None:
     return None
 
 
-def _check_suffix(file: Path) -> None:
-    suffix = file.suffix.lower()
-    if suffix not in MESH_SUFFIXES:
-        what = f"unknown mesh format {suffix!r}" if suffix else "the mesh's file name has no suffix"
-        raise InputError(what, file=file, valid=MESH_SUFFIXES)
-    try:
-        check_regular(file)
-    except OSError as error:
-        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
-
-
 def _has_normals(file: Path) -> bool:
     try:
         with file.open("rb") as lines:
@@ -201,57 +200,41 @@ def _bytes(file: Path) -> bytes:
         raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
 
 
-@contextmanager
-def _reading(file: Path) -> Iterator[None]:
-    """Turn any exception of the readers and exporters of meshes into an `InputError`: broken files raise all kinds."""
-    try:
-        with warnings.catch_warnings():  # what NumPy 2.5 says to pycollada, which no user can change
-            warnings.filterwarnings("ignore", "Setting the shape on a NumPy array", DeprecationWarning)
-            yield
-    except InputError:
-        raise
-    except ModuleNotFoundError:  # trimesh needs another package to guess the encoding of bytes that are not text
-        raise InputError(f"the mesh is truncated, or not a {file.suffix} file", file=file) from None
-    except Exception as error:
-        raise InputError(f"the mesh cannot be read ({' '.join(str(error).split())})", file=file) from None
-
-
-def _scene(file: Path) -> Any:
-    """Read a mesh file as a trimesh scene in metres."""
-    import trimesh  # takes a third of a second, and only the first start of a robot needs it
-
-    with _reading(file):
-        scene = trimesh.load_scene(file)
-        if scene.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
-            scene = scene.convert_units("meters")
-        if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: turn its hull, too
-            scene.apply_transform(_Z_UP_TO_Y_UP.T)  # type: ignore[no-untyped-call]
-        return scene
-
-
-def _single_mesh(file: Path, scene: Any = None) -> Any:
-    """Return all triangles of a mesh file in one trimesh, in metres."""
-    scene = _scene(file) if scene is None else scene
-    with _reading(file):
-        mesh = scene.to_mesh()
-    if len(getattr(mesh, "faces", ())) == 0:
-        raise InputError("the mesh holds no triangles", file=file)
-    if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
-        raise InputError("the mesh has vertices that are not finite points in space", file=file)
+def _examined(scene: Any, unplaced: int, file: Path) -> Any:
+    """Return all triangles of a scene, and keep what is wrong with them for `mesh_faults`."""
+    mesh = single_mesh(scene, file)
+    cached(file, _FAULTS, lambda _: _faults_json(mesh, unplaced))
     return mesh
 
 
+def _faults_json(mesh: Any, unplaced: int) -> bytes:
+    faults = faults_of(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces), unplaced)
+    return json.dumps(asdict(faults)).encode()
+
+
 def _visual_obj(file: Path) -> bytes:
-    mesh = _single_mesh(file)
+    mesh = _with_fewer_triangles(read_triangles(file))
     return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False)).encode()
+
+
+def _with_fewer_triangles(mesh: Any) -> Any:
+    """Merge the corners in each of so many cubes that the mesh has no more triangles than are drawn."""
+    import trimesh
+
+    vertices, faces = np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)
+    detail = _FINEST_DRAWN * float(np.ptp(vertices, axis=0).max())
+    while len(faces) > MOST_DRAWN:
+        vertices, faces = coarser(vertices, faces, detail)
+        detail *= 2
+    return mesh if len(faces) == len(mesh.faces) else trimesh.Trimesh(vertices, faces, process=False)
 
 
 def _visual_gltf(file: Path) -> bytes:
     """Convert a mesh to glTF with everything inside: trimesh's GLB with its binary part as a data address."""
-    scene = _scene(file)
-    _single_mesh(file, scene)  # raises if it has no triangles
-    with _reading(file):
-        scene.apply_transform(_Z_UP_TO_Y_UP)
+    scene, unplaced = read_scene(file)
+    _examined(scene, unplaced, file)  # raises if it has no triangles
+    with reading(file):
+        scene.apply_transform(Z_UP_TO_Y_UP)
         glb = scene.export(file_type="glb", include_normals=True)
     (length,) = struct.unpack_from("<I", glb, 12)
     document = json.loads(glb[20 : 20 + length])
@@ -264,13 +247,22 @@ def _hull_obj(file: Path) -> bytes:
     """Compute the convex hull with Qhull, through SciPy: Drake's own takes over ten seconds for 50,000 triangles."""
     from scipy.spatial import QhullError
 
-    vertices = with_thickness(np.unique(np.asarray(_single_mesh(file).vertices, dtype=float), axis=0))
+    vertices = _different(np.asarray(read_triangles(file).vertices, dtype=float))
+    if len(vertices) == 1:
+        raise InputError("all corners of the mesh are in one point", file=file)
+    vertices = with_thickness(vertices)
     try:
         corners, triangles = hull_of(vertices)
     except (QhullError, ValueError) as error:
         reason = str(error).strip().splitlines()[0] if str(error).strip() else "Qhull failed"
         raise InputError(f"the mesh has no convex hull ({reason})", file=file) from None
     return _obj_text(corners, triangles.tolist()).encode()
+
+
+def _different(points: np.ndarray) -> np.ndarray:
+    """Return the different rows, in order."""
+    points = points[np.lexsort(points.T[::-1])]
+    return np.asarray(points[np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))])
 
 
 def with_thickness(vertices: np.ndarray) -> np.ndarray:
@@ -296,7 +288,7 @@ def _pieces_json(file: Path) -> bytes:
         import coacd
     except ImportError:
         raise missing("collision: decomposition needs", "coacd") from None
-    mesh = _single_mesh(file)
+    mesh = read_triangles(file)
     coacd.set_log_level("error")
     pieces = coacd.run_coacd(coacd.Mesh(np.asarray(mesh.vertices), np.asarray(mesh.faces)))
     texts = [_obj_text(np.asarray(vertices), np.asarray(faces).tolist()) for vertices, faces in pieces]

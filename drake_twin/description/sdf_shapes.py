@@ -9,6 +9,7 @@ import numpy as np
 from lxml import etree
 
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
+from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
 from drake_twin.description.meshes import collision_mesh, mesh_address, mesh_primitive, visual_mesh
 from drake_twin.description.package_index import MissingPackageError
 from drake_twin.description.sdf_document import is_within_static, number_in, numbers_in
@@ -28,6 +29,8 @@ _SIZES = {
     "ellipsoid": ("radii",),
 }
 _SHAPES = (*_SIZES, "plane", "mesh")
+_COUNTS = {"size": 3, "radii": 3}  # of numbers; else one
+_LARGEST = 1e12  # m; more overflows in the simulation
 
 FindFile = Callable[[str, Path | None], Path]
 
@@ -56,18 +59,27 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
         elif kind.tag not in _SHAPES:
             reason = f"a {shape.tag} <{kind.tag}> is left out: Drake does not support it"
         elif kind.tag in _SIZES and not all(_has_size(kind.find(tag)) for tag in _SIZES[str(kind.tag)]):
-            reason = f"a {shape.tag} <{kind.tag}> has no size: it is left out"
+            reason = f"a {shape.tag} <{kind.tag}> has no size{_written(kind)}: it is left out"
         elif kind.tag == "plane" and shape.tag == "collision" and not is_within_static(shape):
             reason = "a collision <plane> of a model that moves is left out: Drake does not support it"
         if reason is not None:
             link.remove(shape)
             if reason:
                 yield reason, weight_of(shape)
+        elif kind is not None and kind.tag == "plane":
+            yield from ((what, weight_of(shape)) for what in _wrong_in_plane(kind, shape))
 
 
 def _has_size(element: etree._Element | None) -> bool:
     sizes = [] if element is None else numbers_in(element.text)
-    return bool(sizes) and all(size is not None and isfinite(size) and size > 0 for size in sizes)
+    count = _COUNTS.get(str(element.tag), 1) if element is not None else 1
+    return len(sizes) == count and all(size is not None and 0 < size < _LARGEST for size in sizes)
+
+
+def _written(kind: etree._Element) -> str:
+    """Return what a shape says of its size, in brackets."""
+    texts = [f"<{child.tag}>{(child.text or '').strip()}" for child in kind if child.tag in _SIZES[str(kind.tag)]]
+    return f" ({' '.join(texts)})" if texts else ""
 
 
 def _give_colors(model: etree._Element) -> None:
@@ -124,14 +136,23 @@ def mend_planes(model: etree._Element) -> None:
 
 
 _THIN = 1e-3  # m
+_PLANE = 100.0  # m; of a plane without a possible size
+
+
+def _wrong_in_plane(plane: etree._Element, shape: etree._Element) -> Iterator[str]:
+    """Yield what of a ``<plane>`` cannot be used, and what is used instead; ground is endless, whatever its size."""
+    size, normal = (" ".join((plane.findtext(tag) or "").split()) for tag in ("size", "normal"))
+    if size and shape.tag == "visual" and plane_size(plane) != tuple(numbers_in(size)):
+        drawn = " by ".join(f"{side:g}" for side in plane_size(plane))
+        yield f"a visual <plane> has the size {size!r}: it is drawn {drawn} m large"
+    if normal and plane_normal(plane).tolist() != numbers_in(normal):
+        yield f"a {shape.tag} <plane> has the normal {normal!r}: it faces along z"
 
 
 def plane_size(plane: etree._Element) -> tuple[float, float]:
     """Return the sides of a ``<plane>`` (m); 100 m in place of a missing or absurd one."""
-    sides = [
-        side if side is not None and 0 < side < 1e4 else 100.0 for side in numbers_in(plane.findtext("size") or "1 1")
-    ]
-    return sides[0], sides[-1]
+    sides = [side if side is not None and 0 < side < 1e4 else _PLANE for side in numbers_in(plane.findtext("size"))]
+    return (sides[0], sides[-1]) if sides else (1.0, 1.0)
 
 
 def plane_normal(plane: etree._Element) -> np.ndarray:
@@ -176,6 +197,7 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
     Yields:
         What was changed or left out, and what it is for.
     """
+    colliding: dict[Path, None] = {}
     for shape in [*model.iter("collision", "visual")]:
         mesh = shape.find("geometry/mesh")
         link = shape.getparent()
@@ -197,16 +219,20 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
                 yield f"mesh {address!r} is not on this machine: {file} is used", weight_of(shape)
             if shape.tag == "visual":
                 uri.text = mesh_address(visual_mesh(file))
+                yield from ((what, Weight.LOOKS) for what in said_of_visual(file))
             elif is_within_static(shape):
                 uri.text = str(file)
             else:
                 _give_hull(shape, mesh, file, scale)
+                yield from ((what, Weight.MOVES) for what in said_of_hull(file))
+                colliding[file] = None
         except MissingPackageError:
             link.remove(shape)  # reported once for all its shapes
         except InputError as error:
             link.remove(shape)
             what = f"a {shape.tag} is left out with its mesh {address}: {str(error).rstrip('.')}"
             yield what, weight_of(shape)
+    yield from ((what, Weight.LOOKS) for what in said_of_hulls(colliding))
 
 
 def _give_hull(shape: etree._Element, mesh: etree._Element, file: Path, scale: tuple[float, float, float]) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from drake_twin.description.coarse_mesh import coarser, merged
 from drake_twin.description.mesh_cache import cached
 from drake_twin.description.meshes import read_triangles, with_thickness
 from drake_twin.errors import InputError
@@ -108,7 +109,7 @@ def _solids_json(file: Path, detail: float) -> bytes:
         elif corners is not None:
             hulls.append(corners.tolist())
         else:
-            own = (vertices, faces[part]) if detail == 0 else _coarser(vertices, faces[part], detail)
+            own = (vertices, faces[part]) if detail == 0 else coarser(vertices, faces[part], detail)
             polygons = _polygons(*own)
             slabs += polygons
             hollow_parts.append(own[0][own[1]])
@@ -172,7 +173,7 @@ def _normal(polygon: np.ndarray) -> np.ndarray:
 
 def _triangles(file: Path) -> bytes:
     mesh = read_triangles(file)
-    vertices, faces = _merged(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces))
+    vertices, faces = merged(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces))
     data = io.BytesIO()
     np.savez(data, vertices=vertices, faces=faces)
     return data.getvalue()
@@ -189,33 +190,6 @@ def _hollow(vertices: np.ndarray, parts: list[np.ndarray]) -> set[int]:
             around = np.nonzero(np.all(lower < lower[number], axis=1) & np.all(upper > upper[number], axis=1))[0]
             found |= {number, *around.tolist()} if len(around) else set()
     return found
-
-
-def _merged(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Merge corners at one place, and remove triangles without area."""
-    size = float(np.ptp(vertices, axis=0).max()) or 1.0
-    _, first, index = np.unique(np.round(vertices / (1e-6 * size)), axis=0, return_index=True, return_inverse=True)
-    return _clean(vertices[first], index.reshape(-1)[faces])
-
-
-def _clean(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    size = float(np.ptp(vertices, axis=0).max()) or 1.0
-    faces = faces[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-9 * size**2]
-    _, kept = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-    return vertices, faces[np.sort(kept)]
-
-
-def _coarser(vertices: np.ndarray, faces: np.ndarray, detail: float) -> tuple[np.ndarray, np.ndarray]:
-    """Move corners to the mean of those within a cube."""
-    used, faces = np.unique(faces, return_inverse=True)
-    vertices = vertices[used]
-    _, index = np.unique(np.floor(vertices / detail), axis=0, return_inverse=True)
-    index = index.reshape(-1)
-    count = np.bincount(index)
-    middle = np.stack([np.bincount(index, weights=vertices[:, axis]) / count for axis in range(3)], axis=1)
-    return _clean(middle, index[faces.reshape(-1, 3)])
 
 
 def _parts(count: int, faces: np.ndarray) -> list[np.ndarray]:

@@ -135,10 +135,7 @@ def read_world(
     """
     file = find_world(address, packages)
     name = Path(address)
-    if file is None:
-        text = _EMPTY.format(name=name.stem, ground=_GROUNDS[name.suffix])
-    else:
-        text = read_xml(file, "world file")
+    text = _EMPTY.format(name=name.stem, ground=_GROUNDS[name.suffix]) if file is None else read_xml(file, "world file")
     places = None
     if "xacro" in text and "ros.org/wiki/xacro" in text and file is not None:
         text, places, _ = expand_xacro(file, {}, packages)

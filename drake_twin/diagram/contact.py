@@ -17,6 +17,7 @@ from pydrake.multibody.tree import BodyIndex
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_roles import Registry, exclude_within_models, variants
 from drake_twin.diagram.contact_shapes import ContactShape, ShapeReader
+from drake_twin.diagram.extreme_shapes import said_of_extremes
 from drake_twin.diagram.rims_and_corners import with_points
 
 # How a shape touches, as named in reports.
@@ -83,6 +84,7 @@ def give_contact(
         # Copies: the inspector returns references into the scene graph, which is about to be changed.
         shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))
         shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
+    warnings.extend(said_of_extremes(shapes))
     shapes = with_points(shapes, warnings)
     registry = Registry(plant, scene_graph)
     for shape, wanted in zip(shapes, variants(shapes, warnings), strict=True):

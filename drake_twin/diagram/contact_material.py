@@ -14,7 +14,7 @@ from pydrake.geometry import (
 )
 from pydrake.multibody.plant import CoulombFriction
 
-from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape, extent_of
+from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape, extent_of
 from drake_twin.diagram.rims_and_corners import CORNER_STIFFNESS, recess_of
 from drake_twin.diagram.yielding_shapes import Yielding
 
@@ -30,6 +30,10 @@ _SMALL_FACE_STIFFNESS = 1.3e5
 # Nothing is softer than a compact thing of this mass (kg): what pushes it may be stronger than its weight. Its faces
 # have 3e5 to 1e6 N/m at least. Loose cylinders are left out: at a step of 10 ms a coin as stiff as this falls over.
 _LEAST_BORNE = 2.5
+
+# Of that, relative to the mass of the body itself: what weighs less than 10 mg would be so stiff that Drake's solvers
+# fail at a step of 10 ms.
+_MOST_BORNE = 2.5e5
 
 _RIGID = 1e12  # N/m; for a point of a static shape
 
@@ -106,7 +110,9 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
 
 def _borne(shape: ContactShape) -> float:
     """Return the mass that a shape's faces and corners bear at least (kg)."""
-    return shape.mass if shape.is_loose and isinstance(shape.shape, Cylinder) else max(shape.mass, _LEAST_BORNE)
+    if shape.is_loose and isinstance(shape.shape, Cylinder):
+        return shape.mass
+    return max(shape.mass, min(_LEAST_BORNE, _MOST_BORNE * shape.own_mass))
 
 
 def _margin(shape: ContactShape, depth: float | None) -> float:
@@ -133,7 +139,9 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
     filled = pi / 4 if isinstance(shape.shape, Cylinder) else 1.0  # of a face's rectangle
     modulus = 0.0
     for least, width, length, height in faces:
-        stiffness = max(least, 6 * UPRIGHT * height / width**2)  # 1/s²; a body stands on an even face by the latter
+        stiffness = min(
+            max(least, 6 * UPRIGHT * height / width**2), STIFFEST
+        )  # 1/s²; a body stands on an even face by the latter
         bears = max(stiffness * shape.mass, least * _borne(shape))
         modulus = max(modulus, bears / (filled * width * length) * (depth or height / 2))
     return modulus

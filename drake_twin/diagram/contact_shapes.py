@@ -38,6 +38,10 @@ _THICK = 0.05
 # stiffness that this needs (m/s²).
 UPRIGHT = 10 * 9.81
 
+# No face, rim or corner is stiffer than this (1/s²), which keeps a plate upright that is 1 mm thick and 10 cm tall.
+# Thinner things would be so stiff that Drake's solvers fail where they fall onto something.
+STIFFEST = 1e8
+
 # What touches in a point yields as if its model stood on a spring of this natural frequency, squared (1/s²).
 POINT_STIFFNESS = 1e5
 
@@ -74,6 +78,7 @@ class ContactShape:
         is_wheel: Whether it is an ellipsoid instead of a wheel's cylinder.
         is_loose: Whether its whole model is one moving rigid body, such as a crate.
         mass: The mass that it may have to bear (kg).
+        own_mass: The mass of what its body is welded to, with its own (kg).
         point_stiffness: How stiff it is where it touches in a point (a natural frequency squared, 1/s²); None as usual.
         is_corner: Whether it is a ball in a corner of a loose shape.
         bears_corners: Whether such balls meet it: it does not move, and is so thick that they do not pass its middle.
@@ -91,6 +96,7 @@ class ContactShape:
     is_wheel: bool
     is_loose: bool
     mass: float
+    own_mass: float
     point_stiffness: float | None = None
     is_corner: bool = False
     bears_corners: bool = False
@@ -167,6 +173,7 @@ class ShapeReader:
             # A link may have to bear the whole model, but must not be too stiff for its own mass: the geometric mean of
             # both.
             mass=sqrt(max(own, _LEAST_MASS) * max(total, own, _LEAST_MASS)),
+            own_mass=own,
         )
 
     def _is_one_body(self, model: ContactModel, body: RigidBody) -> bool:

@@ -18,7 +18,7 @@ from pydrake.geometry import Box, Convex, Cylinder, Ellipsoid, Sphere
 from pydrake.math import RigidTransform
 
 from drake_twin.description.hull import corners_of, planes_of
-from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, UPRIGHT, ContactShape
+from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape
 
 # The faceted cylinder stays inside its rims by this part of its radius, and no more than so much (m): more than rims
 # sink in, less than is seen.
@@ -125,4 +125,4 @@ def _point(
     pose = shape.X_BG @ RigidTransform(np.array(place))
     name = f"{shape.name}|{name}"
     part = replace(shape, geometry=None, name=name, shape=form, X_BG=pose, is_flat=False)
-    return replace(part, point_stiffness=stiffness)
+    return replace(part, point_stiffness=min(stiffness, STIFFEST))

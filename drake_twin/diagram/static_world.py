@@ -28,6 +28,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 
+from drake_twin.description.mesh_findings import said_of_solids
 from drake_twin.description.model_frames import model_frames
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.sdf_shapes import plane_normal, plane_size, turned_to
@@ -240,6 +241,7 @@ def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: li
             file, scale = _mesh_and_scale(mesh)
             try:
                 solids = solid_mesh(Path(file), detail / max(map(abs, scale))).solids(scale)
+                warnings += [f"{model}: {what}" for what in said_of_solids(Path(file))]
             except InputError as error:
                 warnings.append(f"{model}: a collision shape is left out: {str(error).rstrip('.')}")
                 solids = []

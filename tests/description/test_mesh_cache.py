@@ -199,8 +199,9 @@ def test_two_processes_that_fill_the_cache_at_once_leave_one_readable_file(tmp_p
     for process in processes:
         process.join()
     assert sizes == [pytest.approx([2.0, 2.0, 2.0], abs=0.01)] * 2
-    (left,) = cache.iterdir()
-    assert left == collision_mesh(file)
+    faults, hull = sorted(cache.iterdir())
+    assert hull == collision_mesh(file)
+    assert faults.name == hull.name.replace(".hull.obj", ".faults.json")
 
 
 def test_a_changed_picture_beside_a_mesh_makes_a_new_conversion(tmp_path, monkeypatch):

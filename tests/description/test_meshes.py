@@ -10,8 +10,8 @@ from mesh_files import OFFSET, ONE, bounds_in_drake, box, must_not_be_called, ne
 from PIL import Image
 
 from drake_twin.description import meshes
+from drake_twin.description.mesh_file import MESH_SUFFIXES
 from drake_twin.description.meshes import (
-    MESH_SUFFIXES,
     collision_mesh,
     collision_pieces,
     mesh_address,
@@ -157,7 +157,7 @@ def test_a_node_of_collada_moves_its_mesh(tmp_path, convert):
 @pytest.fixture
 def convert_nothing(monkeypatch):
     def stop() -> None:
-        for name in ("_visual_obj", "_visual_gltf", "_hull_obj", "_scene"):
+        for name in ("_visual_obj", "_visual_gltf", "_hull_obj", "read_scene"):
             monkeypatch.setattr(meshes, name, must_not_be_called)
 
     return stop

@@ -135,7 +135,7 @@ def test_what_is_said_of_a_xacro_file_has_file_and_line_of_macro_include_and_blo
 <xacro:include filename="part.xacro"/>
 <link name="base"/>
 <xacro:if value="1"><gazebo reference="base">
-  <turnGravityOff>true</turnGravityOff>
+  <dampingFactor>1</dampingFactor>
 </gazebo></xacro:if>
 <xacro:part name="a"><dull x="1"/></xacro:part>
 <xacro:part name="b">
@@ -150,7 +150,7 @@ def test_what_is_said_of_a_xacro_file_has_file_and_line_of_macro_include_and_blo
         ("<shiny> in <link>", "part.xacro", (5,)),
         ("<dull> in <link>", "robot.urdf", (7, 9)),
         ("<glossy> in <link>", "part.xacro", (3,)),
-        ("<turnGravityOff> in <gazebo>", "robot.urdf", (5,)),
+        ("<dampingFactor> in <gazebo>", "robot.urdf", (5,)),
     }
     assert [(repair.rule, *repair.lines) for repair in of(model, Kind.MENDED)] == [("massless_link", 3)]
     assert "line" not in model.description.text.partition("<robot")[2]
@@ -229,9 +229,9 @@ def test_two_copies_of_a_robot_convert_its_meshes_once(tmp_path, monkeypatch):
     from drake_twin.description import meshes
 
     read = []
-    original = meshes._single_mesh
+    original = meshes.single_mesh
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(meshes, "_single_mesh", lambda file: read.append(file.name) or original(file))
+    monkeypatch.setattr(meshes, "single_mesh", lambda scene, file: read.append(file.name) or original(scene, file))
     arm = "package://arduinobot_description/urdf/arduinobot.urdf.xacro"
     TwinBuilder().robot("a", arm).robot("b", arm, xyz=(2, 0, 0)).build()
     names = ("claw", "finger", "forearm", "pedestal", "turret", "upper_arm")

@@ -42,7 +42,7 @@ def test_a_visual_has_the_colour_that_gazebo_gives_it(tmp_path, material, transp
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("<box><size>1 0 1</size></box>", "a: a collision <box> has no size: it is left out"),
+        ("<box><size>1 0 1</size></box>", "a: a collision <box> has no size (<size>1 0 1): it is left out"),
         (
             "<heightmap><uri>x</uri></heightmap>",
             "a: a collision <heightmap> is left out: Drake does not support it",

@@ -1,0 +1,118 @@
+"""Mesh files as triangles, within bounds of their number and place."""
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drake_twin.description.source_file import check_regular
+from drake_twin.errors import InputError
+from drake_twin.progress import tell
+
+_READ_BY_DRAKE = (".obj", ".gltf")
+_READ_BY_TRIMESH = (".stl", ".dae", ".ply", ".glb", ".off")
+MESH_SUFFIXES = _READ_BY_DRAKE + _READ_BY_TRIMESH
+
+# Files with more are refused: of two million triangles a hull takes half a minute and 1.5 GB.
+MOST_TRIANGLES = 2_000_000
+_MOST_BYTES = 400 * MOST_TRIANGLES  # 270 bytes a triangle as text of STL
+
+_MANY_BYTES = 10_000_000  # what takes seconds to read: progress is told
+_DECIMATE = "decimate it, in Blender or MeshLab for example"
+
+_FARTHEST = 1e12  # mesh units; larger coordinates are invalid, and overflow in the simulation
+
+# Drake turns glTF from its y-up to z-up; robots' meshes are z-up already.
+Z_UP_TO_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1.0, 0], [0, -1.0, 0, 0], [0, 0, 0, 1.0]])
+
+
+def check_mesh_file(file: Path) -> None:
+    """Check what shows without reading a mesh file: its name, its kind and its length.
+
+    Raises:
+        InputError: If the format is unknown, or the file cannot be read or has too many triangles.
+    """
+    suffix = file.suffix.lower()
+    if suffix not in MESH_SUFFIXES:
+        what = f"unknown mesh format {suffix!r}" if suffix else "the mesh's file name has no suffix"
+        raise InputError(what, file=file, valid=MESH_SUFFIXES)
+    try:
+        check_regular(file)
+        size = file.stat().st_size
+        if suffix == ".stl":
+            with file.open("rb") as content:
+                count = int.from_bytes(content.read(84)[80:], "little")
+            if size == 84 + 50 * count:  # binary
+                _check_count(file, count)
+    except OSError as error:
+        raise InputError(f"the mesh cannot be read ({error.strerror})", file=file) from None
+    if size > _MOST_BYTES:
+        what = f"the file of {size / 1e9:.1f} GB is too long for a mesh (the most is {_MOST_BYTES / 1e9:g} GB)"
+        raise InputError(f"{what}: {_DECIMATE}", file=file)
+
+
+def _check_count(file: Path, count: int) -> None:
+    if count > MOST_TRIANGLES:
+        what = f"the mesh has {count:,} triangles, and {MOST_TRIANGLES:,} are the most"
+        raise InputError(f"{what}: {_DECIMATE}", file=file)
+
+
+@contextmanager
+def reading(file: Path) -> Iterator[None]:
+    """Turn any exception of the readers and exporters of meshes into an `InputError`: broken files raise all kinds."""
+    try:
+        with warnings.catch_warnings():  # what NumPy 2.5 says to pycollada, which no user can change
+            warnings.filterwarnings("ignore", "Setting the shape on a NumPy array", DeprecationWarning)
+            yield
+    except InputError:
+        raise
+    except ModuleNotFoundError:  # trimesh needs another package to guess the encoding of bytes that are not text
+        raise InputError(f"the mesh is truncated, or not a {file.suffix} file", file=file) from None
+    except Exception as error:
+        raise InputError(f"the mesh cannot be read ({' '.join(str(error).split())})", file=file) from None
+
+
+def read_scene(file: Path) -> tuple[Any, int]:
+    """Read a mesh file as a trimesh scene in metres.
+
+    Returns:
+        The scene, and the number of triangles that are left out because a corner is not a finite point.
+
+    Raises:
+        InputError: If the file cannot be read.
+    """
+    import trimesh  # takes a third of a second, and only the first start of a robot needs it
+
+    if file.stat().st_size > _MANY_BYTES:
+        tell(f"reads {file.name} ({file.stat().st_size / 1e6:.0f} MB)")
+    with reading(file):
+        scene = trimesh.load_scene(file, process=False)
+        unplaced = 0
+        for geometry in scene.geometry.values():
+            if len(getattr(geometry, "faces", ())):
+                unplaced += int((~np.isfinite(geometry.vertices).all(axis=1))[geometry.faces].any(axis=1).sum())
+                geometry.process()
+        if scene.units is not None:  # COLLADA's <unit meter="0.001">, which RViz and Gazebo apply too
+            scene = scene.convert_units("meters")
+        if file.suffix.lower() == ".gltf":  # Drake draws the file itself, turned to z-up: turn its hull, too
+            scene.apply_transform(Z_UP_TO_Y_UP.T)  # type: ignore[no-untyped-call]
+        return scene, unplaced
+
+
+def single_mesh(scene: Any, file: Path) -> Any:
+    """Return all triangles of a mesh file's scene in one trimesh.
+
+    Raises:
+        InputError: If it has no triangles or too many, or if they are not in space.
+    """
+    with reading(file):
+        mesh = scene.to_mesh()
+    if len(getattr(mesh, "faces", ())) == 0:
+        raise InputError("the mesh holds no triangles", file=file)
+    _check_count(file, len(mesh.faces))
+    if mesh.vertices.shape[1:] != (3,) or not np.all(np.abs(mesh.vertices) < _FARTHEST):
+        raise InputError("the mesh has vertices that are not finite points in space", file=file)
+    return mesh

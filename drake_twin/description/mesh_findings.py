@@ -1,0 +1,61 @@
+"""What is said of meshes that are not used as they are written."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from drake_twin.description.meshes import MOST_DRAWN, mesh_faults, visual_mesh
+
+_MOST_NAMED = 3
+
+
+def said_of_visual(file: Path) -> Iterator[str]:
+    """Yield what is drawn otherwise than a visual mesh says.
+
+    Raises:
+        InputError: As `visual_mesh`.
+    """
+    drawn = visual_mesh(file)
+    if drawn == file:  # Drake reads it itself
+        return
+    faults = mesh_faults(file)
+    if faults.unplaced:
+        yield f"visual mesh {file.name}: {faults.unplaced_text} are not drawn"
+    if faults.triangles > MOST_DRAWN and drawn.suffix == ".obj":
+        yield f"visual mesh {file.name}: {faults.triangles:,} triangles are drawn as at most {MOST_DRAWN:,}"
+
+
+def said_of_hull(file: Path) -> Iterator[str]:
+    """Yield what makes the convex hull of a collision mesh another thing than its file means.
+
+    Raises:
+        InputError: If the file cannot be read.
+    """
+    faults = mesh_faults(file)
+    if found := ", ".join(faults.of_solid()):
+        thick = "" if faults.dimensions == 3 else ", a thousandth of its size thick"
+        yield f"collision mesh {file.name} has {found}: its convex hull collides{thick}"
+
+
+def said_of_hulls(files: Iterable[Path]) -> Iterator[str]:
+    """Yield one sentence on all collision meshes whose faults do not change their convex hulls.
+
+    Raises:
+        InputError: If a file cannot be read.
+    """
+    found = {file.name: ", ".join(mesh_faults(file).of_surface()) for file in files}
+    faulty = [f"{name} ({text})" for name, text in found.items() if text]
+    if faulty:
+        more = f" and {len(faulty) - _MOST_NAMED} more" if len(faulty) > _MOST_NAMED else ""
+        named = "; ".join(faulty[:_MOST_NAMED]) + more
+        yield f"convex hulls of meshes that are not the surface of a solid collide: {named}"
+
+
+def said_of_solids(file: Path) -> Iterator[str]:
+    """Yield what may make a static mesh of solids another thing than its file means.
+
+    Raises:
+        InputError: If the file cannot be read.
+    """
+    faults = mesh_faults(file)
+    if found := ", ".join((*faults.of_solid(), *faults.of_surface())):
+        yield f"collision mesh {file.name} has {found}: convex parts of it collide as solids, other faces as slabs"
