@@ -28,7 +28,7 @@ def with_absolute_files(scenario: Scenario, folder: Path) -> Scenario:
 def with_files_found(scenario: Scenario) -> Scenario:
     """Return a scenario with the files that a twin built from it now, in this working directory, would use.
 
-    A name that is no file's, such as that of a built-in world, stays.
+    A name without a file, such as that of a built-in world, stays.
     """
     names = [name for robot in scenario.robots for name in (robot.model, *robot.controllers)]
     names += [node.executable for node in scenario.nodes if not node.package]
