@@ -10,7 +10,9 @@ from typing import NamedTuple
 from lxml import etree
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
+from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.hardware_names import unknown_hardware_names
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import check_repair_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
@@ -98,7 +100,7 @@ def load_robot_model(
     reader = XmlReader(text, file, places=places)
     check_values(reader)
     skipped = tuple(skip_wrong_bounds(reader))
-    unread = tuple(unread_in_urdf(reader))
+    unread = (*unread_in_urdf(reader), *unknown_hardware_names(reader), *wrong_flags(reader, reader.root))
     repairs = repair_urdf(reader, without_repairs)
     description = describe_urdf(reader, text)
     unused_surfaces = unused_in_urdf(reader, roller_links(description))
@@ -152,7 +154,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         prepared,
         "sdf",
         is_fixed,
-        findings=(*lost, *unused, *findings, *unread_in_sdf(reader)),
+        findings=(*lost, *unused, *findings, *unread_in_sdf(reader), *wrong_flags(reader, model)),
     )
 
 

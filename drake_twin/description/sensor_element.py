@@ -18,6 +18,7 @@ _OF_ALL_SENSORS = (
     "camera/optical_frame_id",
     *("always_on", "visualize", "enable_metrics", "plugin/ros", "plugin/frame_name"),
 )
+_ATTRIBUTES = ("name", "type", "filename", "relative_to", "rotation_format", "degrees", "frame")
 
 
 class SensorElement:
@@ -140,7 +141,8 @@ class SensorElement:
         return default if found is None or not text else self._reader.parse_numbers(found, text, _name(path), count)
 
     def unread(self) -> Iterator[tuple[str, Place]]:
-        """Yield each element that was not read, with its place."""
+        """Yield each element that was not read and each attribute that nothing reads, with its place."""
+        yield from self._unread_attributes(self._element)
         yield from self._unread_in(self._element)
 
     def take_all(self) -> None:
@@ -163,9 +165,16 @@ class SensorElement:
     def _unread_in(self, element: etree._Element) -> Iterator[tuple[str, Place]]:
         for child in element.iterchildren(etree.Element):
             if child in self._taken:
+                yield from self._unread_attributes(child)
                 yield from self._unread_in(child)
             else:
                 yield f"<{child.tag}> in <{element.tag}> of sensor {self.sensor.name!r}", self._reader.place(child)
+
+    def _unread_attributes(self, element: etree._Element) -> Iterator[tuple[str, Place]]:
+        for name in map(str, element.attrib):
+            if name not in _ATTRIBUTES and not name.startswith("{"):
+                what = f"the attribute {name} of <{element.tag}> of sensor {self.sensor.name!r}"
+                yield what, self._reader.place(element)
 
 
 def _name(path: str) -> str:
