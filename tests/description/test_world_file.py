@@ -272,9 +272,11 @@ SHAPE = "<geometry><box><size>1 1 1</size></box></geometry>"
 
 
 NOT_SDF = {
-    "a: <difuse> in <material>": "<model name='a'><static>1</static><link name='l'><visual name='v'>{}<material><difuse/>"
+    "a: <difuse> in <material>": "<model name='a'><static>1</static><link name='l'>"
+    "<visual name='v'>{}<material><difuse/>"
     "</material></visual></link></model>",
-    "a: the attribute nam of <collision>": "<model name='a'><link name='l'><collision nam='c'>{}</collision></link></model>",
+    "a: the attribute nam of <collision>": "<model name='a'><link name='l'>"
+    "<collision nam='c'>{}</collision></link></model>",
     "a: <mas> in <inertial>": "<model name='a'><link name='l'><inertial><mas>1</mas></inertial></link></model>",
     "<poes> in <light>": "<light name='s' type='point'><poes/></light>",
     "the attribute tpe of <light>": "<light name='s' tpe='point'/>",
