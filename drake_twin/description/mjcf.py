@@ -8,6 +8,7 @@ from lxml import etree
 
 from drake_twin.description.meshes import mesh_for_mjcf
 from drake_twin.description.mjcf_actuators import MjcfActuators
+from drake_twin.description.mjcf_names import unknown_mjcf_names
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -55,7 +56,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
     bodies = world.findall("body")
     if not bodies:
         raise reader.error(world, "it has no <body>")
-    findings = list(_ignored(reader, world))
+    findings = [*unknown_mjcf_names(reader), *_ignored(reader, world)]
     for child in list(world):
         if child.tag != "body":
             world.remove(child)

@@ -10,7 +10,9 @@ from typing import NamedTuple
 from lxml import etree
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
+from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.hardware_names import unknown_hardware_names
 from drake_twin.description.link_gravity import gravity_of_sdf, gravity_of_urdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import check_repair_names, repair_urdf
@@ -101,7 +103,7 @@ def load_robot_model(
     reader = XmlReader(text, file, places=places)
     check_values(reader)
     skipped = tuple(skip_wrong_bounds(reader))
-    unread = tuple(unread_in_urdf(reader))
+    unread = (*unread_in_urdf(reader), *unknown_hardware_names(reader), *wrong_flags(reader, reader.root))
     repairs = repair_urdf(reader, without_repairs)
     description = describe_urdf(reader, text)
     unused_surfaces = unused_in_urdf(reader, roller_links(description))
@@ -173,7 +175,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         is_fixed,
         findings=(
             *(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings),
-            *(*gravity.findings, *unread_in_sdf(reader)),
+            *(*gravity.findings, *unread_in_sdf(reader), *wrong_flags(reader, model)),
         ),
         falls=gravity.falls,
     )

@@ -22,7 +22,8 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.values import is_true
 
-_KEPT = {
+# What Drake's parser is given of each element; of the rest there are findings.
+KEPT = {
     "model": {"static", "pose", "link", "joint", "frame", "model"},
     "link": {"pose", "inertial", "collision", "visual", "kinematic", "gravity"},
     "joint": {"parent", "child", "pose", "axis", "axis2", "screw_thread_pitch", "thread_pitch"},
@@ -79,9 +80,9 @@ def falls(model: etree._Element) -> bool:
 
 def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
     falling = falls(model)
-    for parent in [*model.iter(*_KEPT)]:
+    for parent in [*model.iter(*KEPT)]:
         for child in list(parent):
-            if child.tag in _KEPT[str(parent.tag)]:
+            if child.tag in KEPT[str(parent.tag)]:
                 continue
             weight, is_default = weight_of(child), asks_for_nothing(child)
             parent.remove(child)

@@ -18,6 +18,7 @@ _OF_ALL_SENSORS = (
     "camera/optical_frame_id",
     *("always_on", "visualize", "enable_metrics", "plugin/ros", "plugin/frame_name"),
 )
+_ATTRIBUTES = ("name", "type", "filename", "relative_to", "rotation_format", "degrees", "frame")
 
 
 class SensorElement:
@@ -140,8 +141,8 @@ class SensorElement:
         return default if found is None or not text else self._reader.parse_numbers(found, text, _name(path), count)
 
     def unread(self) -> Iterator[Finding]:
-        """Yield a finding of each element that was not read."""
-        return merged(self._unread_in(self._element))
+        """Yield a finding of each element that was not read, and of each attribute that nothing reads."""
+        yield from merged((*self._unread_attributes(self._element), *self._unread_in(self._element)))
 
     def take_all(self) -> None:
         """Note every element as read."""
@@ -164,10 +165,18 @@ class SensorElement:
         common = f" in <{element.tag}> of sensor {self.sensor.name!r}"
         for child in element.iterchildren(etree.Element):
             if child in self._taken:
+                yield from self._unread_attributes(child)
                 yield from self._unread_in(child)
             else:
                 place = self._reader.place(child)
                 yield Finding.at(Kind.IGNORED, f"<{child.tag}>{common}", place, common=common)
+
+    def _unread_attributes(self, element: etree._Element) -> Iterator[Finding]:
+        common = f" of <{element.tag}> of sensor {self.sensor.name!r}"
+        for name in map(str, element.attrib):
+            if name not in _ATTRIBUTES and not name.startswith("{"):
+                place = self._reader.place(element)
+                yield Finding.at(Kind.IGNORED, f"the attribute {name}{common}", place, common=common)
 
 
 def _name(path: str) -> str:

@@ -10,19 +10,25 @@ from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sdf_defaults import asks_for_nothing
+from drake_twin.description.sdf_document import number_in
+from drake_twin.description.sdf_model import KEPT
 from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.used_elements import (
     DRAKE,
+    NO_EFFECT_IN_WORLDS,
     REPORTED,
     ROS2_CONTROL,
+    SDF_LIGHT,
     SDF_MODEL,
+    SDF_PHYSICS,
+    SDF_SPHERICAL,
     SEVERAL,
     URDF,
     Part,
     weight_of,
 )
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, merged
+from drake_twin.findings import Finding, Kind, Weight, merged
 
 _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its name, and where it stands or why
 
@@ -55,6 +61,43 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
     """Report each element and attribute of an SDF file with one model that is ignored."""
     model = reader.root.find("model")
     return () if model is None else tuple(_findings(reader, _unread(model, SDF_MODEL)))
+
+
+def unread_in_world_model(model: etree._Element) -> Iterator[tuple[str, Weight]]:
+    """Describe the elements and attributes of a world's model, and of those inside it, that are not SDF's.
+
+    What SDF knows and the twin does not use there has no finding of this kind: `drake_twin.description.sdf_model`
+    reports what affects the motion.
+
+    Yields:
+        What is not used, and what it is for.
+    """
+    for each in model.iter("model"):
+        for element, thing, common in _unread(each, SDF_MODEL):
+            above = element.getparent()
+            is_reported = above is not None and above.tag in KEPT and not _is_attribute(thing)
+            if not (is_reported or _has_no_effect(element, thing)):
+                yield thing + common, weight_of(element)
+    for friction in model.iterfind(".//joint//dynamics/friction"):
+        if number_in(friction) != 0.0:
+            joint = next(friction.iterancestors("joint")).get("name", "")
+            yield f"friction of joint {joint}: only those of robots have it", Weight.MOVES
+
+
+def unread_in_world(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
+    """Report the elements and attributes of a world's lights, physics and place on Earth that are not SDF's."""
+    parts = {"light": SDF_LIGHT, "physics": SDF_PHYSICS, "spherical_coordinates": SDF_SPHERICAL}
+    found = ((element, part) for tag, part in parts.items() for element in world.iterfind(tag))
+    unread = (each for element, part in found for each in _unread(element, part))
+    return _findings(reader, (each for each in unread if not _has_no_effect(each[0], each[1])))
+
+
+def _has_no_effect(element: etree._Element, thing: str) -> bool:
+    return not _is_attribute(thing) and (element.tag in NO_EFFECT_IN_WORLDS or thing.startswith("a second"))
+
+
+def _is_attribute(thing: str) -> bool:
+    return thing.startswith("the attribute")
 
 
 def _findings(reader: XmlReader, unread: Iterable[_Unread]) -> Iterator[Finding]:

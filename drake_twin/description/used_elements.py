@@ -149,6 +149,57 @@ SDF_MODEL = _part(
     ),
 )
 
+SDF_LIGHT = _part(
+    "name type",
+    pose=_POSE,
+    direction=_TEXT,
+    diffuse=_TEXT,
+    specular=_TEXT,
+    intensity=_TEXT,
+    attenuation=_part(range=_TEXT, constant=_TEXT, linear=_TEXT, quadratic=_TEXT),
+    spot=_part(inner_angle=_TEXT, outer_angle=_TEXT, falloff=_TEXT),
+    cast_shadows=_TEXT,
+    light_on=_TEXT,
+    visualize=_TEXT,
+)
+SDF_PHYSICS = _part(
+    "name type default",
+    max_step_size=_TEXT,
+    real_time_factor=_TEXT,
+    real_time_update_rate=_TEXT,
+    max_contacts=_TEXT,
+    gravity=_TEXT,
+)
+SDF_SPHERICAL = _part(
+    surface_model=_TEXT,
+    latitude_deg=_TEXT,
+    longitude_deg=_TEXT,
+    elevation=_TEXT,
+    heading_deg=_TEXT,
+    world_frame_orientation=_TEXT,
+)
+# Elements of SDF that need no finding in a world: how things look, contact (`unused_contact` reports it), and what
+# `sdf_model` reports itself, with models, plugins, sensors and lights inside.
+NO_EFFECT_IN_WORLDS = frozenset(
+    (
+        *(
+            "specular",
+            "emissive",
+            "script",
+            "shader",
+            "lighting",
+            "render_order",
+            "double_sided",
+            "pbr",
+            "transparency",
+        ),
+        *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "fluid_added_mass", "auto"),
+        *("stiffness", "dissipation", "heightmap", "image", "polyline", "cone", "convex_decomposition"),
+        *("ode", "dart", "simbody", "magnetic_field"),  # of <physics>
+        *("model", "plugin", "sensor", "light", "gripper", "particle_emitter", "projector"),
+    )
+)
+
 REPORTED = _part()  # in a finding of its own
 # The last two say where gz_ros2_control finds the robot, which is in the same file here.
 ROS2_CONTROL = _part(

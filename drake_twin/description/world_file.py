@@ -13,6 +13,7 @@ from typing import Any
 
 from lxml import etree
 
+from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -23,6 +24,7 @@ from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.surroundings import Surroundings, read_surroundings
+from drake_twin.description.unread import unread_in_world, unread_in_world_model
 from drake_twin.description.unused_contact import unused_in_sdf
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.world_frames import WorldFrames
@@ -227,6 +229,7 @@ class _World:
     def read(self) -> WorldFile:
         """Return the world as plain data."""
         world = self._world
+        wrong = (*wrong_flags(self._reader, world), *unread_in_world(self._reader, world))
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
         physics = next(
@@ -239,6 +242,7 @@ class _World:
             models=tuple(models),
             findings=(
                 *self._not_used(),
+                *wrong,
                 *self._includes.not_found(self._reader.place(world)),
                 *self._includes.findings,
                 *self._findings,
@@ -326,8 +330,9 @@ class _World:
         robot = None if static else _robot_text(model, version, reader)
         documents = self._includes.documents
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
+        unread = [Finding(Kind.IGNORED, what, weight=weight) for what, weight in unread_in_world_model(model)]
         unused = unused_in_sdf(reader, model, with_links=False)
-        for finding in (*unused, *mend_model(model, reader, self._includes.addresses.find)):
+        for finding in (*unread, *unused, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[replace(finding, file="", lines=())][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)

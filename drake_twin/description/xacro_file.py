@@ -10,7 +10,9 @@ import re
 import sys
 import sysconfig
 import threading
-from collections.abc import Iterator, Mapping
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 from xml.parsers.expat import ExpatError
@@ -87,17 +89,12 @@ def _expand(file: Path, arguments: Mapping[str, str], surroundings: XacroSurroun
             with (
                 bounded_expressions(xacro),
                 quick_yaml(),
-                _tags_with_places(xacro),
+                tags_with_places(xacro),
                 surroundings.answering(xacro),
             ):
                 document = xacro.process_file(str(file), mappings=dict(arguments))
-        except (ExpatError, etree.XMLSyntaxError) as error:
-            raise InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file)) from None
-        except OSError as error:
-            missing = error.filename or file
-            raise InputError(f"xacro cannot read {missing} ({error.strerror})", file=_file_at_fault(file)) from None
         except Exception as error:  # expressions in the file are Python and raise anything
-            raise InputError(f"xacro: {_reason(error)}{_chain()}", file=_file_at_fault(file)) from None
+            raise xacro_error(error, file) from None
     # xacro's warnings are followed by lines with the chain of files.
     warnings = re.split(r"^warning: ", printed.getvalue(), flags=re.MULTILINE)
     text = document.toxml()
@@ -195,24 +192,70 @@ class _Tag(str):
 
 
 @contextlib.contextmanager
-def _tags_with_places(xacro: Any) -> Iterator[None]:
-    """Make xacro's parser record the line of each element, which its documents lack."""
+def tags_with_places(xacro: Any) -> Iterator[None]:
+    """Make xacro's parser record the line of each element, which its documents lack; texts made of these are known.
+
+    See `places_of_expanded`.
+    """
     original = xacro.parse
+    if getattr(original, "records_places", False):
+        yield
+        return
 
     def parse(text: Any, filename: str | None = None) -> Any:
         document = original(text, filename)
+        name = str(filename or getattr(text, "name", ""))
         with contextlib.suppress(etree.XMLSyntaxError, OSError):
-            lines: list[Any] = [element.sourceline for element in etree.parse(str(filename)).iter(etree.Element)]
+            lines: list[Any] = [element.sourceline for element in etree.parse(name).iter(etree.Element)]
             for element, line in zip(document.getElementsByTagName("*"), lines, strict=False):
                 element.tagName = element.nodeName = tag = _Tag(element.tagName)
-                tag.place = Place(str(filename), line)
+                tag.place = Place(name, line)
+            for method in ("toxml", "toprettyxml"):
+                setattr(document, method, partial(_written, document, getattr(document, method), Path(name)))
         return document
 
+    parse.records_places = True  # type: ignore[attr-defined]
     xacro.parse = parse
     try:
         yield
     finally:
         xacro.parse = original
+
+
+def _written(document: Any, write: Callable[..., Any], file: Path, *arguments: Any, **more: Any) -> Any:
+    """Write a document, and remember where the elements of its text come from."""
+    text = write(*arguments, **more)
+    if isinstance(text, str):
+        places = tuple(_place(element, file) for element in document.getElementsByTagName("*"))
+        _remember(_known_places, _digest(text), places)
+    return text
+
+
+def xacro_error(error: Exception, file: Path) -> InputError:
+    """Return an exception of xacro as an error with the file and line at which xacro was.
+
+    Args:
+        error: The exception.
+        file: The file that was expanded.
+    """
+    if isinstance(error, (ExpatError, etree.XMLSyntaxError)):
+        return InputError(f"this is not well-formed XML: {error}", file=_file_at_fault(file), line=error.lineno)
+    place = _place_at_fault(error, file)
+    if isinstance(error, OSError):
+        what = f"xacro cannot read {error.filename or file} ({error.strerror})"
+    else:
+        what = f"xacro: {_reason(error)}{_chain()}"
+    return InputError(what, file=place.file, line=place.line)
+
+
+def _place_at_fault(error: Exception, file: Path) -> Place:
+    """Return the place of the last element that a function of xacro had in its hands; else the file alone."""
+    for frame, _ in reversed([*traceback.walk_tb(error.__traceback__)]):
+        tags = (getattr(frame.f_locals.get(name), "tagName", None) for name in ("node", "elt", "tag"))
+        place = next((tag.place for tag in tags if isinstance(tag, _Tag)), None)
+        if place is not None:
+            return place
+    return Place(str(_file_at_fault(file)))
 
 
 def _reason(error: Exception) -> str:

@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
+from typing import Any
 
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.findings import Finding, Kind, Place
@@ -13,6 +15,11 @@ from drake_twin.values import is_true
 _PACKAGES = ("ros_gz_bridge", "ros_ign_bridge", "ros_gz_image", "ros_ign_image")
 _STAMPED = "geometry_msgs/msg/TwistStamped"
 _IMAGE = "sensor_msgs/msg/Image"
+_TYPES = ("ros_type_name", "gz_type_name")
+_KEYS = (
+    *("topic_name", "ros_topic_name", "gz_topic_name", *_TYPES, "direction"),
+    *("publisher_queue", "subscriber_queue", "lazy", "qos_profile", "frame_id"),
+)
 _DIRECTIONS = {"@": "BIDIRECTIONAL", "[": "GZ_TO_ROS", "]": "ROS_TO_GZ"}
 
 
@@ -69,6 +76,14 @@ def bridge_lines(process: LaunchedProcess, findings: list[Finding]) -> tuple[Bri
     return (*found, *_in_file(process, findings))
 
 
+def _wrong_keys(process: LaunchedProcess, entry: Any, document: YamlDocument, index: int) -> Iterator[Finding]:
+    """Report the keys of an entry that ROS's bridge does not read."""
+    for key in (key for key in map(str, entry if isinstance(entry, dict) else ()) if key not in _KEYS):
+        place = Place(str(document.file), document.line((index, key)))
+        hint = f". Did you mean {close[0]!r}?" if (close := get_close_matches(key, _KEYS, n=1)) else ""
+        yield Finding.at(Kind.IGNORED, f"{process.what}: {key} of an entry of its file{hint}", place)
+
+
 def renamed(lines: Iterable[BridgeLine]) -> dict[str, str]:
     """Return Gazebo topic → ROS topic where the names differ."""
     return {line.gz: line.ros for line in lines if line.gz != line.ros}
@@ -107,6 +122,7 @@ def _in_file(process: LaunchedProcess, findings: list[Finding]) -> Iterator[Brid
     expand = is_true(str(given.get("expand_gz_topic_names", False)))
     for index, entry in enumerate(entries):
         place = Place(str(file), document.line((index,)))
+        findings += _wrong_keys(process, entry, document, index)
         values = {key: str(value) for key, value in entry.items() if value} if isinstance(entry, dict) else {}
         gz = values.get("gz_topic_name") or values.get("topic_name") or values.get("ros_topic_name", "")
         ros = values.get("ros_topic_name") or values.get("topic_name") or values.get("gz_topic_name", "")
@@ -116,4 +132,7 @@ def _in_file(process: LaunchedProcess, findings: list[Finding]) -> Iterator[Brid
             why = f"its direction is {direction!r}, where valid are {valid}" if gz else "it names no topic"
             findings.append(Finding.at(Kind.REFUSED_BY_ROS, f"{process.what}: an entry of its file: {why}", place))
             continue
+        if missing := [key for key in _TYPES if key not in values]:
+            what = f"{process.what}: an entry of its file has no {' and no '.join(missing)}"
+            findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, place))
         yield _line(process, gz, ros, values.get("ros_type_name", ""), direction, place, expand=expand)

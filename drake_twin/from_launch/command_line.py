@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 
 from drake_twin.errors import InputError
 from drake_twin.ros2.launched import LaunchedProcess
@@ -48,6 +49,14 @@ class CommandLine:
         """Return whether an option is given without a value or as true."""
         text = self.text(*names)
         return text is not None and text.lower() not in ("false", "0")
+
+    def unknown(self, known: Collection[str]) -> list[str]:
+        """Return the options that are not among the known ones, each with its dash and the closest known one."""
+        found = []
+        for name in (name for name in self.options if name not in known):
+            close = get_close_matches(name, known, n=1)
+            found.append(f"-{name}" + (f" (did you mean -{close[0]}?)" if close else ""))
+        return found
 
     def error(self, message: str) -> InputError:
         """Return an error at the place where the process was launched."""

@@ -364,6 +364,7 @@ def _never_happened(launched: Launched, file: Path) -> Iterator[Finding]:
     for name, close in launched.undeclared_arguments.items():
         hint = f". Did you mean {close!r}?" if close else ""
         yield Finding.at(Kind.NOT_STARTED, f"argument {name} (no file declares it){hint}", Place(str(file)))
+    yield from at_places(Kind.IGNORED, ((item.what, item.place) for item in launched.lost_arguments))
 
 
 def _command_line_file(request: ControllerRequest) -> list[str]:

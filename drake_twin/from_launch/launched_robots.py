@@ -22,11 +22,19 @@ from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.scenario import name_in_twin
 
+_POSE = ("x", "y", "z", "R", "P", "Y")
+_CREATE = ("world", "file", "param", "string", "topic", "name", "allow_renaming", *_POSE)
+_SPAWN_ENTITY = (
+    *("file", "topic", "database", "stdin", "entity", "reference_frame", "gazebo_namespace", "robot_namespace"),
+    *("timeout", "unpause", "wait", "spawn_service_timeout", "J", "package_to_model", "b", "h", "help", *_POSE),
+)
+
+# The nodes that spawn an entity → the options that they have.
 _SPAWNERS = {
-    ("ros_gz_sim", "create"),
-    ("ros_ign_gazebo", "create"),
-    ("gazebo_ros", "spawn_entity.py"),
-    ("gazebo_ros", "spawn_entity"),
+    ("ros_gz_sim", "create"): _CREATE,
+    ("ros_ign_gazebo", "create"): _CREATE,
+    ("gazebo_ros", "spawn_entity.py"): _SPAWN_ENTITY,
+    ("gazebo_ros", "spawn_entity"): _SPAWN_ENTITY,
 }
 
 
@@ -142,6 +150,9 @@ class LaunchedRobots:
 
     def _spawned(self, process: LaunchedProcess) -> None:
         line = command_line(process, flags=("allow_renaming", "unpause", "wait", "b"), defaults=parameters(process))
+        for option in line.unknown(_SPAWNERS[process.package or "", process.executable]):
+            what = f"{process.what}: unknown option {option}"
+            self.findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, process.place))
         source, publisher = self._source(line, process)
         own_name = source.name if process.package != "gazebo_ros" else ""
         name = line.text("name", "entity") or own_name

@@ -5,9 +5,10 @@ PythonExpression are executed.
 """
 
 import sys
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from difflib import get_close_matches
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from drake_twin.description.package_index import PackageIndex, absolute_path
 from drake_twin.errors import InputError
@@ -17,7 +18,7 @@ from drake_twin.ros2.launch.events.shutdown import Shutdown
 from drake_twin.ros2.launch.launch_context import LaunchContext
 from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch_files import enter_file, load_launch_file
-from drake_twin.ros2.launched import LaunchArgument, Launched, UnfiredHandler
+from drake_twin.ros2.launched import LaunchArgument, Launched, LostArgument, UnfiredHandler
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.ros_modules import ros_in_place
 from drake_twin.ros2.show_arguments import collect_arguments
@@ -83,16 +84,29 @@ def _evaluated(
             for handler in reversed(context.events.handlers)
             if not handler.fired and handler.waits_for is not Shutdown and handler.place is not None
         ),
-        undeclared_arguments={
-            name: next(iter(get_close_matches(name, sorted(context.declared), n=1)), "")
-            for name in arguments
-            if name not in context.declared
-        },
+        undeclared_arguments={name: _closest(name, context) for name in arguments if name not in context.declared},
+        lost_arguments=tuple(_lost_arguments(context)),
         log=tuple(context.log),
         refused_by_ros=tuple(context.refused),
         configurations={name: value for name, value in context.launch_configurations.items() if isinstance(value, str)},
         shutdown=context.events.shutdown_reason,
     )
+
+
+def _closest(name: str, context: LaunchContext) -> str:
+    return next(iter(get_close_matches(name, sorted(context.declared), n=1)), "")
+
+
+def _lost_arguments(context: LaunchContext) -> Iterator[LostArgument]:
+    """Yield the arguments of includes that ROS 2 takes in silence, and nothing uses."""
+    for include in dict.fromkeys(context.includes):
+        for name, count in Counter(include.arguments).items():
+            what = f"argument {name} of include {PurePath(include.file).name}"
+            if name not in context.declared | context.read:
+                hint = f". Did you mean {close!r}?" if (close := _closest(name, context)) else ""
+                yield LostArgument(f"{what} (no file declares or reads it){hint}", include.place)
+            if count > 1:
+                yield LostArgument(f"{what} (it is given again, and the last value counts)", include.place)
 
 
 def declared_arguments(

@@ -4,6 +4,7 @@ import sysconfig
 import traceback
 from pathlib import Path
 
+from drake_twin.description.xacro_file import installed_xacro, xacro_error
 from drake_twin.errors import InputError, TwinError
 from drake_twin.findings import Place
 from drake_twin.ros2.launch.launch_context import LaunchContext
@@ -28,7 +29,7 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
     file = file or context.current_launch_file
     if isinstance(error, SystemExit) and isinstance(error.__context__, Exception):
         error = error.__context__  # xacro.process() ends the program where it fails
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if not _is_ours(frame)]
+    frames = [frame for frame in _frames(error) if not _is_ours(frame)]
     own = [frame for frame in frames if frame.filename == file]
     position = Place(file, own[-1].lineno) if own and file else context.position
     line = None if position is None else position.line
@@ -52,11 +53,19 @@ def launch_error(error: BaseException, context: LaunchContext, file: str | None 
         return InputError(
             f"the launch file reads the environment variable {error.args[0]!r}, which is not set", file=file, line=line
         )
+    if isinstance(error, Exception) and any(frame.filename == installed_xacro().__file__ for frame in _frames(error)):
+        refused = xacro_error(error, Path(file or ""))
+        refused.message += f", called by {file}" + (f":{line}" if line is not None else "")
+        return refused
     if isinstance(error, SystemExit):
         return InputError(f"the launch file ends the program ({_exit(error)})", file=file, line=line)
     lines = ["Traceback (most recent call last):\n", *traceback.format_list(frames)]
     lines += traceback.format_exception_only(type(error), error)
     return InputError(f"the launch file's code fails{_chain(context, file)}\n{''.join(lines).rstrip()}", file=file)
+
+
+def _frames(error: BaseException) -> traceback.StackSummary:
+    return traceback.extract_tb(error.__traceback__)
 
 
 def _chain(context: LaunchContext, file: str | None) -> str:

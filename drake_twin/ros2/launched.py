@@ -169,6 +169,23 @@ class LaunchArgument:
 
 
 @dataclass(frozen=True)
+class Included:
+    """An include: the launch file, the names of its arguments as written, and its place."""
+
+    file: str
+    arguments: tuple[str, ...]
+    place: Place
+
+
+@dataclass(frozen=True)
+class LostArgument:
+    """An argument of an include that has no effect: which and why, in words, and where the include was written."""
+
+    what: str
+    place: Place
+
+
+@dataclass(frozen=True)
 class Launched:
     """All that a launch file starts, and what was noted while it was evaluated.
 
@@ -178,6 +195,7 @@ class Launched:
         absent_packages: Packages that were asked for and not found, in the order in which they were asked for.
         unfired_handlers: Event handlers whose event never came.
         undeclared_arguments: Arguments given that no file declares, each with the closest that one declares.
+        lost_arguments: Arguments of includes that no file declares or reads, or that the include gives again.
         log: What LogInfo and the like print, and what was repaired or ignored.
         refused_by_ros: What ROS 2 refuses in the files, and the twin reads.
         configurations: The launch configurations at the end.
@@ -189,6 +207,7 @@ class Launched:
     absent_packages: tuple[str, ...] = ()
     unfired_handlers: tuple[UnfiredHandler, ...] = ()
     undeclared_arguments: Mapping[str, str] = field(default_factory=dict)
+    lost_arguments: tuple[LostArgument, ...] = ()
     log: tuple[str, ...] = ()
     refused_by_ros: tuple[RefusedByRos, ...] = ()
     configurations: Mapping[str, str] = field(default_factory=dict)

@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from drake_twin.description.xacro_file import installed_xacro, tags_with_places
 from drake_twin.ros2.graph_modules import GraphFinder, is_graph_module
 from drake_twin.ros2.launch.frontend.expose import ACTIONS, SUBSTITUTIONS
 from drake_twin.ros2.packages import scratch_folder
@@ -74,7 +75,7 @@ def ros_in_place(file: str, arguments: Mapping[str, str], package_folders: Itera
         arguments: Its arguments, for ``sys.argv``.
         package_folders: Where the ``xacro`` command searches packages first.
     """
-    with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation():
+    with no_trace(), ACTIONS.evaluation(), SUBSTITUTIONS.evaluation(), tags_with_places(installed_xacro()):
         for name in [name for name in sys.modules if _is_ros(name)]:
             del sys.modules[name]
         importlib.invalidate_caches()

@@ -101,6 +101,51 @@ def lost(tmp_path, body):
     return found
 
 
+HARDWARE = """<ros2_control name="h" type="{}"><joint name="hinge"><command_interface name="{}"/>
+<state_interface name="{}"/></joint></ros2_control>"""
+
+
+def test_names_that_simulated_hardware_does_not_have_are_findings_with_their_line(tmp_path):
+    file = tmp_path / "r.urdf"
+    for kind, command, state, line, what in (
+        ("system", "velocity", "position", 0, ""),
+        ("actuator", "position_pid", "effort", 0, ""),
+        ("systm", "velocity", "position", 6, "unknown type 'systm' of <ros2_control>. Did you mean 'system'?"),
+        ("system", "veloctiy", "position", 6, "<command_interface name='veloctiy'>. Did you mean 'velocity'?"),
+        ("system", "velocity", "tmprtr", 7, "<state_interface name='tmprtr'>; it has position, velocity, effort"),
+    ):
+        file.write_text(ROBOT.format(HARDWARE.format(kind, command, state)))
+        found = [item for item in load_robot_model(str(file), PACKAGES).findings if "hinge" not in item.what]
+        assert [(item.lines, item.what.endswith(what)) for item in found] == ([((line,), True)] if line else [])
+
+
+FLAGS = {
+    "urdf": '<robot name="r"><link name="l"/><gazebo reference="l"><selfCollide>ture</selfCollide></gazebo></robot>',
+    "value": '<robot name="r"><link name="l"/><gazebo reference="l"><selfCollide value="ture"/></gazebo></robot>',
+    "sdf": '<sdf version="1.9"><model name="m"><static>ture</static><link name="l"/></model></sdf>',
+    "degrees": '<robot name="r"><link name="l"/><gazebo reference="l"><sensor name="s" type="imu">'
+    '<pose degrees="ture">0 0 0 0 0 0</pose></sensor></gazebo></robot>',
+}
+
+
+@pytest.mark.parametrize("form", FLAGS)
+def test_a_flag_that_is_neither_true_nor_false_is_a_finding_with_its_line(tmp_path, form):
+    file = tmp_path / ("r.urdf" if "robot" in FLAGS[form] else "m.sdf")
+    for text, told in ((FLAGS[form], 1), (FLAGS[form].replace("ture", "true"), 0)):
+        file.write_text(text)
+        found = [item for item in load_robot_model(str(file), PACKAGES).findings if "'ture'" in item.what]
+        assert [item.lines for item in found] == [(1,)] * told
+
+
+def test_attributes_of_a_sensor_that_nothing_reads_are_findings(tmp_path):
+    sensor = '<sensor name="s" type="imu" rate="5"><imu><angular_velocity><x><noise tpe="gaussian"/></x>'
+    found = lost(tmp_path, f'<gazebo reference="base">{sensor}</angular_velocity></imu></sensor></gazebo>')
+    assert [item.what for item in found] == [
+        "the attribute rate of <sensor> of sensor 's'",
+        "the attribute tpe of <noise> of sensor 's'",
+    ]
+
+
 def test_the_robot_without_more_loses_nothing(tmp_path):
     assert lost(tmp_path, "") == []
 

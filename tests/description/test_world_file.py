@@ -283,6 +283,43 @@ def test_the_worlds_that_others_wrote_are_read(corpus):
     assert models[0].name == "ground_plane"
 
 
+SHAPE = "<geometry><box><size>1 1 1</size></box></geometry>"
+
+
+NOT_SDF = {
+    "a: <difuse> in <material>": "<model name='a'><static>1</static><link name='l'>"
+    "<visual name='v'>{}<material><difuse/>"
+    "</material></visual></link></model>",
+    "a: the attribute nam of <collision>": "<model name='a'><link name='l'>"
+    "<collision nam='c'>{}</collision></link></model>",
+    "a: <mas> in <inertial>": "<model name='a'><link name='l'><inertial><mas>1</mas></inertial></link></model>",
+    "a: friction of joint j: only those of robots have it": "<model name='a'><link name='l'/><link name='k'/><joint name='j'"
+    " type='revolute'><parent>l</parent><child>k</child><axis><dynamics><friction>1</friction></dynamics></axis></joint>"
+    "</model>",
+    "<poes> in <light>": "<light name='s' type='point'><poes/></light>",
+    "the attribute tpe of <light>": "<light name='s' tpe='point'/>",
+    "<cast_shadows> is 'ture', which is neither true nor false: it counts as false": "<light name='s' type='point'>"
+    "<cast_shadows>ture</cast_shadows></light>",
+    "<max_step_sise> in <physics>": "<physics type='ode'><max_step_sise>0.1</max_step_sise></physics>",
+    "<latitude> in <spherical_coordinates>": "<spherical_coordinates><latitude>1</latitude></spherical_coordinates>",
+}
+
+
+@pytest.mark.parametrize("said", NOT_SDF)
+def test_what_is_not_sdf_in_a_world_is_a_finding_with_its_line(tmp_path, said):
+    found = world_of(tmp_path, "\n\n" + NOT_SDF[said].format(SHAPE)).findings
+    assert [(item.what, item.lines) for item in found] == [(said, (6,))]
+
+
+def test_how_things_of_a_world_look_needs_no_finding(tmp_path):
+    material = "<material><ambient>1 0 0 1</ambient><specular>1 1 1 1</specular><pbr><metal/></pbr></material>"
+    light = "<light name='s' type='spot'><specular>1 1 1 1</specular><spot><falloff>1</falloff></spot></light>"
+    model = (
+        f"<model name='a'><static>1</static><link name='l'><visual name='v'>{SHAPE}{material}</visual></link></model>"
+    )
+    assert world_of(tmp_path, light + model).findings == ()
+
+
 def test_what_stands_beside_the_world_is_a_finding(tmp_path):
     body = "<gravity>0 0 -1</gravity>\n<gravity>0 0 -2</gravity></world>\n<world name='other'>"
     world = world_of(tmp_path, body)

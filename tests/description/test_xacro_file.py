@@ -56,35 +56,35 @@ def test_find_sees_the_neighbours_of_the_files_own_package(tmp_path):
 def test_an_unknown_package_in_find_names_the_file_and_where_it_was_looked_for_once(tmp_path):
     file = write_xacro(tmp_path / "r.xacro", '<link name="$(find wheels)"/>')
     text = refusal(file, tmp_path)
-    assert text.startswith(f"{file}: xacro: package 'wheels' was not found in: {tmp_path}")
+    assert text.startswith(f"{file}:1: xacro: package 'wheels' was not found in: {tmp_path}")
     assert text.count("package 'wheels'") == 1
 
 
 def test_a_file_that_is_not_well_formed_gives_the_line(tmp_path):
     file = write_xacro(tmp_path / "r.xacro", "\n<link>\n")
-    assert refusal(file).startswith(f"{file}: this is not well-formed XML: mismatched tag: line 3")
+    assert refusal(file).startswith(f"{file}:3: this is not well-formed XML: mismatched tag: line 3")
 
 
 def test_an_expression_that_fails_names_itself_and_pythons_reason(tmp_path):
     file = write_xacro(tmp_path / "r.xacro", '<link name="${1 / 0}"/>')
-    assert refusal(file) == f"{file}: xacro: division by zero when evaluating expression '1 / 0'."
+    assert refusal(file) == f"{file}:1: xacro: division by zero when evaluating expression '1 / 0'."
 
 
 def test_an_argument_without_a_value_is_named(tmp_path):
     file = write_xacro(tmp_path / "r.xacro", '<link name="$(arg side)"/>')
-    assert refusal(file) == f"{file}: xacro: Undefined substitution argument side."
+    assert refusal(file) == f"{file}:1: xacro: Undefined substitution argument side."
 
 
 def test_an_included_file_that_is_missing_is_named_once(tmp_path):
     file = write_xacro(tmp_path / "r.xacro", '<xacro:include filename="wheel.xacro"/>')
-    assert refusal(file) == f"{file}: xacro: No such file or directory: {tmp_path}/wheel.xacro."
+    assert refusal(file) == f"{file}:1: xacro: No such file or directory: {tmp_path}/wheel.xacro."
 
 
 def test_an_error_in_an_included_file_names_that_file_and_its_includer(tmp_path):
     wheel = write_xacro(tmp_path / "wheel.xacro", '<link name="${radius}"/>')
     file = write_xacro(tmp_path / "r.xacro", '<xacro:include filename="wheel.xacro"/>')
     text = refusal(file)
-    assert text.startswith(f"{wheel}: xacro: name 'radius' is not defined")
+    assert text.startswith(f"{wheel}:1: xacro: name 'radius' is not defined")
     assert text.endswith(f"(included from {file}).")
 
 

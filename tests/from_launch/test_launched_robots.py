@@ -56,6 +56,23 @@ def test_every_way_to_spawn_an_entity(tmp_path, form):
     assert not_started(launch.scenario) == ()
 
 
+@pytest.mark.parametrize(
+    ("entity", "option"),
+    [
+        (("ros_gz_sim", "create", "-topic", "robot_description", "-zz", "1"), "-zz (did you mean -z?)"),
+        (("ros_gz_sim", "create", "-topic", "robot_description", "-robot_namespace", "r"), "-robot_namespace"),
+        (("gazebo_ros", "spawn_entity.py", "-entity", "r", "-topc", "robot_description", "-file", "{file}"),
+         "-topc (did you mean -topic?)"),
+    ],
+)  # fmt: skip
+def test_an_option_that_the_spawner_of_an_entity_does_not_have_is_a_finding(tmp_path, entity, option):
+    file = write_hinge(tmp_path)
+    launch = launched(tmp_path, publisher(file), node(*(word.format(file=file) for word in entity)))
+    (finding,) = [item for item in launch.scenario.findings if "unknown option" in item.what]
+    assert finding.what == f"{entity[0]}/{entity[1]}: unknown option {option}"
+    assert (finding.kind, bool(finding.lines)) == (Kind.REFUSED_BY_ROS, True)
+
+
 @pytest.mark.parametrize("shell", [False, True])
 @pytest.mark.parametrize("program", ["gz", "ign"])
 def test_a_call_of_gazebos_service_spawns_an_entity(tmp_path, program, shell):

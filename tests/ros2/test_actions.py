@@ -178,3 +178,14 @@ def test_a_launch_that_never_comes_to_rest_is_refused(tmp_path):
 def test_arguments_of_the_wrong_kind_are_refused_in_the_files_own_words(tmp_path):
     with pytest.raises(InputError, match="unexpected keyword argument 'default'"):
         launch_python(tmp_path, "DeclareLaunchArgument('a', default='b')")
+
+
+HANDLERS = ["OnProcessExit(on_exiit=[])", "OnProcessStart(on_strt=[])", "OnExecutionComplete(on_completed=[])"]
+HANDLERS += ["OnProcessIO(on_stdot=[])", "OnShutdown(on_shutdwn=[])"]
+
+
+@pytest.mark.parametrize("handler", HANDLERS)
+def test_a_keyword_that_an_event_handler_does_not_have_is_refused(tmp_path, handler):
+    keyword = handler.partition("(")[2].partition("=")[0]
+    with pytest.raises(InputError, match=f"unexpected keyword argument '{keyword}'"):
+        launch_python(tmp_path, f"RegisterEventHandler({handler})")

@@ -156,3 +156,43 @@ def test_the_installed_layout_of_a_source_package_is_what_includes_see(tmp_path)
     launched = launch_xml(tmp_path, '<include file="$(find-pkg-share robots)/launch/one.launch.xml"/>')
     assert launched.log[0] == f"{tmp_path}/others"
     assert launched.log[1].endswith("robots/launch")
+
+
+INCLUDED = {
+    "declares it": "DeclareLaunchArgument('x', default_value='1')",
+    "reads it": "LogInfo(msg=LaunchConfiguration('x', default='1'))",
+    "reads it in a function": "OpaqueFunction(function=lambda it: LaunchConfiguration('x').perform(it) and [])",
+    "hands it on": "IncludeLaunchDescription(os.path.join(os.path.dirname(__file__), 'inner.launch.py'))",
+    "does not know it": "DeclareLaunchArgument('xy', default_value='1')",
+}
+
+
+@pytest.mark.parametrize("case", INCLUDED)
+def test_an_argument_of_an_include_that_no_file_declares_or_reads_is_noted(tmp_path, case):
+    write_python(tmp_path / "inner.launch.py", INCLUDED["declares it"])
+    write_python(tmp_path / "part.launch.py", INCLUDED[case])
+    arguments = "launch_arguments={'x': '2'}.items()"
+    launched = launch_python(
+        tmp_path, f"IncludeLaunchDescription(os.path.join(os.path.dirname(__file__), 'part.launch.py'), {arguments})"
+    )
+    told = "argument x of include part.launch.py (no file declares or reads it). Did you mean 'xy'?"
+    assert [item.what for item in launched.lost_arguments] == ([told] if case == "does not know it" else [])
+    assert all(item.place.line is not None for item in launched.lost_arguments)
+
+
+def test_an_argument_of_gazebos_launch_file_that_it_does_not_have_is_noted(tmp_path):
+    path = "os.path.join(get_package_share_directory('ros_gz_sim'), 'launch', 'gz_sim.launch.py')"
+    launched = launch_python(
+        tmp_path, f"IncludeLaunchDescription({path}, launch_arguments={{'gz_arg': 'empty.sdf'}}.items())"
+    )
+    (lost,) = launched.lost_arguments
+    assert lost.what == (
+        "argument gz_arg of include gz_sim.launch.py (no file declares or reads it). Did you mean 'gz_args'?"
+    )
+
+
+def test_an_argument_that_an_include_gives_twice_is_noted(tmp_path):
+    write(tmp_path / "part.launch.xml", '<launch><arg name="x"/></launch>')
+    include = '<include file="$(dirname)/part.launch.xml"><arg name="x" value="1"/><arg name="x" value="2"/></include>'
+    (lost,) = launch_xml(tmp_path, include).lost_arguments
+    assert lost.what == "argument x of include part.launch.xml (it is given again, and the last value counts)"

@@ -1,4 +1,5 @@
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -7,6 +8,7 @@ import pytest
 from launch_files import launch_python, launch_xml, write, write_package, write_python
 
 from drake_twin.description.package_index import PackageIndex, share_folder
+from drake_twin.description.xacro_file import places_of_expanded
 from drake_twin.errors import InputError
 from drake_twin.ros2.evaluate import evaluate
 from drake_twin.ros2.stand_in_modules import exports, stand_in
@@ -201,6 +203,38 @@ def test_xacro_finds_packages_in_a_launch_files_own_code(tmp_path):
             "document = xacro.parse(open(f))\nxacro.process_doc(document)",
         )
         assert '<link name="part"/>' in launched.log[0]
+
+
+XACRO_IN_CODE = "import xacro\nf = os.path.join(os.path.dirname(__file__), 'r.xacro')\n"
+OF_XACRO = {
+    "file": ("", "xacro.process_file(f).toxml()"),
+    "pretty": ("", "xacro.process_file(f).toprettyxml(indent='  ')"),
+    "document": ("document = xacro.parse(open(f))\nxacro.process_doc(document)", "document.toxml()"),
+}
+
+
+@pytest.mark.parametrize("form", OF_XACRO)
+def test_a_text_that_a_launch_files_own_code_makes_by_xacro_has_the_places_of_its_files(tmp_path, form):
+    before, code = OF_XACRO[form]
+    robot = (
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n<xacro:include filename="part.xacro"/></robot>'
+    )
+    write(tmp_path / "r.xacro", robot)
+    write(tmp_path / "part.xacro", '<robot>\n\n<link name="part"/></robot>')
+    launched = launch_python(tmp_path, f"LogInfo(msg={code})", before=XACRO_IN_CODE + before)
+    places = [(Path(place.file).name, place.line) for place in places_of_expanded(launched.log[0])]
+    assert places == [("r.xacro", 1), ("part.xacro", 3)]
+
+
+def test_an_error_of_xacro_in_a_launch_files_own_code_has_xacros_file_and_line(tmp_path):
+    robot = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n<link name="${no}"/></robot>'
+    write(tmp_path / "r.xacro", robot)
+    with pytest.raises(InputError) as refused:
+        launch_python(tmp_path, "LogInfo(msg=xacro.process_file(f).toxml())", before=XACRO_IN_CODE)
+    assert re.fullmatch(
+        r"\S+/r.xacro:2: xacro: name 'no' is not defined when evaluating expression 'no', called by \S+\.py:\d+\.",
+        str(refused.value),
+    )
 
 
 def test_a_package_that_a_file_is_prepared_to_miss_raises_what_it_expects(tmp_path):

@@ -126,7 +126,7 @@ def test_a_xacro_file_at_its_authors_path_is_found_by_the_package_in_it(tmp_path
 
 def test_a_xacro_file_that_is_wrong_is_refused_with_its_own_name(tmp_path):
     write(tmp_path / "r.xacro", "<robot>")
-    with pytest.raises(InputError, match=r"r.xacro: this is not well-formed XML"):
+    with pytest.raises(InputError, match=r"r.xacro:1: this is not well-formed XML"):
         value_of(tmp_path, "Command(['xacro ', ThisLaunchFileDir(), '/r.xacro'])")
 
 

@@ -319,6 +319,7 @@ def test_a_line_that_does_not_parse_is_a_finding(tmp_path, word):
     [
         ("- {gz_type_name: a}", "it names no topic"),
         ("- {topic_name: a, direction: SIDEWAYS}", "its direction is 'SIDEWAYS', where valid are"),
+        ("- {topic_name: a, ros_type_name: b, gz_tpe_name: c}", "an entry of its file has no gz_type_name"),
         ("- imu", "it names no topic"),
         ("imu: 1", "is not a list of topics"),
     ],
@@ -331,3 +332,13 @@ def test_an_entry_of_a_bridges_file_that_cannot_be_read_is_a_finding(tmp_path, t
     assert what in finding.what
     assert finding.file == str(file)
     assert not_started(scenario) == ()
+
+
+def test_a_key_of_a_bridges_file_that_means_nothing_is_a_finding_with_its_line(tmp_path):
+    entry = "- gz_topic_name: b\n  ros_topic_nme: a\n  ros_type_name: c\n  gz_type_name: d\n"
+    file = write(tmp_path / "bridge.yaml", entry)
+    bridge = node("ros_gz_bridge", "parameter_bridge", parameters=[{"config_file": str(file)}])
+    scenario = spawned(tmp_path, TURTLEBOT3, "burger", bridge)
+    (finding,) = [item for item in scenario.findings if item.kind is Kind.IGNORED and item.file == str(file)]
+    assert "ros_topic_nme of an entry of its file. Did you mean 'ros_topic_name'?" in finding.what
+    assert finding.lines == (2,)

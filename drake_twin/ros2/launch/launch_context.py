@@ -13,7 +13,7 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.ros2.built_in_packages import BUILT_IN_PACKAGES
 from drake_twin.ros2.event_queue import EventQueue, Handler
-from drake_twin.ros2.launched import FailedInclude, LaunchedProcess, ParameterText, RefusedByRos
+from drake_twin.ros2.launched import FailedInclude, Included, LaunchedProcess, ParameterText, RefusedByRos
 from drake_twin.ros2.packages import AbsentError, LaunchPackages
 from drake_twin.ros2.scopes import Scopes, copied
 from drake_twin.ros2.text_parts import text_parts
@@ -38,6 +38,8 @@ class LaunchContext:
         processes: What has started.
         failed_includes: The includes that were left out.
         declared: The arguments that the files declare.
+        read: The launch configurations that the files read.
+        includes: The files that were included, with their arguments.
         log: What LogInfo and the like print, and what was repaired or ignored.
         refused: What ROS 2 refuses, and the twin reads.
         rewritten: Path of a file made by the launch → what is in it.
@@ -63,6 +65,8 @@ class LaunchContext:
         self.processes: list[LaunchedProcess] = []
         self.failed_includes: list[FailedInclude] = []
         self.declared: set[str] = set()
+        self.read: set[str] = set()
+        self.includes: list[Included] = []
         self.log: list[str] = []
         self.refused: list[RefusedByRos] = []
         self.rewritten: dict[str, ParameterText] = {}

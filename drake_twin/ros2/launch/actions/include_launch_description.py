@@ -16,7 +16,7 @@ from drake_twin.ros2.launch.launch_description import LaunchDescription
 from drake_twin.ros2.launch.launch_description_source import LaunchDescriptionSource
 from drake_twin.ros2.launch.launch_description_sources.any_launch_description_source import AnyLaunchDescriptionSource
 from drake_twin.ros2.launch_files import enter_built_in_file, enter_file, existing_file, file_and_line, load_launch_file
-from drake_twin.ros2.launched import FailedInclude
+from drake_twin.ros2.launched import FailedInclude, Included
 from drake_twin.ros2.packages import BUILT_IN, AbsentError
 from drake_twin.ros2.text_parts import as_text
 from drake_twin.ros2.visiting import every_entity, visit_list
@@ -102,17 +102,20 @@ class IncludeLaunchDescription(Action):
     def _include(self, path: str, context: LaunchContext) -> None:
         if self._is_mapping:
             context.refused_by_ros("launch_arguments is a mapping without .items()")
-        names = set()
-        for name, value in self._arguments:
+        names = []
+        for given, value in self._arguments:
+            name = context.perform_substitution(given)
             text = context.perform_substitution(as_text(value))
             if as_text(value) is not value:
                 context.refused_by_ros(f"the launch argument {name!r} is {value!r}, which is not text")
-            names.add(context.perform_substitution(name))
-            context.launch_configurations[context.perform_substitution(name)] = text
+            names.append(name)
+            context.launch_configurations[name] = text
         if self._source.is_description:
             visit_list([self._source.get_launch_description(context)], context)
             return
+        included = Included(path, tuple(names), self.place or context.position or Place(""))
         if path.startswith(BUILT_IN):
+            context.includes.append(included)
             enter_built_in_file(path, context, self.place)
             return
         file = existing_file(path, context, self.place)
@@ -121,7 +124,8 @@ class IncludeLaunchDescription(Action):
             chain = " → ".join(Path(name).name for name, _ in [*context.files[-4:], (str(file), None)])
             raise InputError(f"launch files include each other in a loop: {chain}", **file_and_line(self.place))
         description = load_launch_file(str(file), context, self._form(file))
-        self._note_missing(description, names, context)
+        context.includes.append(included)
+        self._note_missing(description, set(names), context)
         enter_file(str(file), description, context, self.place)
 
     def _note_missing(self, description: LaunchDescription, names: set[str], context: LaunchContext) -> None:

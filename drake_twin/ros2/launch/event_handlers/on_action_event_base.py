@@ -8,8 +8,8 @@ from drake_twin.ros2.launch.event_handler import EventHandler
 class OnActionEventBase(EventHandler):
     """Waits for an event of one action, or of those that a function accepts, or of any."""
 
-    def __init__(self, *, action_matcher: Any = None, on_event: Any = None, handle_once: bool = False, **more: Any):
-        super().__init__(entities=on_event, handle_once=handle_once)
+    def __init__(self, *, action_matcher: Any = None, on_event: Any = None, **more: Any):
+        super().__init__(entities=on_event, **more)
         self._target = action_matcher
 
     def matches(self, event: Any) -> bool:

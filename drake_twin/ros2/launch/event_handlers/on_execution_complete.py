@@ -11,5 +11,5 @@ class OnExecutionComplete(OnActionEventBase):
 
     waits_for = ExecutionComplete
 
-    def __init__(self, *, target_action: Any = None, on_completion: Any = None, handle_once: bool = False, **more: Any):
-        super().__init__(action_matcher=target_action, on_event=on_completion, handle_once=handle_once)
+    def __init__(self, *, target_action: Any = None, on_completion: Any = None, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_completion, **more)

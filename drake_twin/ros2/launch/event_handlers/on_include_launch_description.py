@@ -12,4 +12,4 @@ class OnIncludeLaunchDescription(EventHandler):
     waits_for = IncludeLaunchDescription
 
     def __init__(self, **more: Any):
-        super().__init__(matcher=lambda event: isinstance(event, IncludeLaunchDescription))
+        super().__init__(matcher=lambda event: isinstance(event, IncludeLaunchDescription), **more)

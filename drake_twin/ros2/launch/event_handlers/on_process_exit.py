@@ -11,5 +11,5 @@ class OnProcessExit(OnActionEventBase):
 
     waits_for = ProcessExited
 
-    def __init__(self, *, target_action: Any = None, on_exit: Any = None, handle_once: bool = False, **more: Any):
-        super().__init__(action_matcher=target_action, on_event=on_exit, handle_once=handle_once)
+    def __init__(self, *, target_action: Any = None, on_exit: Any = None, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_exit, **more)

@@ -20,4 +20,4 @@ class OnProcessIO(OnActionEventBase):
         on_stderr: Any = None,
         **more: Any,
     ):
-        super().__init__(action_matcher=target_action, on_event=on_stdout or on_stderr or on_stdin)
+        super().__init__(action_matcher=target_action, on_event=on_stdout or on_stderr or on_stdin, **more)

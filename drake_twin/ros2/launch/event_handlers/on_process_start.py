@@ -11,5 +11,5 @@ class OnProcessStart(OnActionEventBase):
 
     waits_for = ProcessStarted
 
-    def __init__(self, *, target_action: Any = None, on_start: Any = None, handle_once: bool = False, **more: Any):
-        super().__init__(action_matcher=target_action, on_event=on_start, handle_once=handle_once)
+    def __init__(self, *, target_action: Any = None, on_start: Any = None, **more: Any):
+        super().__init__(action_matcher=target_action, on_event=on_start, **more)

@@ -12,4 +12,4 @@ class OnShutdown(EventHandler):
     waits_for = Shutdown
 
     def __init__(self, *, on_shutdown: Any = None, **more: Any):
-        super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown)
+        super().__init__(matcher=lambda event: isinstance(event, Shutdown), entities=on_shutdown, **more)

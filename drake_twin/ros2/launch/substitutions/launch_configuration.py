@@ -32,6 +32,7 @@ class LaunchConfiguration(Substitution):
             SubstitutionFailure: If it is not set and has no default.
         """
         name = context.perform_substitution(self.variable_name)
+        context.read.add(name)
         if name in context.launch_configurations:
             return str(context.launch_configurations[name])
         if self.default is not None:

@@ -24,10 +24,9 @@ class OnStateTransition(OnActionEventBase):
         start_state: str | None = None,
         goal_state: str | None = None,
         matcher: Callable[[Any], bool] | None = None,
-        handle_once: bool = False,
         **more: Any,
     ):
-        super().__init__(action_matcher=target_lifecycle_node, on_event=entities, handle_once=handle_once)
+        super().__init__(action_matcher=target_lifecycle_node, on_event=entities, **more)
         self._goal_state = goal_state
         self._start_state = start_state
         self._matcher = matcher
