@@ -293,9 +293,9 @@ NOT_SDF = {
     "a: the attribute nam of <collision>": "<model name='a'><link name='l'>"
     "<collision nam='c'>{}</collision></link></model>",
     "a: <mas> in <inertial>": "<model name='a'><link name='l'><inertial><mas>1</mas></inertial></link></model>",
-    "a: friction of joint j: only those of robots have it": "<model name='a'><link name='l'/><link name='k'/><joint name='j'"
-    " type='revolute'><parent>l</parent><child>k</child><axis><dynamics><friction>1</friction></dynamics></axis></joint>"
-    "</model>",
+    "a: friction of joint j: only those of robots have it": "<model name='a'><link name='l'/><link name='k'/>"
+    "<joint name='j' type='revolute'><parent>l</parent><child>k</child><axis><dynamics><friction>1</friction>"
+    "</dynamics></axis></joint></model>",
     "<poes> in <light>": "<light name='s' type='point'><poes/></light>",
     "the attribute tpe of <light>": "<light name='s' tpe='point'/>",
     "<cast_shadows> is 'ture', which is neither true nor false: it counts as false": "<light name='s' type='point'>"
