@@ -53,7 +53,7 @@ URDF = _part(
         collision=_part("name", origin=_ORIGIN, geometry=_GEOMETRY),
     ),
     joint=_part(
-        "name type",
+        "name type dont_collapse",  # no joint is
         origin=_ORIGIN,
         parent=_part("link"),
         child=_part("link"),
@@ -226,8 +226,9 @@ SEVERAL = {
 }
 
 
-# What an element and all in it is for, where it is not how the robot moves. ROS 2 and Gazebo use no <transmission>.
-_LOOKS = frozenset(("visual", "material", "scene", "light", "script", "color", "grid", "gui", "transmission"))
+# What says how something looks, with all in it, and what only ROS 1 used.
+_LOOKS = frozenset(("visual", "material", "scene", "light", "script", "color", "grid", "gui"))
+_LOOKS |= {"transmission", "hardwareInterface", "safety_controller", "calibration"}
 
 
 def weight_of(element: etree._Element) -> Weight:
