@@ -62,6 +62,7 @@ class Finding:
         lines: Its lines in that file, where they are known.
         rule: The name of the repair.
         weight: What the thing is for.
+        cause: What several findings have in common, so that a run tells of them in one line; empty if nothing.
     """
 
     kind: Kind
@@ -71,12 +72,12 @@ class Finding:
     lines: tuple[int, ...] = ()
     rule: str = ""
     weight: Weight = Weight.MOVES
+    cause: str = ""
 
     @classmethod
-    def at(cls, kind: Kind, what: str, place: Place, rule: str = "", *, weight: Weight = Weight.MOVES) -> "Finding":
-        """Return a finding about one place."""
-        lines = () if place.line is None else (place.line,)
-        return cls(kind, what, file=place.file, lines=lines, rule=rule, weight=weight)
+    def at(cls, kind: Kind, what: str, place: Place, **more: Any) -> "Finding":
+        """Return a finding about one place; the other arguments are those of the class."""
+        return cls(kind, what, file=place.file, lines=() if place.line is None else (place.line,), **more)
 
     def __str__(self) -> str:
         return f"{self.robot}: {self.sentence}" if self.robot else self.sentence
@@ -101,12 +102,13 @@ class Finding:
             "lines": list(self.lines),
             "rule": self.rule,
             "weight": str(self.weight),
+            "cause": self.cause,
         }
 
 
-def at_places(kind: Kind, found: Iterable[tuple[str, Place]], *, weight: Weight = Weight.MOVES) -> Iterator[Finding]:
+def at_places(kind: Kind, found: Iterable[tuple[str, Place]], **more: Any) -> Iterator[Finding]:
     """Group what was found at several places into findings: one for each file, with its lines."""
-    return merged(Finding.at(kind, what, place, weight=weight) for what, place in found)
+    return merged(Finding.at(kind, what, place, **more) for what, place in found)
 
 
 def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
@@ -126,31 +128,40 @@ def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
 def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
     """Return kind and sentence of each finding, kind by kind; the same one about several robots once."""
     kinds = list(Kind)
-    return _sentences(sorted(findings, key=lambda finding: kinds.index(finding.kind)))
+    ranked = sorted(findings, key=lambda finding: kinds.index(finding.kind))
+    return [(kind, sentence) for kind, sentence, _ in _sentences(ranked)]
 
 
 def most_telling(findings: Iterable[Finding]) -> list[str]:
-    """Return a few lines of the findings, the weightiest first; the last one tells of the rest."""
+    """Return a few lines of the findings, one for each cause, the weightiest first; the last one tells of the rest."""
     weights, kinds = list(Weight), list(Kind)
     ranked = sorted(findings, key=lambda finding: (weights.index(finding.weight), kinds.index(finding.kind)))
-    sentences = _sentences(ranked)
-    told = len(sentences) if len(sentences) <= _MOST_TOLD else _MOST_TOLD - 1
-    lines = [f"{kind}: {sentence}" for kind, sentence in sentences[:told]]
-    if rest := sentences[told:]:
-        numbers = ", ".join(f"{count} {kind}" for kind, count in Counter(kind for kind, _ in rest).items())
-        lines.append(f"and {len(rest)} more findings ({numbers}): --findings prints them all")
+    causes: dict[tuple[Kind, str], list[str]] = {}
+    for kind, sentence, cause in _sentences(ranked):
+        causes.setdefault((kind, cause or sentence), []).append(sentence)
+    told = len(causes) if len(causes) <= _MOST_TOLD else _MOST_TOLD - 1
+    lines = []
+    for (kind, _), (first, *others) in [*causes.items()][:told]:
+        lines.append(f"{kind}: {first}" + (f", and {len(others)} more like it (--findings)" if others else ""))
+    rest = Counter(kind for (kind, _), sentences in [*causes.items()][told:] for _ in sentences)
+    if rest:
+        numbers = ", ".join(f"{count} {kind}" for kind, count in rest.items())
+        lines.append(f"and {rest.total()} more findings ({numbers}): --findings prints them all")
     return lines
 
 
-def _sentences(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
-    """Return kind and sentence of each finding, with the names of all robots that it is about."""
+def _sentences(findings: Iterable[Finding]) -> list[tuple[Kind, str, str]]:
+    """Return kind, sentence and cause of each finding, with the names of all robots that it is about."""
     about: dict[tuple[Kind, str], list[str]] = {}
+    causes: dict[tuple[Kind, str], str] = {}
     for finding in findings:
         robots = about.setdefault((finding.kind, finding.sentence), [])
+        causes.setdefault((finding.kind, finding.sentence), finding.cause or finding.rule)
         if finding.robot and finding.robot not in robots:
             robots.append(finding.robot)
     return [
-        (kind, f"{', '.join(robots)}: {sentence}" if robots else sentence) for (kind, sentence), robots in about.items()
+        (kind, f"{', '.join(robots)}: {sentence}" if robots else sentence, causes[kind, sentence])
+        for (kind, sentence), robots in about.items()
     ]
 
 

@@ -45,6 +45,20 @@ def test_the_same_of_several_robots_is_one_line():
     assert len(most_telling(each)) == 5
 
 
+def test_findings_of_one_cause_are_one_line():
+    mended = [Finding(Kind.MENDED, f"<link {number}>", rule="inertia") for number in range(3)]
+    others = [Finding(Kind.NOT_STARTED, f"node {number} (why)", cause="why") for number in range(2)]
+    apart = [Finding(Kind.WARNING, "odd", cause="why")]
+    lines = most_telling([*mended, *others, *apart])
+    assert lines == [
+        "not started: node 0 (why), and 1 more like it (--findings)",
+        "warning: odd",
+        "mended: <link 0> [inertia], and 2 more like it (--findings)",
+    ]
+    lines = most_telling([*findings(4), *mended, *others])
+    assert lines[-1] == "and 4 more findings (1 ignored, 3 mended): --findings prints them all"
+
+
 URDF = """\
 <robot name="r">
   <link name="base">
@@ -57,6 +71,15 @@ URDF = """\
     <collision><geometry><mesh filename="absent.stl"/></geometry></collision>
   </link>
   <transmission name="t"><type>x</type></transmission>
+  <ros2_control name="s" type="system">
+    <hardware><plugin>p</plugin><param name="ip">1</param><param name="port">2</param></hardware>
+    <joint name="absent"/><joint name="none"/>
+  </ros2_control>
+  <gazebo reference="base">
+    <gravity>true</gravity><turnGravityOff>0</turnGravityOff><laserRetro>0</laserRetro><maxContacts>10</maxContacts>
+    <collision><surface><contact><ode><kp>1e5</kp></ode></contact></surface></collision>
+  </gazebo>
+  <gazebo reference="base"><turnGravityOff>true</turnGravityOff><maxContacts>4</maxContacts></gazebo>
   <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><visual><cast_shadows>0</cast_shadows></visual></gazebo>
   <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
 </robot>"""
@@ -82,6 +105,8 @@ def of_urdf(tmp_path_factory):
         ("kp of base: without effect", Weight.LOOKS),
         ("slip1 of base: without effect", Weight.MOVES),
         ("Gazebo plugin p (libunknown.so)", Weight.MOVES),
+        ("<turnGravityOff> in <gazebo>", Weight.MOVES),
+        ("<maxContacts> in <gazebo>", Weight.MOVES),
     ],
 )
 def test_each_finding_about_a_urdf_has_its_weight(of_urdf, words, weight):
@@ -91,6 +116,21 @@ def test_each_finding_about_a_urdf_has_its_weight(of_urdf, words, weight):
 def test_the_same_words_about_a_visual_and_a_collision_weigh_differently(of_urdf):
     about = [item for item in of_urdf if item.what == "the attribute colour of <box>"]
     assert sorted((item.weight, item.lines) for item in about) == [(Weight.LOOKS, (4,)), (Weight.MOVES, (7,))]
+
+
+def test_what_asks_for_gazebos_own_default_is_no_finding(of_urdf):
+    assert [item.lines for item in of_urdf if "GravityOff" in item.what or "maxContacts" in item.what] == [(20,), (20,)]
+    assert not any("<gravity>" in item.what or "laserRetro" in item.what for item in of_urdf)
+
+
+def test_a_parameter_of_contact_is_one_finding(of_urdf):
+    assert [item.what for item in of_urdf if "contact" in item.what] == [
+        "kp of base: without effect: stiffness and damping of contact follow from the masses"
+    ]
+
+
+def test_the_parameters_of_another_hardware_are_of_one_cause(of_urdf):
+    assert {item.cause for item in of_urdf if '<param name="' in item.what} == {"<param> in <hardware>"}
 
 
 WORLD = """\

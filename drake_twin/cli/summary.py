@@ -17,7 +17,8 @@ def summary(twin: Twin, simulated: float, wall_time: float, failure: RunError | 
     - ``topics``: name → ROS message type
     - ``warnings``, ``not_started``: lists of sentences
     - ``findings``: what of the files is not used as it is: ``kind`` (mended, warning, ignored, not started,
-      failed or window), ``what``, ``robot``, ``file``, ``lines``, ``rule``, ``weight`` (lost, moves or looks)
+      failed or window), ``what``, ``robot``, ``file``, ``lines``, ``rule``, ``weight`` (lost, moves or looks),
+      ``cause``
     - ``failure``: the error that ended the run, else None; all other entries are those of the last good state then
     - ``state_sha256``: equal for two runs that ended in the same state to the last bit
 

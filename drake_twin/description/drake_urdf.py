@@ -163,7 +163,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
                 if "undefined_material" in without:
                     raise reader.error(material, f"the material {name!r} is not defined")
                 place = reader.place(material)
-                repairs.append(Finding.at(Kind.MENDED, what, place, "undefined_material", weight=Weight.LOOKS))
+                repairs.append(Finding.at(Kind.MENDED, what, place, rule="undefined_material", weight=Weight.LOOKS))
         if text is not None:
             inlined = etree.SubElement(visual, "material", name=f"material_{index}")
             etree.SubElement(inlined, "color", rgba=text)
@@ -181,7 +181,7 @@ def _resolve_meshes(
     repairs: list[Finding] = []
 
     def mended(what: str, mesh: etree._Element, rule: str) -> None:
-        repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), rule, weight=weight_of(mesh)))
+        repairs.append(Finding.at(Kind.MENDED, what, reader.place(mesh), rule=rule, weight=weight_of(mesh)))
 
     for shape in [*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")]:
         for mesh in shape.findall("geometry/mesh"):

@@ -84,7 +84,9 @@ class SdfIncludes:
             return self._model(address, include, reader, above)
         except NotIncludedError as reason:
             what = f"{address} is not included: {reason}"
-            self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(include), weight=Weight.LOST))
+            self.findings.append(
+                Finding.at(Kind.IGNORED, what, reader.place(include), weight=Weight.LOST, cause="include")
+            )
             return None
 
     def not_found(self, otherwise: Place) -> Iterator[Finding]:

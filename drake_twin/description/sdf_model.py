@@ -4,7 +4,8 @@ Each rule is one function on the XML tree of the file that the model stands in, 
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 
@@ -50,24 +51,21 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     Returns:
         What was left out and what was changed, each once.
     """
-    unknown = Counter(_unknown_elements(model))
-    found: Counter[tuple[str, Weight]] = Counter()
+    found = Counter(_unknown_elements(model))
     for rule in (_frames_of_old_poses, _names, _joints, _inertias):
-        found.update((what, Weight.MOVES) for what in rule(model))
+        found.update(Finding(Kind.WARNING, what) for what in rule(model))
     found.update(mend_shapes(model))
     mend_planes(model)
     found.update(mend_meshes(model, reader, find))
-    found.update((what, Weight.MOVES) for what in weld_caster_balls(model))
+    found.update(Finding(Kind.WARNING, what) for what in weld_caster_balls(model))
     for nested in [*model.iter("model")][:0:-1]:  # the innermost first
         parent = nested.getparent()
         if parent is not None and nested.find("link") is None and nested.find("model") is None:
             parent.remove(nested)
-    return [*_counted(Kind.IGNORED, unknown), *_counted(Kind.WARNING, found)]
-
-
-def _counted(kind: Kind, found: Mapping[tuple[str, Weight], int]) -> Iterator[Finding]:
-    for (what, weight), count in found.items():
-        yield Finding(kind, what + (f" ({count} times)" if count > 1 else ""), weight=weight)
+    return [
+        replace(finding, what=f"{finding.what} ({count} times)") if count > 1 else finding
+        for finding, count in found.items()
+    ]
 
 
 def falls(model: etree._Element) -> bool:
@@ -76,7 +74,7 @@ def falls(model: etree._Element) -> bool:
     return not flags or any(flag is None or is_true(flag.text) for flag in flags)
 
 
-def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
+def _unknown_elements(model: etree._Element) -> Iterator[Finding]:
     falling = falls(model)
     for parent in [*model.iter(*_KEPT)]:
         for child in list(parent):
@@ -87,7 +85,8 @@ def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
             if isinstance(child.tag, str) and child.tag not in _SILENT:
                 named = child.get("filename") or child.get("type") or ""
                 named = f" {Path(named).name}" if child.tag in ("plugin", "sensor") else ""
-                yield f"<{etree.QName(child).localname}>{named} is not used", weight
+                what = f"<{etree.QName(child).localname}>{named} is not used"
+                yield Finding(Kind.IGNORED, what, weight=weight, cause=str(weight) if weight is Weight.LOOKS else "")
     for inertial in model.iter("inertial"):
         for child in list(inertial):
             if child.tag not in ("mass", "inertia", "pose"):
@@ -100,7 +99,8 @@ def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
                 and not is_within_static(link)
                 and (falling or flag.tag != "gravity")
             ):
-                yield f"<{flag.tag}>{(flag.text or '').strip()}</{flag.tag}> of a link is not used", Weight.MOVES
+                value = (flag.text or "").strip()
+                yield Finding(Kind.IGNORED, f"<{flag.tag}>{value}</{flag.tag}> of a link is not used")
 
 
 def _frames_of_old_poses(model: etree._Element) -> Iterator[str]:

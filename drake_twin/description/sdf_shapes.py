@@ -16,7 +16,7 @@ from drake_twin.description.sdf_pose import pose_transform
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Weight
+from drake_twin.findings import Finding, Kind
 
 _DRAKE_NAMESPACE = "http://drake.mit.edu"
 
@@ -32,18 +32,18 @@ _SHAPES = (*_SIZES, "plane", "mesh")
 FindFile = Callable[[str, Path | None], Path]
 
 
-def mend_shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
+def mend_shapes(model: etree._Element) -> Iterator[Finding]:
     """Change the shapes, colours and friction of a model, except for its planes and meshes.
 
     Yields:
-        What was left out, and what it was for.
+        What was left out.
     """
     yield from _shapes(model)
     _give_colors(model)
     _give_friction(model)
 
 
-def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
+def _shapes(model: etree._Element) -> Iterator[Finding]:
     """Leave out shapes that Drake does not support, or without a size."""
     for shape in [*model.iter("collision", "visual")]:
         link, geometry = shape.getparent(), shape.find("geometry")
@@ -62,7 +62,11 @@ def _shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
         if reason is not None:
             link.remove(shape)
             if reason:
-                yield reason, weight_of(shape)
+                yield _finding(reason, shape)
+
+
+def _finding(what: str, shape: etree._Element, cause: str = "") -> Finding:
+    return Finding(Kind.WARNING, what, weight=weight_of(shape), cause=cause)
 
 
 def _has_size(element: etree._Element | None) -> bool:
@@ -165,7 +169,7 @@ def _move_shape(shape: etree._Element, rotation: np.ndarray, translation: np.nda
     pose.text = " ".join(f"{float(number):.17g}" for number in numbers)
 
 
-def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[tuple[str, Weight]]:
+def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Iterator[Finding]:
     """Convert each mesh to a form that Drake reads; a static model's collision meshes stay as they are.
 
     Args:
@@ -174,7 +178,7 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
         find: Resolves an address in a file.
 
     Yields:
-        What was changed or left out, and what it is for.
+        What was changed or left out.
     """
     for shape in [*model.iter("collision", "visual")]:
         mesh = shape.find("geometry/mesh")
@@ -184,7 +188,7 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
         for extra in [child for child in mesh if child.tag not in ("uri", "scale")]:
             mesh.remove(extra)
             if extra.tag == "submesh":
-                yield "a <submesh> is not used: the whole mesh is", weight_of(shape)
+                yield _finding("a <submesh> is not used: the whole mesh is", shape)
         uri = mesh.find("uri")
         address = (mesh.findtext("uri") or "").strip()
         scale = _scale(mesh)
@@ -194,7 +198,7 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
             file = find(address, reader.file)
             given = address.removeprefix("file://")
             if Path(given).is_absolute() and Path(os.path.abspath(given)) != file:
-                yield f"mesh {address!r} is not on this machine: {file} is used", weight_of(shape)
+                yield _finding(f"mesh {address!r} is not on this machine: {file} is used", shape, cause="elsewhere")
             if shape.tag == "visual":
                 uri.text = mesh_address(visual_mesh(file))
             elif is_within_static(shape):
@@ -205,8 +209,9 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
             link.remove(shape)  # reported once for all its shapes
         except InputError as error:
             link.remove(shape)
-            what = f"a {shape.tag} is left out with its mesh {address}: {str(error).rstrip('.')}"
-            yield what, weight_of(shape)
+            is_remote = address.startswith(("http://", "https://"))
+            reason = "the twin downloads nothing" if is_remote else str(error).rstrip(".")
+            yield _finding(f"a {shape.tag} is left out with its mesh {address}: {reason}", shape, cause="mesh")
 
 
 def _give_hull(shape: etree._Element, mesh: etree._Element, file: Path, scale: tuple[float, float, float]) -> None:

@@ -9,7 +9,7 @@ from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sensors import SENSOR_PLUGINS
-from drake_twin.description.unused_contact import is_unused
+from drake_twin.description.unused_contact import is_unused, parameter, values_of
 from drake_twin.description.used_elements import (
     DRAKE,
     REPORTED,
@@ -21,7 +21,7 @@ from drake_twin.description.used_elements import (
     weight_of,
 )
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, merged
+from drake_twin.findings import Finding, Kind, Weight, merged
 
 _PLUGINS = {
     **dict.fromkeys(("camera", "depth", "ray", "laser", "range"), "the twin simulates no such sensor"),
@@ -31,6 +31,22 @@ _PLUGINS = {
     "wind": "the twin has no water and no air",
     "thruster": "the twin has no water and no air",
     "battery": "the twin has no batteries",
+}
+
+# Parameter → Gazebo's default, with which a file asks for nothing.
+_DEFAULTS = {
+    "gravity": 1.0,
+    "turn_gravity_off": 0.0,
+    "self_collide": 0.0,
+    "kinematic": 0.0,
+    "enable_wind": 0.0,
+    "must_be_base_link": 0.0,
+    "allow_auto_disable": 1.0,
+    "cast_shadows": 1.0,
+    "lighting": 1.0,
+    "transparency": 0.0,
+    "laser_retro": 0.0,
+    "max_contacts": 10.0,
 }
 
 
@@ -55,9 +71,14 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
 
 
 def _findings(reader: XmlReader, unread: Iterable[tuple[etree._Element, str]]) -> Iterator[Finding]:
-    return merged(
-        Finding.at(Kind.IGNORED, what, reader.place(element), weight=weight_of(element)) for element, what in unread
-    )
+    def found(element: etree._Element, what: str) -> Finding:
+        weight, above = weight_of(element), element.getparent()
+        cause = str(weight) if weight is Weight.LOOKS else ""
+        if element.tag == "param" and above is not None:
+            cause = f"<param> in <{above.tag}>"
+        return Finding.at(Kind.IGNORED, what, reader.place(element), weight=weight, cause=cause)
+
+    return merged(found(element, what) for element, what in unread)
 
 
 def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Element, str]]:
@@ -83,8 +104,12 @@ def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Elemen
             yield from _unread_plugin(child)
         elif tag in ("gazebo", "link", "joint") and name == "sensor":
             continue  # `drake_twin.planning.sensor_plan` says what becomes of it
-        elif known is not REPORTED and not is_unused(child):
+        elif known is not REPORTED and not is_unused(child) and not _is_default(child):
             yield child, f"<{name}>" + (f" in <{tag}>" if tag != "robot" else "")
+
+
+def _is_default(element: etree._Element) -> bool:
+    return values_of(element) == (_DEFAULTS.get(parameter(element)),)
 
 
 def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str]]:

@@ -106,14 +106,14 @@ def _findings(
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
         what = f"{', '.join(names)}{whose}: without effect: {instead}"
         weight = Weight.LOOKS if instead == _STIFFNESS else Weight.MOVES  # DART does not use it either
-        yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight)
+        yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight, cause=instead)
 
 
 def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element, str]]:
     """Yield the parameters of a surface that would have an effect in Gazebo, and what the twin does instead."""
     coefficients: dict[float, etree._Element] = {}
     for element in elements:
-        name, values = parameter(element), _values(element)
+        name, values = parameter(element), values_of(element)
         if name in _COEFFICIENTS and len(values) == 1:
             coefficients.setdefault(values[0], element)
         elif name in _UNUSED and values != _UNUSED[name][0]:
@@ -125,8 +125,8 @@ def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element,
                 yield element, f"{_ISOTROPY}, and the smaller coefficient counts"
 
 
-def _values(element: etree._Element) -> tuple[float, ...]:
-    """Return the numbers in an element, or in its attribute ``value``; nothing where it holds anything else."""
+def values_of(element: etree._Element) -> tuple[float, ...]:
+    """Return the numbers and flags in an element, or in its attribute ``value``; nothing where it holds others."""
     words = (element.get("value") or element.text or "").lower().split()
     try:
         return tuple(map(_number, words))

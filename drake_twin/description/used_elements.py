@@ -42,7 +42,12 @@ _GEOMETRY = _part(
 )
 _GPIO_INTERFACE = _part("name data_type", param=_part("name", "initial_value"))
 _MATERIAL = _part("name", color=_part("rgba"))
-_SURFACE = _part(friction=_part(ode=_part(mu=_TEXT, mu2=_TEXT)))  # of which the smaller one counts
+# Of mu and mu2 the smaller one counts; `unused_contact` reports the other parameters.
+_SURFACE = _part(
+    friction=_part(ode=_part(mu=_TEXT, mu2=_TEXT), torsional=_part(ode=_part())),
+    contact=_part(ode=_part()),
+    bounce=_part(),
+)
 URDF = _part(
     "name version",
     material=_MATERIAL,
@@ -53,7 +58,7 @@ URDF = _part(
         collision=_part("name", origin=_ORIGIN, geometry=_GEOMETRY),
     ),
     joint=_part(
-        "name type",
+        "name type dont_collapse",  # no joint is
         origin=_ORIGIN,
         parent=_part("link"),
         child=_part("link"),
@@ -171,8 +176,9 @@ SEVERAL = {
 }
 
 
-# What an element and all in it is for, where it is not how the robot moves. ROS 2 and Gazebo use no <transmission>.
-_LOOKS = frozenset(("visual", "material", "scene", "light", "script", "color", "grid", "gui", "transmission"))
+# What says how something looks, with all in it, and what only ROS 1 used.
+_LOOKS = frozenset(("visual", "material", "scene", "light", "script", "color", "grid", "gui"))
+_LOOKS |= {"transmission", "hardwareInterface", "safety_controller", "calibration"}
 
 
 def weight_of(element: etree._Element) -> Weight:

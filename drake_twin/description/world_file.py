@@ -237,7 +237,7 @@ class _World:
             findings=(
                 *self._not_used(),
                 *self._includes.not_found(self._reader.place(world)),
-                *self._includes.findings,
+                *merged(self._includes.findings),
                 *self._findings,
                 *self._grouped(),
             ),
@@ -367,7 +367,7 @@ class _World:
             more = f" and {len(models) - _MOST_NAMED} more" if len(models) > _MOST_NAMED else ""
             what = f"{first}{more}: {finding.what}"
             about = ((what, place) for place in models.values())
-            yield from at_places(finding.kind, about, weight=finding.weight)
+            yield from at_places(finding.kind, about, weight=finding.weight, cause=finding.cause)
 
     def _not_used(self) -> Iterator[Finding]:
         yield from merged(

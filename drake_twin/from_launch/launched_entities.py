@@ -203,14 +203,20 @@ class _Sorter:
                 if is_needed and (node := launched_node(process, self._packages)) is not None:
                     self._nodes.append(node)
                     return
-                self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)
+                self._leave_out(process)
         except InputError as error:
             self._drop(f"{process.what}: {error}", process)
 
-    def _drop(self, what: str, process: LaunchedProcess, kind: Kind = Kind.NOT_STARTED) -> None:
+    def _leave_out(self, process: LaunchedProcess) -> None:
+        """Add a finding for an executable that the twin does not start."""
+        kind, weight = (Kind.WINDOW, Weight.LOOKS) if is_window(process) else (Kind.NOT_STARTED, Weight.MOVES)
+        reason = why_not_started(process)
+        what = f"{process.what} ({reason})"
+        self._findings.append(Finding.at(kind, what, process.place, weight=weight, cause=reason))
+
+    def _drop(self, what: str, process: LaunchedProcess) -> None:
         """Add a finding for something that is not started, with its place in the launch file."""
-        weight = Weight.LOOKS if kind is Kind.WINDOW else Weight.MOVES
-        self._findings.append(Finding.at(kind, what, process.place, weight=weight))
+        self._findings.append(Finding.at(Kind.NOT_STARTED, what, process.place))
 
     def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:
         managers = requests_by_robot(found.robots, self._requests, self._findings, self._log)
@@ -224,14 +230,14 @@ class _Sorter:
             if namespace in namespaces and launched.controller_manager is not None:
                 namespace = f"{namespace.rstrip('/')}/{name}"
                 what = f"another robot's controller manager has its namespace, so its topics are below {namespace}"
-                self._findings.append(Finding(Kind.WARNING, what, robot=name))
+                self._findings.append(Finding(Kind.WARNING, what, robot=name, cause="namespace"))
             if launched.controller_manager is not None:
                 namespaces.add(namespace)
             prefix = _frame_prefix(launched)
             if any(prefix + link in links for link in launched.links if prefix + link != "world"):
                 prefix = f"{name}/"
                 what = f"another robot publishes frames of the same names, so its own begin with {prefix} on /tf"
-                self._findings.append(Finding(Kind.WARNING, what, robot=name))
+                self._findings.append(Finding(Kind.WARNING, what, robot=name, cause="frames"))
             links |= {prefix + link for link in launched.links}
             if launched.process.start_time > 0:
                 late.setdefault(launched.process.start_time, []).append(name)

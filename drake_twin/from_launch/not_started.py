@@ -60,7 +60,7 @@ def is_window(process: LaunchedProcess) -> bool:
 
 
 def why_not_started(process: LaunchedProcess) -> str:
-    """Return ``PACKAGE/EXECUTABLE (reason)`` for an executable that the twin does not start."""
+    """Return the reason why the twin does not start an executable."""
     what = process.what
     reason = _reason(_WINDOWS, what) or _reason(_REASONS, what)
     known = _EXECUTABLES.get(process.package or "")
@@ -71,7 +71,7 @@ def why_not_started(process: LaunchedProcess) -> str:
         reason = known[process.executable] or reason
     if reason is None and process.package is None:
         reason = "of programs, the twin starts only Python nodes"
-    return f"{what} ({reason or _NO_PYTHON})"
+    return reason or _NO_PYTHON
 
 
 def _reason(reasons: dict[str, str], what: str) -> str | None:

@@ -35,7 +35,7 @@ def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPl
             continue
         if not any(_is_of(sensor, plan, line.gz) for plan in plans for sensor in plan.description.sensors):
             what = f"the bridge carries {line.gz} to {line.ros}, but no sensor publishes it in Gazebo"
-            yield Finding.at(Kind.WARNING, what, line.place)
+            yield Finding.at(Kind.WARNING, what, line.place, cause="bridge")
 
 
 def _is_of(sensor: Sensor, plan: RobotPlan | ModelPlan, gz: str) -> bool:

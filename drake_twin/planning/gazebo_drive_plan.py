@@ -35,7 +35,7 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
             continue
         usable.append(drive)
         findings += [Finding.at(Kind.WARNING, f"{name}: {warning}", place) for warning in drive.warnings]
-        findings += [Finding.at(Kind.IGNORED, f"<{tag}> of {name}", place) for tag in drive.unread]
+        findings += [Finding.at(Kind.IGNORED, f"<{tag}> of {name}", place, cause=name) for tag in drive.unread]
     return usable, findings
 
 

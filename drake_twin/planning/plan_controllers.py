@@ -85,7 +85,7 @@ def plan_controllers(
         problem = taken_by or plan.problem
         if problem is not None and plan.error is None:
             place = by_name[name].place(*(("type",) if controller_class(plan.type) is None else ()))
-            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", place))
+            findings.append(Finding.at(Kind.NOT_STARTED, f"controller {name}: {problem}", place, cause=problem))
     ordered = [*chosen, *(name for name in plans if name not in chosen)]
     return tuple(plans[name] for name in ordered), findings
 

@@ -218,14 +218,17 @@ def plan_robot(
 
 def _unused_interfaces(description: RobotDescription) -> list[str]:
     """Return warnings of ``<ros2_control>`` joints that the twin cannot drive: unknown or without a position."""
-    warnings = []
+    warnings, unknown = [], []
     for system in description.systems:
         for joint in system.joints:
             known = description.joints_by_name.get(joint.name)
             if known is None:
-                warnings.append(f"<ros2_control> names a joint {joint.name!r} that the robot does not have")
+                unknown.append(repr(joint.name))
             elif joint.command_interfaces and not known.is_movable:
                 warnings.append(f"joint {joint.name!r} has command interfaces, but it is {known.type}")
+    if unknown:
+        joints = f"joint {unknown[0]}" if len(unknown) == 1 else f"joints {', '.join(unknown)}"
+        warnings.append(f"<ros2_control> names the {joints}, which the robot does not have")
     return warnings
 
 
@@ -362,6 +365,7 @@ def _start_positions(
             for item in tag.state_interfaces
             if item.name != "position" and item.initial_value
         ]
+    limited: dict[tuple[float, float], list[str]] = {}
     for name, joint in joints.items():
         value = robot.initial_positions.get(name, starts.get(name))
         if value is None:
@@ -371,8 +375,11 @@ def _start_positions(
             value = next((item for item in initial if item is not None), 0.0)
         clamped = min(max(value, joint.limits.lower), joint.limits.upper)
         if clamped != value:
-            warnings.append(f"joint {name} starts at its limit {clamped:g} instead of {value:g}")
+            limited.setdefault((clamped, value), []).append(name)
         positions[name] = clamped
+    for (clamped, value), names in limited.items():
+        start = "joint {} starts at its limit" if len(names) == 1 else "joints {} start at their limit"
+        warnings.append(f"{start.format(', '.join(names))} {clamped:g} instead of {value:g}")
     found = description.with_followers(positions)
     for name, value in robot.initial_positions.items():
         mimic = joints[name].mimic

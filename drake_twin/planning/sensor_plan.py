@@ -142,7 +142,7 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
         if kind is None or reason is not None:
             findings.append(Finding.at(Kind.NOT_STARTED, f"{what}: {reason}", sensor.place))
             continue
-        findings += at_places(Kind.IGNORED, element.unread())
+        findings += at_places(Kind.IGNORED, element.unread(), cause=f"sensor {sensor.name}")
         plan = _plan(owner, sensor, kind, settings)
         if plan.place in {item.place for item in plans}:
             same = f"{what}: a sensor before it has this name, and Gazebo makes only that one"
@@ -159,7 +159,8 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
             kept.append(topic)
         if owner.bridged is not None and kept and all(topic.topic is None for topic in kept):
             names = ", ".join(topic.in_gazebo for topic in kept)
-            findings.append(Finding.at(Kind.WARNING, f"{what}: no bridge carries {names} to ROS", sensor.place))
+            apart = f"{what}: no bridge carries {names} to ROS"
+            findings.append(Finding.at(Kind.WARNING, apart, sensor.place, cause="no bridge"))
         plans.append(replace(plan, topics=tuple(kept)))
     return tuple(plans), tuple(findings)
 

@@ -53,7 +53,7 @@ def repair_urdf(reader: XmlReader, without: Collection[str] = ()) -> list[Findin
     """
     load_extensions(GROUP)
     return [
-        Finding.at(Kind.MENDED, what, reader.place(element), name, weight=weight_of(element))
+        Finding.at(Kind.MENDED, what, reader.place(element), rule=name, weight=weight_of(element))
         for name, function in REPAIRS.items()
         if name not in without
         for element, what in function(reader)
