@@ -91,13 +91,14 @@ def faults_of(vertices: np.ndarray, faces: np.ndarray, unplaced: int = 0) -> Mes
     a, b, c = np.sort(faces, axis=1).astype(np.uint64).T
     is_odd = (np.diff(faces[:, [0, 1, 2, 0]], axis=1) > 0).sum(axis=1) == 1
     keys = (a << np.uint64(43)) | (b << np.uint64(22)) | (c << np.uint64(1)) | is_odd.astype(np.uint64)
-    different, first = np.unique(keys, return_index=True)
-    is_second = np.append(False, np.diff(different >> np.uint64(1)) == 0)
-    faces, normals = faces[first[~is_second]], normals[first[~is_second]]
+    different = np.unique(keys)
+    first = np.unique(keys >> np.uint64(1), return_index=True)[1]
+    faces, normals = faces[first], normals[first]
     count = len(corners)
     edges = (count * faces + np.roll(faces, -1, axis=1)).ravel()  # from one corner to the next
-    between = np.where(edges // count < edges % count, edges, edges % count * count + edges // count)
-    times = np.unique(between, return_counts=True)[1]
+    between = np.minimum(edges, edges % count * count + edges // count)
+    _, place, times = np.unique(between, return_inverse=True, return_counts=True)
+    of_two = edges[times[place.reshape(-1)] == 2]
     open_edges = int((times == 1).sum())
     volume = float(np.einsum("ij,ij->", corners[faces[:, 0]] - corners.mean(axis=0), normals))
     return MeshFaults(
@@ -105,10 +106,10 @@ def faults_of(vertices: np.ndarray, faces: np.ndarray, unplaced: int = 0) -> Mes
         unplaced=unplaced,
         degenerate=degenerate,
         doubled=len(keys) - len(different),
-        two_sided=int(is_second.sum()),
+        two_sided=len(different) - len(first),
         open_edges=open_edges,
         crowded_edges=int((times > 2).sum()),
-        turned_edges=len(edges) - len(np.unique(edges)),
+        turned_edges=len(of_two) - len(np.unique(of_two)),
         dimensions=dimensions,
         is_inside_out=open_edges == 0 and volume < -_NO_VOLUME * size**3,
     )

@@ -21,6 +21,9 @@ def said_of_visual(file: Path) -> Iterator[str]:
     faults = mesh_faults(file)
     if faults.unplaced:
         yield f"visual mesh {file.name}: {faults.unplaced_text} are not drawn"
+    if faults.is_inside_out:
+        both = "the twin draws both sides of them, Gazebo the outer one"
+        yield f"visual mesh {file.name} has triangles that face inwards: {both}"
     if faults.triangles > MOST_DRAWN and drawn.suffix == ".obj":
         yield f"visual mesh {file.name}: {faults.triangles:,} triangles are drawn as at most {MOST_DRAWN:,}"
 
