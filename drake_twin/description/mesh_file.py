@@ -71,6 +71,7 @@ def reading(file: Path) -> Iterator[None]:
     try:
         with warnings.catch_warnings():  # what NumPy 2.5 says to pycollada, which no user can change
             warnings.filterwarnings("ignore", "Setting the shape on a NumPy array", DeprecationWarning)
+            warnings.filterwarnings("ignore", "invalid value encountered in cast", RuntimeWarning)  # refused afterwards
             yield
     except InputError:
         raise

@@ -36,7 +36,7 @@ def said_of_hull(file: Path) -> Iterator[str]:
     """
     faults = mesh_faults(file)
     if found := ", ".join(faults.of_solid()):
-        thick = "" if faults.dimensions == 3 else ", a thousandth of its size thick"
+        thick = ", a thousandth of its size thick" if faults.is_thin else ""
         yield f"collision mesh {file.name} has {found}: its convex hull collides{thick}"
 
 
