@@ -129,8 +129,6 @@ def binary_grid(count: int, height: float = 0.1) -> Triangles:
     return np.stack([np.stack([a, b, c], axis=-2), np.stack([a, c, d], axis=-2)]).reshape(-1, 3, 3)
 
 
-SIZES = ("1e-9", "1e-6", "1e-5", "1e-4", "1e3", "1e6", "1e13", "0", "-0.1", "nan", "inf", "")
-
 URDF_PRIMITIVES = {
     "box": '<box size="{0} {0} {0}"/>',
     "plate": '<box size="0.2 0.2 {0}"/>',

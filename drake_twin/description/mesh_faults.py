@@ -8,6 +8,7 @@ import numpy as np
 _SAME = 2.0**-20  # corners closer than this part of the mesh's size are one
 _NO_AREA = 1e-12  # of a triangle, relative to the size squared
 _FLAT = 1e-6  # relative to the size
+THINNEST = 1e-3  # relative to the size: hulls of thinner meshes are made thicker, because Drake needs volume
 _NO_VOLUME = 1e-9  # relative to the size cubed
 
 _MOST_CORNERS = 2**21  # of a mesh whose edges are examined: three of them are one number of 63 bits
@@ -26,6 +27,7 @@ class MeshFaults:
         open_edges: The number of edges of one triangle.
         crowded_edges: The number of edges of more than two triangles.
         turned_edges: The number of edges whose triangles face opposite ways.
+        is_thin: Whether the mesh is thinner than `THINNEST`, in any direction.
         dimensions: 3; 2 where all corners are in one plane, 1 on a line, 0 in a point.
         is_inside_out: Whether the triangles enclose a volume and face into it.
     """
@@ -38,6 +40,7 @@ class MeshFaults:
     open_edges: int = 0
     crowded_edges: int = 0
     turned_edges: int = 0
+    is_thin: bool = False
     dimensions: int = 3
     is_inside_out: bool = False
 
@@ -53,6 +56,8 @@ class MeshFaults:
             yield self.unplaced_text
         if self.dimensions < 3:
             yield ("all corners in one point", "all corners on one line", "all corners in one plane")[self.dimensions]
+        elif self.is_thin:
+            yield f"less thickness than {THINNEST:g} of its size"
         if self.is_inside_out:
             yield "triangles that face inwards"
         if self.two_sided and 2 * self.two_sided >= whole - self.doubled:
@@ -78,8 +83,10 @@ def faults_of(vertices: np.ndarray, faces: np.ndarray, unplaced: int = 0) -> Mes
         faces: Three indices of corners for each triangle (m×3), counterclockwise seen from outside.
         unplaced: How many more triangles the file has, without a place in space.
     """
-    total, dimensions = len(faces), _dimensions(vertices)
+    total = len(faces)
     corners, places = _at_one_place(vertices)
+    extents = _extents(corners)
+    dimensions, is_thin = sum(each > _FLAT for each in extents), min(extents) < THINNEST
     faces = places[faces]
     normals = _normals(corners, faces)
     size = float(np.ptp(vertices, axis=0).max())
@@ -87,17 +94,18 @@ def faults_of(vertices: np.ndarray, faces: np.ndarray, unplaced: int = 0) -> Mes
     faces, normals = faces[has_area], normals[has_area]
     degenerate = total - len(faces)
     if len(faces) == 0 or len(corners) > _MOST_CORNERS:
-        return MeshFaults(total, unplaced, degenerate, dimensions=dimensions)
+        return MeshFaults(total, unplaced, degenerate, is_thin=is_thin, dimensions=dimensions)
     a, b, c = np.sort(faces, axis=1).astype(np.uint64).T
     is_odd = (np.diff(faces[:, [0, 1, 2, 0]], axis=1) > 0).sum(axis=1) == 1
     keys = (a << np.uint64(43)) | (b << np.uint64(22)) | (c << np.uint64(1)) | is_odd.astype(np.uint64)
-    different, first = np.unique(keys, return_index=True)
-    is_second = np.append(False, np.diff(different >> np.uint64(1)) == 0)
-    faces, normals = faces[first[~is_second]], normals[first[~is_second]]
+    different = np.unique(keys)
+    first = np.unique(keys >> np.uint64(1), return_index=True)[1]
+    faces, normals = faces[first], normals[first]
     count = len(corners)
     edges = (count * faces + np.roll(faces, -1, axis=1)).ravel()  # from one corner to the next
-    between = np.where(edges // count < edges % count, edges, edges % count * count + edges // count)
-    times = np.unique(between, return_counts=True)[1]
+    between = np.minimum(edges, edges % count * count + edges // count)
+    _, place, times = np.unique(between, return_inverse=True, return_counts=True)
+    of_two = edges[times[place.reshape(-1)] == 2]
     open_edges = int((times == 1).sum())
     volume = float(np.einsum("ij,ij->", corners[faces[:, 0]] - corners.mean(axis=0), normals))
     return MeshFaults(
@@ -105,10 +113,11 @@ def faults_of(vertices: np.ndarray, faces: np.ndarray, unplaced: int = 0) -> Mes
         unplaced=unplaced,
         degenerate=degenerate,
         doubled=len(keys) - len(different),
-        two_sided=int(is_second.sum()),
+        two_sided=len(different) - len(first),
         open_edges=open_edges,
         crowded_edges=int((times > 2).sum()),
-        turned_edges=len(edges) - len(np.unique(edges)),
+        turned_edges=len(of_two) - len(np.unique(of_two)),
+        is_thin=is_thin,
         dimensions=dimensions,
         is_inside_out=open_edges == 0 and volume < -_NO_VOLUME * size**3,
     )
@@ -128,13 +137,14 @@ def _normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return np.cross(b - a, c - a)
 
 
-def _dimensions(vertices: np.ndarray) -> int:
-    centered = vertices - vertices.mean(axis=0)
+def _extents(corners: np.ndarray) -> list[float]:
+    """Return how far corners reach along the three directions of their spread, relative to their size."""
+    centered = corners - corners.mean(axis=0)
     size = float(np.abs(centered).max())
     if size == 0:
-        return 0
+        return [0.0, 0.0, 0.0]
     _, directions = np.linalg.eigh((centered / size).T @ (centered / size))
-    return sum(float(np.ptp(centered @ direction)) > _FLAT * size for direction in directions.T)
+    return [float(np.ptp(centered @ direction)) / size for direction in directions.T]
 
 
 def _count(number: int, noun: str) -> str:

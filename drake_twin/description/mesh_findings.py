@@ -20,6 +20,9 @@ def said_of_visual(file: Path) -> Iterator[str]:
     faults = mesh_faults(file)
     if faults.unplaced:
         yield f"visual mesh {file.name}: {faults.unplaced_text} are not drawn"
+    if faults.is_inside_out:
+        both = "the twin draws both sides of them, Gazebo the outer one"
+        yield f"visual mesh {file.name} has triangles that face inwards: {both}"
     if faults.triangles > MOST_DRAWN and drawn.suffix == ".obj":
         yield f"visual mesh {file.name}: {faults.triangles:,} triangles are drawn as at most {MOST_DRAWN:,}"
 
@@ -32,7 +35,7 @@ def said_of_hull(file: Path) -> Iterator[str]:
     """
     faults = mesh_faults(file)
     if found := ", ".join(faults.of_solid()):
-        thick = "" if faults.dimensions == 3 else ", a thousandth of its size thick"
+        thick = ", a thousandth of its size thick" if faults.is_thin else ""
         yield f"collision mesh {file.name} has {found}: its convex hull collides{thick}"
 
 

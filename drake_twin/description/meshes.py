@@ -14,7 +14,7 @@ import numpy as np
 from drake_twin.description.coarse_mesh import coarser
 from drake_twin.description.hull import hull_of
 from drake_twin.description.mesh_cache import cached, note_source
-from drake_twin.description.mesh_faults import MeshFaults, faults_of
+from drake_twin.description.mesh_faults import THINNEST, MeshFaults, faults_of
 from drake_twin.description.mesh_file import Z_UP_TO_Y_UP, check_mesh_file, read_scene, reading, single_mesh
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
@@ -28,7 +28,6 @@ _FINEST_DRAWN = 1 / 1024  # of its size: details of a mesh of more
 
 # A primitive replaces a mesh whose hull's vertices are on it within this part of the mesh's size.
 _PRIMITIVE_TOLERANCE = 1e-3
-_THINNEST = 1e-3  # of the mesh's size: the thickness of a flat mesh, because Drake needs volume
 
 
 @dataclass(frozen=True)
@@ -271,8 +270,8 @@ def with_thickness(vertices: np.ndarray) -> np.ndarray:
     size = float(np.abs(centered).max())
     _, directions = np.linalg.eigh(centered.T @ centered)
     for direction in directions.T:
-        if np.ptp(centered @ direction) < _THINNEST * size:
-            shift = 0.5 * _THINNEST * size * direction
+        if np.ptp(centered @ direction) < THINNEST * size:
+            shift = 0.5 * THINNEST * size * direction
             vertices = np.vstack([vertices + shift, vertices - shift])
     return vertices
 
