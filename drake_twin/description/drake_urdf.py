@@ -4,7 +4,7 @@ Each rule is one function on the XML tree, applied in order by `prepare_urdf`. T
 ``robot_description``) stays the one in the file.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
@@ -24,6 +24,7 @@ from drake_twin.description.meshes import (
 )
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.sdf_document import free_name
 from drake_twin.description.used_elements import is_known
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -61,6 +62,14 @@ def drake_link_name(link: str) -> str:
 def urdf_link_name(body: str) -> str:
     """Return the link of a body in the Drake model."""
     return "world" if body == _WORLD_LINK_IN_DRAKE else body
+
+
+def drake_shape_names(shapes: Sequence[etree._Element]) -> list[str]:
+    """Return the names of a link's visuals or collisions in the Drake model: each once, empty where Drake gives one."""
+    names: list[str] = []
+    for name in (shape.get("name", "").strip() for shape in shapes):
+        names.append(free_name(name, names) if name else "")
+    return names
 
 
 def prepare_urdf(
@@ -115,9 +124,13 @@ def _drop_what_drake_does_not_know(reader: XmlReader) -> None:
         for child in list(parent):
             if isinstance(child.tag, str) and not is_known(parent, child):
                 parent.remove(child)
-    for shape in (*reader.root.iterfind("link/visual"), *reader.root.iterfind("link/collision")):
-        if not shape.get("name", "").strip():
-            shape.attrib.pop("name", "")
+    for link in reader.root.iterfind("link"):
+        for tag in ("visual", "collision"):
+            shapes = link.findall(tag)
+            for shape, name in zip(shapes, drake_shape_names(shapes), strict=True):
+                shape.set("name", name)
+                if not name:
+                    del shape.attrib["name"]
 
 
 def _rename_world_link(reader: XmlReader) -> None:

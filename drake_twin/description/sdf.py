@@ -8,6 +8,7 @@ from lxml import etree
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_addresses import SdfAddresses
 from drake_twin.description.sdf_model import mend_model
+from drake_twin.description.sdf_shapes import lay_slabs
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
 from drake_twin.values import is_true
@@ -54,6 +55,7 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
         model.remove(static)
     if is_fixed:
         _weld_links(model)
+        lay_slabs(model)
     for joint in model.findall("joint"):
         if (joint.findtext("parent") or "").strip() == "world":
             if joint.get("type") != "fixed":

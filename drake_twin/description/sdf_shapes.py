@@ -92,14 +92,14 @@ def _give_colors(model: etree._Element) -> None:
 def _give_friction(model: etree._Element) -> None:
     """Give each collision its smallest coefficient of friction, in the way Drake reads it."""
     for collision in model.iter("collision"):
-        mus = [
-            value
-            for path in ("surface/friction/ode/mu", "surface/friction/ode/mu2", "surface/friction/bullet/friction")
-            if (value := number_in(collision.find(path))) is not None and value >= 0
-        ]
+        mus = [1.0, 1.0]  # SDF's default
+        for index, name in enumerate(("mu", "mu2")):  # of <ode>, which DART, Gazebo's default engine, reads as well
+            value = number_in(collision.find(f"surface/friction/ode/{name}"))
+            if value is not None and value >= 0:
+                mus[index] = value
         for surface in collision.findall("surface"):
             collision.remove(surface)
-        friction = min(mus, default=1.0)
+        friction = min(mus)
         properties = etree.SubElement(
             collision, f"{{{_DRAKE_NAMESPACE}}}proximity_properties", nsmap={"drake": _DRAKE_NAMESPACE}
         )
@@ -107,21 +107,32 @@ def _give_friction(model: etree._Element) -> None:
             etree.SubElement(properties, f"{{{_DRAKE_NAMESPACE}}}{name}").text = f"{friction:.17g}"
 
 
+def lay_slabs(model: etree._Element) -> None:
+    """Replace the plane of each collision of a robot that does not move by a box whose upper side is the plane."""
+    for plane in [*model.iterfind(".//collision/geometry/plane")]:
+        width, length = (max(side, _ENDLESS) for side in plane_size(plane))
+        _replace_plane(plane, (width, length, _DEEP))
+
+
 def mend_planes(model: etree._Element) -> None:
     """Replace the plane of each visual by a thin box of its size, whose upper side is the plane."""
     for plane in [*model.iterfind(".//visual/geometry/plane")]:
-        geometry = plane.getparent()
-        assert geometry is not None
-        visual = geometry.getparent()
-        assert visual is not None
-        sides = plane_size(plane)
-        geometry.remove(plane)
-        box = etree.SubElement(etree.SubElement(geometry, "box"), "size")
-        box.text = f"{sides[0]:g} {sides[1]:g} {_THIN:g}"
-        _move_shape(visual, turned_to(plane_normal(plane)), np.array([0.0, 0.0, -_THIN / 2]))
+        _replace_plane(plane, (*plane_size(plane), _THIN))
+
+
+def _replace_plane(plane: etree._Element, size: tuple[float, float, float]) -> None:
+    geometry = plane.getparent()
+    assert geometry is not None
+    shape = geometry.getparent()
+    assert shape is not None
+    geometry.remove(plane)
+    box = etree.SubElement(etree.SubElement(geometry, "box"), "size")
+    box.text = " ".join(f"{side:g}" for side in size)
+    _move_shape(shape, turned_to(plane_normal(plane)), np.array([0.0, 0.0, -size[2] / 2]))
 
 
 _THIN = 1e-3  # m
+_ENDLESS, _DEEP = 100.0, 1.0  # m: a plane has no end in Gazebo, whatever its size
 
 
 def plane_size(plane: etree._Element) -> tuple[float, float]:

@@ -43,7 +43,7 @@ _UNUSED: Mapping[str, tuple[tuple[float, ...], str]] = {
     "collide_bitmask": ((65535.0,), _MASKS),
     "category_bitmask": ((65535.0,), _MASKS),
 }
-_COEFFICIENTS = ("mu", "mu1", "mu2", "friction", "friction2")
+_COEFFICIENTS = ("mu", "mu1", "mu2")
 _MOST_NAMED = 6  # links in a sentence
 _NEVER_THE_SMALLER = 10.0  # of the two coefficients of a pair, in practice
 

@@ -119,7 +119,7 @@ def _limits(reader: XmlReader, element: etree._Element, kind: str) -> JointLimit
     upper = reader.number(limit, "upper", 0.0) if bounded else inf
     if lower > upper:
         raise reader.error(limit, f"lower ({lower:g}) is above upper ({upper:g})")
-    # Zero (or less) stands for "not known" in so many files that Gazebo's importers treat it as no bound.
+    # Nothing bounds where this is below zero, as in Gazebo. Zero would bound there; see the repairs of such limits.
     velocity = reader.number(limit, "velocity", 0.0)
     effort = reader.number(limit, "effort", 0.0)
     return JointLimits(lower, upper, velocity if velocity > 0 else inf, effort if effort > 0 else inf)

@@ -265,13 +265,12 @@ class _World:
         state = SavedState(self._reader, self._world)
         taken = {"world"}  # which SDF reserves
         copies = [(copy, name) for copy, name in self._copies.items() if copy not in self._without]
-        for model, version, pose, place, reader in found:
+        poses = [self._pose(frames, model, pose) for model, _, pose, *_ in found]  # before a model is changed
+        for (model, version, _, place, reader), X_WM in zip(found, poses, strict=True):
             name = model.get("name", "")
-            try:
-                X = state.pose(name, frames.pose(model, pose))
-            except InputError as error:
-                self._lose(error)
+            if X_WM is None:
                 continue
+            X = state.pose(name, X_WM)
             own = free_name(name.replace("::", "_"), taken)
             if own != name:
                 is_reserved = name == "world" or "::" in name
@@ -292,12 +291,20 @@ class _World:
                 what = f"model_copies: {copy}: {original!r} does not exist" if copy not in taken else f"{copy} is taken"
                 raise InputError(what, file=self._reader.file, value=original, valid=sorted(taken))
 
+    def _pose(self, frames: WorldFrames, model: etree._Element, pose: etree._Element | None) -> Any:
+        try:
+            return frames.pose(model, pose)
+        except InputError as error:
+            self._lose(error)
+            return None
+
     def _model(
         self, model: etree._Element, name: str, version: tuple[int, ...], X: Any, place: Place, reader: XmlReader
     ) -> WorldModel:
         from pydrake.math import RollPitchYaw
 
         model.set("name", name)
+        model.attrib.pop("placement_frame", "")  # X is the pose of the model's own frame
         static = is_static(model)
         for nested in model.iter("model"):
             for each in nested.findall("static"):

@@ -1,9 +1,12 @@
 """The poses of a world's models, which may be relative to each other and to ``<frame>``s."""
 
+from copy import deepcopy
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
+from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings
+from drake_twin.description.sdf_document import modernize
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
 
@@ -27,6 +30,7 @@ class WorldFrames:
         models: list[tuple[etree._Element, etree._Element | None, XmlReader]],
     ):
         self._reader = reader
+        self._models = {model.get("name", ""): model for model, _, _ in models}
         self._poses = {model.get("name", ""): pose for model, pose, _ in models}
         self._readers = {model.get("name", ""): own for model, _, own in models}
         self._attached: dict[str, str] = {}
@@ -34,8 +38,22 @@ class WorldFrames:
             self._poses[frame.get("name", "")] = frame.find("pose")
             self._attached[frame.get("name", "")] = frame.get("attached_to", "")
 
-    def pose(self, model: etree._Element, pose: etree._Element | None, seen: tuple[str, ...] = ()) -> "RigidTransform":
-        """Compute a model's pose in the world.
+    def pose(self, model: etree._Element, pose: etree._Element | None) -> "RigidTransform":
+        """Compute the pose of a model's frame in the world.
+
+        Args:
+            model: The model.
+            pose: Its ``<pose>``: that of its placement frame, if it has one.
+
+        Raises:
+            InputError: If a frame that it depends on does not exist, or is relative to it.
+        """
+        X_WP = self._pose(model, pose)
+        placed = model.get("placement_frame", "")
+        return X_WP @ self._frame_in(model, placed, model).inverse() if placed else X_WP
+
+    def _pose(self, model: etree._Element, pose: etree._Element | None, seen: tuple[str, ...] = ()) -> "RigidTransform":
+        """Compute what a ``<pose>`` says of a model or a frame of the world.
 
         Args:
             model: The model, or a frame of the world.
@@ -51,7 +69,7 @@ class WorldFrames:
         X = RigidTransform() if pose is None else transform_of(pose, self._reader_of(pose, name))
         to = "" if pose is None else pose.get("relative_to", "")
         to = to or self._attached.get(name, "")
-        to = to.partition("::")[0]  # a frame inside a model: the model stands for it
+        to, _, inside = to.partition("::")
         if to in ("", "world", "__root__"):
             return X
         if to in (*seen, name):
@@ -59,8 +77,34 @@ class WorldFrames:
         if to not in self._poses:
             what = f"its pose is relative to {to!r}, which does not exist"
             raise self._reader.error(model, what, valid=sorted({*self._poses} - {name}), value=to)
-        above = etree.Element("frame", name=to)
-        return self.pose(above, self._poses[to], (*seen, name)) @ X
+        above = self._models.get(to, etree.Element("frame", name=to))
+        X_WF = self._pose(above, self._poses[to], (*seen, name))
+        placed = above.get("placement_frame", "")
+        if placed:
+            X_WF = X_WF @ self._frame_in(above, placed, model).inverse()
+        return X_WF @ (self._frame_in(above, inside, model) if inside else RigidTransform()) @ X
+
+    def _frame_in(self, model: etree._Element, frame: str, asking: etree._Element) -> "RigidTransform":
+        """Return the pose of a frame in the model that has it; ``INNER::FRAME`` for one of a model inside that."""
+        from drake_twin.description.model_frames import MODEL_FRAME, model_frames
+
+        name = model.get("name", "")
+        root = etree.Element("sdf", version="1.9")
+        root.append(deepcopy(model))
+        root[0].attrib.pop("placement_frame", "")
+        for each in (*root[0].findall("pose"), *root[0].findall("static")):  # Drake refuses joints in a static model
+            root[0].remove(each)
+        modernize(root[0])
+        *inner, last = frame.split("::")
+        try:
+            with captured_warnings():
+                found = model_frames(etree.tostring(root, encoding="unicode"))
+            owner = "::".join((name, *inner))
+            own = found.get(owner, {})
+            return own[last] if last in own else found[f"{owner}::{last}"][MODEL_FRAME]
+        except (*DRAKE_RAISES, KeyError):
+            what = f"its pose depends on the frame {frame!r} of {name!r}, which does not exist"
+            raise self._reader.error(asking, what, value=frame) from None
 
     def _reader_of(self, pose: etree._Element, name: str) -> XmlReader:
         """Return the document of a model's pose: the world's, or that of the file that it includes."""

@@ -7,7 +7,7 @@ from pydrake.geometry import GeometryId, Role, SceneGraphInspector
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, ModelInstanceIndex
 
-from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.drake_urdf import drake_link_name, drake_shape_names
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.robot_description import RobotDescription
 
@@ -57,8 +57,9 @@ def collision_geometries(
     root = etree.fromstring(description.text.encode())
     for link in links:
         elements = root.findall(f"{'link' if root.tag == 'robot' else 'model/link'}[@name='{link}']/collision")
-        named = {item.get("name", ""): index for index, item in enumerate(elements) if item.get("name")}
-        unnamed = [index for index, item in enumerate(elements) if not item.get("name")]
+        names = drake_shape_names(elements)
+        named = {name: index for index, name in enumerate(names) if name}
+        unnamed = [index for index, name in enumerate(names) if not name]
         known: dict[str, int] = {}
         body = plant.GetBodyByName(drake_link_name(link), instance)
         for geometry in inspector.GetGeometries(plant.GetBodyFrameIdOrThrow(BodyIndex(body.index())), Role.kProximity):

@@ -104,6 +104,27 @@ def test_an_effort_limit_of_zero_on_a_joint_that_nobody_commands_is_left_alone()
     assert root.find("joint/limit").get("effort") == "0"
 
 
+def test_a_joint_that_a_plugin_drives_is_commanded():
+    plugin = '<gazebo><plugin filename="{}" name="d"><left_joint>elbow</left_joint></plugin></gazebo>'
+    body = arm(joint(inside='<limit effort="0" velocity="1"/>'), joint("wrist", "fixed", "arm", "hand"))
+    (text,) = mend(body + plugin.format("gz-sim-diff-drive-system"))[1]
+    assert "is commanded, but its effort limit is 0: it has no limit" in text
+    assert mend(body + plugin.format("gz-sim-joint-state-publisher-system"))[1] == []
+
+
+def test_joints_with_a_velocity_limit_of_zero_share_a_sentence():
+    """Gazebo's physics (DART 6.12) holds such a joint still, also against its weight; without it the joint turns."""
+    still = '<limit lower="-1" upper="1" effort="1" velocity="0.0"/>'
+    joints = [joint(f"j{index}", "revolute", inside=still) for index in range(8)]
+    fixed = joint("mount", "fixed", inside=still)
+    root, (repair,) = mend(arm(*joints, fixed, joint("wrist", inside='<limit effort="1" velocity="-1"/>')))
+    assert [limit.get("velocity") for limit in root.iter("limit")] == [None] * 8 + ["0.0", "-1"]
+    assert repair == (
+        "arm.xacro:5: joint j0, j1, j2, j3, j4, j5 and 2 more: the velocity limit is 0, at which Gazebo holds a joint"
+        " still: it has no limit [velocity_limit]"
+    )
+
+
 @pytest.mark.parametrize(
     ("joints", "reason"),
     [

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import trimesh
 from lxml import etree
+from pydrake.math import RollPitchYaw
 
 from drake_twin import TwinBuilder
 from drake_twin.description.drake_model import describe_model
@@ -177,6 +178,27 @@ def test_the_loose_links_of_a_static_model_stay_where_they_are():
     description = describe(f"<static>1</static>{walls}")
     assert [joint.type for joint in description.joints] == ["fixed", "fixed"]
     assert [joint.origin.xyz for joint in description.joints] == [(2.0, 0.0, 0.0), (4.0, 0.0, 0.0)]
+
+
+@pytest.mark.parametrize("normal", ["0 0 1", "1 0 0"])
+def test_a_plane_of_a_static_model_is_the_upper_side_of_a_slab(normal):
+    plane = f"<geometry><plane><normal>{normal}</normal><size>4 400</size></plane></geometry>"
+    shape = f'<collision name="c"><pose>0 0 0.2 0 0 0</pose>{plane}</collision>'
+    text, *_ = prepare(f'<static>1</static><link name="floor">{shape}</link>')
+    collision = etree.fromstring(text).find(".//collision")
+    assert collision.findtext("geometry/box/size") == "100 400 1"
+    x, y, z, roll, pitch, yaw = map(float, collision.findtext("pose").split())
+    up = RollPitchYaw(roll, pitch, yaw).ToRotationMatrix().matrix()[:, 2]
+    assert up == pytest.approx(np.array(normal.split(), dtype=float))
+    assert np.array([x, y, z]) + up / 2 == pytest.approx((0, 0, 0.2))
+
+
+def test_friction_is_that_of_gazebos_default_engine():
+    """DART reads ``<ode>``; ``<bullet>`` is another engine's."""
+    bullet = "<surface><friction><bullet><friction>0.2</friction></bullet></friction></surface>"
+    box = "<geometry><box><size>1 1 1</size></box></geometry>"
+    text, *_ = prepare(f'<link name="a"><collision name="c">{box}{bullet}</collision></link>')
+    assert {float(element.text) for element in etree.fromstring(text).iter("{http://drake.mit.edu}mu_dynamic")} == {1.0}
 
 
 def test_a_mesh_of_someone_elses_machine_is_found_in_the_package_its_folders_are_named_after(tmp_path):

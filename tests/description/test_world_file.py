@@ -80,6 +80,28 @@ def test_poses_relative_to_models_and_frames_are_in_the_world(tmp_path):
     assert pose.rpy == pytest.approx((0, 0, pi / 2))
 
 
+HELD = f"""<model name="a" placement_frame="grip"><pose degrees="true">1 0 0 0 0 90</pose>{BOX}
+  <frame name="grip" attached_to="link"><pose>0.5 0 0 0 0 0</pose></frame></model>"""
+
+
+@pytest.mark.parametrize(
+    ("to", "expected"), [("a", (1, -0.5, 0)), ("a::grip", (1, 0, 0)), ("a::link", (1, -0.5, 0)), ("f", (1, 0.5, 0))]
+)
+def test_a_placement_frame_is_where_the_pose_says_and_the_model_beside_it(tmp_path, to, expected):
+    body = f"""{HELD}<frame name="f" attached_to="a::grip"><pose>0.5 0 0 0 0 0</pose></frame>
+    <model name="b"><pose relative_to="{to}">0 0 0 0 0 0</pose>{BOX}</model>"""
+    a, b = world_of(tmp_path, body).models
+    assert a.pose.xyz == pytest.approx((1, -0.5, 0))
+    assert b.pose.xyz == pytest.approx(expected)
+
+
+def test_a_frame_that_a_model_lacks_costs_what_is_relative_to_it(tmp_path):
+    world = world_of(tmp_path, f'{HELD}<model name="b"><pose relative_to="a::gone">0 0 0 0 0 0</pose>{BOX}</model>')
+    assert [model.name for model in world.models] == ["a"]
+    (text,) = findings(world)
+    assert "its pose depends on the frame 'gone' of 'a', which does not exist" in text
+
+
 def test_a_quaternion_is_a_pose_too(tmp_path):
     body = f'<model name="a"><pose rotation_format="quat_xyzw">0 0 1 0 0 1 0</pose>{BOX}</model>'
     assert abs(world_of(tmp_path, body).models[0].pose.rpy[2]) == pytest.approx(pi)

@@ -60,6 +60,7 @@ BROKEN = {
             "</ros2_control>",
         ),
     ),
+    "velocity_limit": ('name="r"', arm(joint(kind="revolute", inside=LIMIT.replace('velocity="1"', 'velocity="0"')))),
     "mimic": ('name="r"', arm(joint(inside='<mimic joint="gone"/>'))),
     "shape_without_size": ('name="r"', link(inside=SOLID + f"<visual>{BOX.replace('1 1 1', '0 0 0')}</visual>")),
     "shape_without_geometry": ('name="r"', link(inside=SOLID + "<visual/>")),

@@ -45,5 +45,5 @@ def flattened(model, X_WO=None, prefix=""):
     X_WM = (RigidTransform() if X_WO is None else X_WO) @ transform(model["pose"])
     name = f"{prefix}{model['name']}"
     yield name, X_WM, model
-    for inner in model["models"]:
+    for inner in model.get("models", ()):
         yield from flattened(inner, X_WM, f"{name}::")

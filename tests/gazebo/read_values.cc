@@ -79,8 +79,9 @@ static std::string Collision(const sdf::Collision &_collision) {
   }
   const auto *geometry = _collision.Geom();
   const bool isMesh = geometry && geometry->Type() == sdf::GeometryType::MESH;
-  return "{\"name\":" + Text(_collision.Name()) + ",\"is_mesh\":" + (isMesh ? "true" : "false") + ",\"pose\":" + Resolved(_collision.SemanticPose(), "") +
-         ",\"mu\":" + Number(mu) + ",\"mu2\":" + Number(mu2) + ",\"fdir1\":" +
+  const bool isPlane = geometry && geometry->Type() == sdf::GeometryType::PLANE;
+  return "{\"name\":" + Text(_collision.Name()) + ",\"is_other\":" + (isMesh || isPlane ? "true" : "false") +
+         ",\"pose\":" + Resolved(_collision.SemanticPose(), "") + ",\"mu\":" + Number(mu) + ",\"mu2\":" + Number(mu2) + ",\"fdir1\":" +
          Numbers({fdir1.X(), fdir1.Y(), fdir1.Z()}) + "}";
 }
 

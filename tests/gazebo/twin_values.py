@@ -1,10 +1,8 @@
 """What the twin makes of a robot's or a world's file, in the form in which ``read_values.cc`` prints Gazebo's."""
 
-from math import inf
-
 import numpy as np
 from lxml import etree
-from pydrake.geometry import Convex, Mesh, Role, SceneGraph
+from pydrake.geometry import Role, SceneGraph
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
@@ -55,6 +53,9 @@ def values_of_robot(model):
         poses[urdf_link_name(body.name())] = X_MR @ X_RB
     document = etree.fromstring(description.text.encode())
     lumped = lumped_links(document) if document.tag == "robot" else {}
+    said = [finding.what for finding in model.findings]
+    is_lost = any("left out" in text for text in said)
+    sliding = {joint.child for joint in description.joints if f"joint {joint.name}: its caster ball" in " ".join(said)}
     links = []
     for link in (each for each in description.links if each not in lumped):
         names = collision_names(description, link)
@@ -69,12 +70,13 @@ def values_of_robot(model):
             {
                 "name": item.name,
                 "type": item.kind,
-                "pose": numbers(sensor_pose(item, link, poses, plant, context, X_MR)),
+                "pose": numbers(sensor_pose(item, link, poses, plant, context)),
             }
             for item in description.sensors
             if item.link and item.gazebo_link == link
         ]
         links.append({"name": link, "pose": numbers(poses[link]), "collisions": collisions, "sensors": sensors})
+        links[-1]["lost"] = is_lost
     joints = []
     for joint in (each for each in description.joints if not (each.type == "fixed" and each.child in lumped)):
         X_MJ = poses[joint.parent] @ transform(joint.origin)
@@ -92,10 +94,10 @@ def values_of_robot(model):
                 "friction": joint.friction,
             }
         )
-    return {"name": description.name, "links": links, "joints": joints}
+    return {"name": description.name, "links": links, "joints": joints, "casters": sliding}
 
 
-def sensor_pose(sensor, link, poses, plant, context, X_MR):
+def sensor_pose(sensor, link, poses, plant, context):
     """Return the pose of a sensor in the link that has it in Gazebo; see `SensorSetup.pose`."""
     own = transform(sensor.pose)
     if not sensor.pose_frame or sensor.pose_frame == sensor.link:
@@ -109,8 +111,7 @@ def shape(inspector, geometry, X_LB):
     friction = 1.0
     if properties.HasProperty("material", "coulomb_friction"):
         friction = properties.GetProperty("material", "coulomb_friction").dynamic_friction()
-    is_mesh = isinstance(inspector.GetShape(geometry), (Mesh, Convex))
-    return {"pose": numbers(X_LB @ inspector.GetPoseInFrame(geometry)), "mu": friction, "is_mesh": is_mesh}
+    return {"pose": numbers(X_LB @ inspector.GetPoseInFrame(geometry)), "mu": friction}
 
 
 def values_of_world(world):
@@ -135,10 +136,6 @@ def values_of_world(world):
                     for each in inspector.GetGeometries(frame, Role.kProximity)
                 ]
                 pose = numbers(plant.EvalBodyPoseInWorld(context, body))
-                links.append({"name": body.name(), "pose": pose, "collisions": collisions, "sensors": []})
+                links.append({"name": body.name(), "pose": pose, "collisions": collisions, "sensors": [], "lost": True})
             found.append({"name": plant.GetModelInstanceName(instance), "links": links, "joints": []})
     return found
-
-
-def is_unbounded(value):
-    return abs(value) >= 1e16 or value in (inf, -inf)

@@ -10,6 +10,7 @@ from drake_twin.description.xml_reader import XmlReader, described
 from drake_twin.values import number_or_none
 
 _MOVABLE = ("revolute", "continuous", "prismatic")
+_MOST_NAMED = 6  # joints in a sentence
 
 
 @repair("robot_without_name")
@@ -38,7 +39,7 @@ def joint_without_limits(reader: XmlReader) -> Mended:
             joint.set("type", "continuous")
             yield joint, f"{described(joint)} is revolute without <limit>: it turns without end"
         elif limit is None and kind == "prismatic":
-            etree.SubElement(joint, "limit", lower="-1e3", upper="1e3", effort="0", velocity="0")
+            etree.SubElement(joint, "limit", lower="-1e3", upper="1e3")
             yield joint, f"{described(joint)} is prismatic without <limit>: it slides a kilometre either way"
         elif limit is not None and kind in ("revolute", "prismatic"):
             lower, upper = number_or_none(limit.get("lower")), number_or_none(limit.get("upper"))
@@ -89,12 +90,33 @@ def effort_limit(reader: XmlReader) -> Mended:
         for joint in reader.root.iterfind("ros2_control/joint")
         if joint.find("command_interface") is not None
     }
+    for plugin in reader.root.iterfind("gazebo/plugin"):
+        if "publisher" not in f"{plugin.get('filename')}{plugin.get('name')}".lower():
+            commanded |= {(element.text or "").strip() for element in plugin.iter(etree.Element)}
     for joint in reader.root.iterfind("joint"):
         limit = joint.find("limit")
         effort = None if limit is None else number_or_none(limit.get("effort"))
         if joint.get("name") in commanded and limit is not None and effort is not None and effort <= 0:
             del limit.attrib["effort"]
             yield joint, f"{described(joint)} is commanded, but its effort limit is {effort:g}: it has no limit"
+
+
+@repair("velocity_limit")
+def velocity_limit(reader: XmlReader) -> Mended:
+    """Remove a velocity limit of zero, at which Gazebo would hold a joint still: it stands for "not known"."""
+    limits = [(joint, joint.find("limit")) for joint in reader.root.iterfind("joint") if joint.get("type") in _MOVABLE]
+    still = [(joint, limit) for joint, limit in limits if limit is not None and _is_zero(limit.get("velocity"))]
+    for _, limit in still:
+        del limit.attrib["velocity"]
+    if still:
+        names = [joint.get("name", "") for joint, _ in still]
+        more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+        what = f"{', '.join(names[:_MOST_NAMED])}{more}: the velocity limit is 0, at which Gazebo holds a joint still"
+        yield still[0][0], f"joint {what}: it has no limit"
+
+
+def _is_zero(text: str | None) -> bool:
+    return text is not None and number_or_none(text) == 0.0
 
 
 @repair("mimic")
