@@ -1,9 +1,10 @@
 """A robot file of any kind (xacro, URDF, SDF, MJCF) as its description and the text that Drake is given."""
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +14,9 @@ from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prep
 from drake_twin.description.gazebo_plugins import read_plugins
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import check_repair_names, repair_urdf
-from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.robot_description import Joint, RobotDescription
 from drake_twin.description.roller_wheels import roller_links
+from drake_twin.description.sdf_document import number_in
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
 from drake_twin.description.unused_contact import unused_in_sdf, unused_in_urdf
@@ -144,8 +146,9 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     description = describe_model(prepared, "sdf", text, file, own_name)
     reader = XmlReader(text, file)
     plugins = tuple(read_plugins(reader, "model/plugin"))
-    description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     (model,) = reader.root.findall("model")
+    joints = tuple(_with_friction(description.joints, model))
+    description = replace(description, joints=joints, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     unused = unused_in_sdf(reader, model, with_links=True, rollers=roller_links(description))
     return RobotModel(
         description,
@@ -154,6 +157,14 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         is_fixed,
         findings=(*lost, *unused, *findings, *unread_in_sdf(reader)),
     )
+
+
+def _with_friction(joints: Iterable[Joint], model: etree._Element) -> Iterator[Joint]:
+    """Give the joints their dry friction, which Drake's parser does not read."""
+    frictions = {joint.get("name"): number_in(joint.find("axis/dynamics/friction")) for joint in model.iter("joint")}
+    for joint in joints:
+        friction = frictions.get(joint.name) or 0.0
+        yield replace(joint, friction=friction) if joint.is_movable and 0.0 < friction < inf else joint
 
 
 class ModelText(NamedTuple):

