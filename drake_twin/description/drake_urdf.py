@@ -8,6 +8,7 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 from lxml import etree
@@ -24,7 +25,7 @@ from drake_twin.description.meshes import (
 )
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.sdf_document import free_name
+from drake_twin.description.sdf_document import free_name, numbers_in
 from drake_twin.description.used_elements import is_known
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -144,8 +145,9 @@ def _rename_world_link(reader: XmlReader) -> None:
 def _inline_materials(reader: XmlReader, original: XmlReader, without: Collection[str]) -> list[Finding]:
     """Give each visual its own material.
 
-    Drake refuses a material that is defined twice, even with the same colour; ROS's tools use the first. ``<gazebo
-    reference="link"><material>Gazebo/Red</material>`` colours a link that has no colour of its own.
+    Drake refuses a material that is defined twice, even with the same colour; ROS's tools use the first. Of a ``<gazebo
+    reference="link">``, ``<material>Gazebo/Red</material>`` colours a link that has no colour of its own, and
+    ``<visual><material>`` the visuals without a name.
     """
     colors: dict[str, str] = {}
     for material in reader.root.iter("material"):
@@ -159,6 +161,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
         element.get("reference"): GAZEBO_COLORS.get((element.findtext("material") or "").strip().rpartition("/")[2])
         for element in original.root.iterfind("gazebo")
     }
+    merged = {element.get("reference"): _diffuse(element) for element in original.root.iterfind("gazebo[visual]")}
     repairs = []
     undefined: set[str] = set()
     for index, visual in enumerate(reader.root.iterfind("link/visual")):
@@ -177,10 +180,20 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
                 if "undefined_material" in without:
                     raise reader.error(material, f"the material {name!r} is not defined")
                 repairs.append(Finding.at(Kind.MENDED, what, reader.place(material), "undefined_material"))
+        if link is not None and not visual.get("name"):
+            text = merged.get(link.get("name")) or text
         if text is not None:
             inlined = etree.SubElement(visual, "material", name=f"material_{index}")
             etree.SubElement(inlined, "color", rgba=text)
     return repairs
+
+
+def _diffuse(element: etree._Element) -> str | None:
+    """Return the colour that Gazebo merges into a link's visuals; None without a valid one."""
+    text = element.findtext("visual/material/diffuse") or element.findtext("visual/material/ambient")
+    parts = [part for part in numbers_in(text) if part is not None and isfinite(part)]
+    clamped = [min(max(part, 0.0), 1.0) for part in (*parts, 1.0)[:4]]
+    return " ".join(f"{part:g}" for part in clamped) if len(parts) in (3, 4) else None
 
 
 def _resolve_meshes(

@@ -88,6 +88,7 @@ URDF = _part(
         preserveFixedJoint=_TEXT,
         disableFixedJointLumping=_TEXT,
         collision=_part(surface=_SURFACE),
+        visual=_part(material=_part(diffuse=_TEXT, ambient=_TEXT)),
     ),
 )
 

@@ -109,6 +109,24 @@ def test_gazebos_colour_is_used_where_a_visual_has_none_of_its_own():
     assert repairs == []
 
 
+@pytest.mark.parametrize(
+    ("material", "expected"),
+    [
+        ("<ambient>0 .3 0 1</ambient><diffuse>0 .8 0 1</diffuse>", "0 0.8 0 1"),
+        ("<ambient>0 .3 0</ambient>", "0 0.3 0 1"),
+        ("<diffuse>0 9 0 1</diffuse>", "0 1 0 1"),
+        ("<diffuse>green</diffuse>", "1 0 0 1"),
+    ],
+)
+def test_a_visual_of_gazebos_tag_colours_visuals_without_a_name(material, expected):
+    """As libsdformat merges it into these alone, whatever their own colour is."""
+    red = "<material name='red'><color rgba='1 0 0 1'/></material>"
+    gazebo = f"<gazebo reference='base'><visual><material>{material}</material></visual></gazebo>"
+    visuals = f"<visual>{BOX}{red}</visual><visual name='own'>{BOX}{red}</visual>"
+    robot, _ = prepare(f"<link name='base'>{visuals}</link>{gazebo}")
+    assert [color.get("rgba") for color in robot.iterfind("link/visual/material/color")] == [expected, "1 0 0 1"]
+
+
 def test_a_gazebo_colour_that_is_not_known_changes_nothing():
     gazebo = "<gazebo reference='base'><material>Gazebo/Plaid</material></gazebo>"
     robot, _ = prepare(f"<link name='base'><visual>{BOX}</visual></link>{gazebo}")

@@ -43,7 +43,7 @@ DROPS = {
     "element of another namespace": '<link name="b6"><x:collision xmlns:x="http://x.org"/></link><joint name="j6"'
     ' type="fixed"><parent link="base"/><child link="b6"/></joint>',
     "gazebo about nothing": '<gazebo reference="bass"><mu1>0.2</mu1></gazebo>',
-    "gazebo visual": '<gazebo reference="base"><visual><material/></visual></gazebo>',
+    "gazebo visual": '<gazebo reference="base"><visual><transparency>0.5</transparency></visual></gazebo>',
     "kinematic": "<gazebo><kinematic>true</kinematic></gazebo>",
     "light": '<gazebo reference="base"><light name="l" type="point"/></gazebo>',
     "transmission": '<transmission name="t"><type>x</type></transmission>',
