@@ -1,8 +1,9 @@
 """Controllers' parameters files, read for one robot: its controllers, their types and parameters."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,8 @@ _STRICTNESS = "defaults.switch_controller.strictness"
 _USES_INACTIVE = "defaults.allow_controller_activation_with_inactive_hardware"
 _STRICTNESSES = {"best_effort": 1, "strict": 2}
 _GROUPS = (_STATES, "defaults")  # their parameters may be written as nested mappings
+_PARAMETERS = "ros__parameters"
+_NODES = ("controller_manager", "*")
 _DEEPEST_NAME = 32  # dots in one name
 DEFAULT_UPDATE_RATE = 100.0  # Hz, controller_manager's default in Jazzy
 
@@ -132,8 +135,10 @@ def read_controllers(
         InputError: If a file is not YAML, a placeholder has no value, or an entry has the wrong shape.
     """
     nodes: dict[str, list[tuple[YamlDocument, ValuePath, Mapping[str, Any]]]] = {}
+    findings: list[Finding] = []
     for file in [files] if isinstance(files, Path) else files:
         document = _read_document(file, placeholders)
+        findings += _misspelt_groups(document)
         for name, entries in _nodes(document, namespace).items():
             nodes.setdefault(name, []).extend((document, *entry) for entry in entries)
     update_rate = DEFAULT_UPDATE_RATE
@@ -143,7 +148,6 @@ def read_controllers(
     fallbacks: dict[str, Any] = {}
     types: dict[str, str] = {}
     places: dict[str, tuple[YamlDocument, ValuePath]] = {}
-    findings: list[Finding] = []
     for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
         enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
@@ -169,6 +173,7 @@ def read_controllers(
         for *_, parameters in found:
             if isinstance(parameters.get("type"), str):
                 types.setdefault(name, parameters["type"])
+    findings += _misspelt_nodes(nodes, types)
     controllers = []
     for name, kind in types.items():
         merged: dict[str, Any] = {}
@@ -182,6 +187,26 @@ def read_controllers(
     return ControllerManagerParameters(
         update_rate, enforce_limits, tuple(controllers), tuple(findings), hardware, strictness, uses_inactive
     )
+
+
+def _misspelt_groups(document: YamlDocument) -> Iterator[Finding]:
+    """Report keys that are nearly ``ros__parameters``: what is below them is no node's."""
+    for path in document.paths:
+        key = str(path[-1])
+        if key != _PARAMETERS and path.count(_PARAMETERS) == 0 and get_close_matches(key, [_PARAMETERS], cutoff=0.8):
+            what = f"the key {key!r}: what is below it is no node's. Did you mean {_PARAMETERS!r}?"
+            yield Finding.at(Kind.IGNORED, what, Place(str(document.file), document.line(path)))
+
+
+def _misspelt_nodes(
+    nodes: Mapping[str, Sequence[tuple[YamlDocument, ValuePath, Any]]], types: Collection[str]
+) -> Iterator[Finding]:
+    """Report the parameters of a node whose name is nearly a controller's; other nodes may share the file."""
+    for name in (name for name in nodes if name not in types):
+        if name not in _NODES and (close := get_close_matches(name, types, n=1, cutoff=0.85)):
+            document, path, _ = nodes[name][0]
+            what = f"parameters of the node {name!r}, which is not a controller. Did you mean {close[0]!r}?"
+            yield Finding.at(Kind.WARNING, what, Place(str(document.file), document.line(path[:-1])))
 
 
 def _written(parameters: Mapping[Any, Any]) -> Iterator[tuple[Any, Any]]:

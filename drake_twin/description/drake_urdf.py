@@ -162,7 +162,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
         element.get("reference"): GAZEBO_COLORS.get((element.findtext("material") or "").strip().rpartition("/")[2])
         for element in original.root.iterfind("gazebo")
     }
-    merged = {element.get("reference"): _diffuse(element) for element in original.root.iterfind("gazebo[visual]")}
+    in_gazebo = {element.get("reference"): _diffuse(element) for element in original.root.iterfind("gazebo[visual]")}
     repairs = []
     undefined: set[str] = set()
     for index, visual in enumerate(reader.root.iterfind("link/visual")):
@@ -183,7 +183,7 @@ def _inline_materials(reader: XmlReader, original: XmlReader, without: Collectio
                 place = reader.place(material)
                 repairs.append(Finding.at(Kind.MENDED, what, place, "undefined_material", weight=Weight.LOOKS))
         if link is not None and not visual.get("name"):
-            text = merged.get(link.get("name")) or text
+            text = in_gazebo.get(link.get("name")) or text
         if text is not None:
             inlined = etree.SubElement(visual, "material", name=f"material_{index}")
             etree.SubElement(inlined, "color", rgba=text)

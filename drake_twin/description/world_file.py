@@ -13,12 +13,12 @@ from typing import Any
 
 from lxml import etree
 
+from drake_twin.description.built_in_worlds import built_in_world, find_world
 from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
-from drake_twin.description.package_index import MissingPackageError, PackageIndex
+from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
 from drake_twin.description.saved_state import SavedState
-from drake_twin.description.sdf_addresses import ground_plane
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
 from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import falls, mend_model
@@ -37,14 +37,6 @@ from drake_twin.values import is_true
 
 # SDF's default.
 _GRAVITY: Vector3 = (0.0, 0.0, -9.8)
-
-_EMPTY = """<sdf version="1.9"><world name="{name}">
-<physics type="ode"><max_step_size>0.001</max_step_size><real_time_factor>1</real_time_factor></physics>
-<include><uri>model://sun</uri></include>{ground}</world></sdf>"""
-_GROUNDS = {".sdf": ground_plane(), ".world": "<include><uri>model://ground_plane</uri></include>"}
-
-# Worlds that are built in, for where their file is missing.
-BUILT_IN_WORLDS = ("empty.sdf", "empty.world", "default.sdf")
 
 # Elements of a world that are used; and those that are not worth a finding.
 _USED = {"gravity", "physics", "model", "include", "frame", "state", "magnetic_field", "spherical_coordinates"}
@@ -125,7 +117,7 @@ def read_world(
 
     Args:
         address: Its file: a path, ``package://``, ``model://``, ``file://``, or a name below a folder of
-            ``GZ_SIM_RESOURCE_PATH``; or one of `BUILT_IN_WORLDS`.
+            ``GZ_SIM_RESOURCE_PATH``; or one of `built_in_worlds.BUILT_IN_WORLDS`.
         packages: Resolves it and what it includes.
         without: The names of models to leave out.
         poses: Model → x, y, z (m), roll, pitch, yaw (rad) in the world frame, in place of what the file says.
@@ -136,8 +128,7 @@ def read_world(
             model to copy does not exist.
     """
     file = find_world(address, packages)
-    name = Path(address)
-    text = _EMPTY.format(name=name.stem, ground=_GROUNDS[name.suffix]) if file is None else read_xml(file, "world file")
+    text = built_in_world(Path(address)) if file is None else read_xml(file, "world file")
     places = None
     if "xacro" in text and "ros.org/wiki/xacro" in text and file is not None:
         text, places, _ = expand_xacro(file, {}, packages)
@@ -147,35 +138,6 @@ def read_world(
         what = "has no <world>" if reader.root.tag == "sdf" else f"begins with <{reader.root.tag}>"
         raise reader.error(reader.root, f"a world is an SDF file with a <world>, but this {what}")
     return _World(reader, world, packages, without, poses or {}, copies or {}).read()
-
-
-def find_world(address: str, packages: PackageIndex) -> Path | None:
-    """Find the file of a world; None for a built-in one.
-
-    Args:
-        address: As for `read_world`.
-        packages: Resolves it.
-
-    Raises:
-        InputError: If the file is missing.
-    """
-    name = Path(address).name
-    try:
-        return packages.resolve(address)
-    except InputError as error:
-        folders = (*packages.folders, *packages.resource_folders)
-        beside = [folder / address for folder in folders if (folder / address).is_file()]
-        if beside:
-            return beside[0]
-        if name in BUILT_IN_WORLDS:
-            return None
-        if isinstance(error, MissingPackageError):
-            raise
-        raise InputError(
-            f"the world file {address!r} does not exist, and of Gazebo's own worlds only some are built in",
-            valid=BUILT_IN_WORLDS,
-            value=name,
-        ) from None
 
 
 def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlReader) -> RobotText | None:

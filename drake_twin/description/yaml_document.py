@@ -60,6 +60,11 @@ class YamlDocument:
             path = path[:-1]
         return self._lines_by_word.get(_in_one_word(path))
 
+    @property
+    def paths(self) -> Iterator[ValuePath]:
+        """The path of each value but the outermost, in file order."""
+        return (path for path in self._lines if path)
+
     def has(self, path: ValuePath) -> bool:
         """Tell whether a value is at a path or below it."""
         word = _in_one_word(path)

@@ -26,6 +26,7 @@ from drake_twin.planning.controller_plan import (
     chained_to,
     is_chained,
 )
+from drake_twin.planning.frame_names import misspelt_frame
 from drake_twin.planning.idle_hardware import idle_joints
 from drake_twin.scenario import Robot, ScenarioError
 
@@ -71,6 +72,10 @@ def plan_controllers(
         plans[name] = plan
         if name in chosen:
             findings += ignored
+            base = str(getattr(plan.parameters, "base_frame_id", ""))
+            if "base_frame_id" in controller.parameters and (why := misspelt_frame(base, description.links)):
+                place = controller.place("base_frame_id") if controller.sources else by_drive[name].plugin.place
+                findings.append(Finding.at(Kind.WARNING, f"controller {name}: base_frame_id: {why}", place))
     _leave_one_transform(plans, chosen, robot)
     _check_references(plans, by_name)
     for name in plans.keys() - chosen.keys():

@@ -239,10 +239,16 @@ def _controller_manager(
     placeholders = {"robot_name": robot.name, **xacro_args}
     if not files:
         return ControllerManagerParameters() if robot.added_controllers else _default_controllers(description)
-    try:
-        resolved = [packages.resolve_as_started(file, description.file) for file in files]
-    except InputError as error:
-        raise ScenarioError((*path, "controllers"), str(error)) from None
+    resolved = []
+    for file in files:
+        try:
+            resolved.append(packages.resolve_as_started(file, description.file))
+        except InputError as error:
+            named = [item.place for item in description.plugins if file in item.parameters and not robot.controllers]
+            if named:
+                what = f"the ros2_control plugin's parameters file: {error}"
+                raise InputError(what, file=named[0].file, line=named[0].line) from None
+            raise ScenarioError((*path, "controllers"), str(error)) from None
     parameters = read_controllers(resolved, robot.topic_namespace, placeholders)
     for plugin in description.plugins:
         if not parameters.controllers and plugin.namespace:  # for the namespace in the robot's file

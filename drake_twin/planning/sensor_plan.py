@@ -9,6 +9,7 @@ from drake_twin.description.robot_description import RobotDescription, Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.sensors import SENSOR_PLUGINS, sensor_text
 from drake_twin.findings import Finding, Kind
+from drake_twin.planning.frame_names import misspelt_frame
 from drake_twin.scenario import Robot
 from drake_twin.sensors.noise import SILENT, Noise
 from drake_twin.sensors.registry import sensor_class
@@ -143,6 +144,8 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
             findings.append(Finding.at(Kind.NOT_STARTED, f"{what}: {reason}", sensor.place))
             continue
         findings += element.unread()
+        if why := misspelt_frame(sensor.frame, owner.description.links):
+            findings.append(Finding.at(Kind.WARNING, f"{what}: its frame is {sensor.frame!r}: {why}", sensor.place))
         plan = _plan(owner, sensor, kind, settings)
         if plan.place in {item.place for item in plans}:
             same = f"{what}: a sensor before it has this name, and Gazebo makes only that one"

@@ -58,7 +58,8 @@ def read_parameter_file(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"the parameter file cannot be read ({error})", file=path) from None
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"the parameter file {path} cannot be read ({reason})") from None
 
 
 def write_rewritten(context: LaunchContext, content: ParameterText) -> Path:

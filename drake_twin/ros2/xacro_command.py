@@ -41,6 +41,8 @@ def expand(name: str, arguments: dict[str, str], context: LaunchContext) -> tupl
     absent = absent_package_in(str(file))
     if absent is not None:
         raise AbsentError(f"package {absent!r} is absent, and its file is the robot: {file}")
+    if not file.is_file():
+        raise InputError(f"the xacro file {file} does not exist")
     try:
         text, _, warnings = expand_xacro(file.absolute(), arguments, context.packages)
     except InputError as error:

@@ -54,7 +54,7 @@ def _world(scenario: Scenario) -> World:
     world = scenario.world
     if world.file is None or _is_absolute(world.file):
         return world
-    from drake_twin.description.world_file import find_world
+    from drake_twin.description.built_in_worlds import find_world
 
     file = None
     with suppress(InputError):  # it is raised where the world is read

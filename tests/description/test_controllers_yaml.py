@@ -294,3 +294,23 @@ def test_fallback_controllers_of_the_manager_and_of_the_controller(read):
     fallbacks = {controller.name: controller.names("fallback_controllers") for controller in manager.controllers}
     assert fallbacks == {"a": ("b",), "b": ("c",), "c": ("a", "b")}
     assert manager.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "what", "line"),
+    [
+        (f"controller_manager:\n  {MANAGER}\narm:\n  ros__paramters: {{joints: [elbow]}}\n", "ros__paramters", 4),
+        (f"controller_manager:\n  {MANAGER}\nroot:\n  ros_parameters: {{joints: [elbow]}}\n", "ros_parameters", 4),
+    ],
+)
+def test_a_key_that_is_nearly_ros_parameters_is_a_finding_with_its_line(read, text, what, line):
+    (finding,) = read(text).findings
+    told = f"the key {what!r}: what is below it is no node's. Did you mean 'ros__parameters'?"
+    assert (finding.what, finding.lines) == (told, (line,))
+
+
+def test_parameters_of_a_node_that_is_nearly_a_controller_are_a_finding_with_their_line(read):
+    manager = MANAGER.replace("arm", "arm_controller")
+    for name, told in (("arm_contrller", 1), ("arm_controller", 0), ("ekf_filter_node", 0)):
+        found = read(f"controller_manager:\n  {manager}\n{name}:\n  {ARM}\n").findings
+        assert [(item.lines, "Did you mean 'arm_controller'?" in item.what) for item in found] == [((4,), True)] * told

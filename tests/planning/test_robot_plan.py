@@ -237,3 +237,11 @@ def test_a_prefix_of_the_xacro_file_is_found_in_a_parameters_file_without_it(tmp
         controllers=(str(tmp_path / "controllers.yaml"),),
     )
     assert claims(plan_robot(robot, PACKAGES).controllers[0]) == ["cart_left_joint/velocity"]
+
+
+def test_a_parameters_file_that_is_gone_is_refused_with_the_line_of_the_plugin_that_names_it(tmp_path):
+    file = tmp_path / "r.urdf"
+    plugin = '<plugin filename="gz_ros2_control-system" name="c"><parameters>/gone/c.yaml</parameters></plugin>'
+    file.write_text(f'<robot name="r"><link name="l"/>\n<gazebo>\n{plugin}</gazebo></robot>')
+    with pytest.raises(InputError, match=rf"^{file}:3: the ros2_control plugin's parameters file: /gone/c.yaml"):
+        plan_robot(Robot("r", str(file)), PackageIndex((), {}))

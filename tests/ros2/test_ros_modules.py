@@ -237,6 +237,25 @@ def test_an_error_of_xacro_in_a_launch_files_own_code_has_xacros_file_and_line(t
     )
 
 
+@pytest.mark.parametrize(
+    ("entity", "what"),
+    [
+        (
+            "Node(package='p', executable='e', parameters=[{'a': Command(['xacro ', '/gone/r.xacro'])}])",
+            "r.xacro does not",
+        ),
+        (
+            "Node(package='p', executable='e', parameters=[ParameterFile('/gone/p.yaml', allow_substs=True)])",
+            "p.yaml cannot",
+        ),
+    ],
+)
+def test_a_file_that_is_gone_is_refused_with_the_line_of_the_launch_file(tmp_path, entity, what):
+    before = "from launch_ros.parameter_descriptions import ParameterFile"
+    with pytest.raises(InputError, match=rf"^{tmp_path}/\S+\.py:\d+: .*/gone/{what}"):
+        launch_python(tmp_path, entity, before)
+
+
 def test_a_package_that_a_file_is_prepared_to_miss_raises_what_it_expects(tmp_path):
     launched = launch_python(
         tmp_path,
