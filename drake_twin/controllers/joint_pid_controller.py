@@ -1,21 +1,22 @@
 """The joint controllers of gz-sim whose PID has an integral part."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import nan
 from typing import Any, ClassVar
 
-from pydrake.systems.framework import Context, InputPort
+from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPort, State
 
 from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.forward_command_controller import numbers_of_claims
+from drake_twin.controllers.forward_command_controller import may_start_or_stop, numbers_of_claims
 from drake_twin.controllers.interface import Interface
-from drake_twin.controllers.periodic_controller import PeriodicController, Update
-from drake_twin.controllers.position_reach import PositionReach
 from drake_twin.controllers.registry import controller
+from drake_twin.controllers.stateful_controller import Sample, StatefulController
 from drake_twin.description.gazebo_drive import JOINT_PID
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.frozen import Frozen
 from drake_twin.saved import saved
+from drake_twin.systems.weak_callback import weakly
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,13 +49,13 @@ class JointPidMemory(Frozen):
 
 
 @controller(JOINT_PID)
-class JointPidController(PeriodicController):
+class JointPidController(StatefulController):
     """Command joints, and add the integral part of a PID to the efforts of their servos.
 
     The proportional and derivative parts are the servo's own, in the plant. The integral part is that of gz-math's
     ``PID::Update`` at this controller's rate: the error is the measured value minus the command, the term is clamped
-    after each update, and is subtracted. Each joint has an integral of its own, where gz-sim's JointController uses
-    that of its first joint for all.
+    after each update, and is subtracted. Commands act at once, as those of a forward command controller. Each joint has
+    an integral of its own, where gz-sim's JointController uses that of its first joint for all.
 
     .. pydrake_system::
 
@@ -78,11 +79,15 @@ class JointPidController(PeriodicController):
         return tuple(Interface(joint, parameters.interface) for joint in parameters.joints)
 
     def __init__(self, setup: ControllerSetup):
-        super().__init__(setup, [Interface(joint, "effort") for joint in setup.parameters.joints])
+        parameters, layout = setup.parameters, setup.layout
+        efforts = tuple(Interface(joint, "effort") for joint in parameters.joints)
+        super().__init__(setup, efforts, Sample(memory=self._no_integral(setup)))
+        places = layout.positions if parameters.interface == "position" else layout.velocities
+        self._measured = [places[joint] for joint in parameters.joints]
+        self._state_port = self.declare_robot_input("state", layout.size)
         self._commands = self.declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
-        layout, joints = setup.layout, setup.parameters.joints
-        places = layout.positions if setup.parameters.interface == "position" else layout.velocities
-        self._measured = [places[joint] for joint in joints]
+        tickets = {self.input_port_ticket(self._commands.get_index()), self.sample_ticket()}
+        self.declare_command_interfaces(self._calc_command_interfaces, tickets)
 
     def get_commands_input_port(self) -> InputPort:
         """Return the port ``commands``."""
@@ -96,26 +101,49 @@ class JointPidController(PeriodicController):
         """
         return numbers_of_claims(message, self.claims)
 
-    def start(self, context: Context) -> JointPidMemory:
-        """Return integral terms of zero."""
-        return JointPidMemory((0.0,) * len(self.claims))
+    def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
+        """Return whether a joint may start or stop."""
+        return may_start_or_stop(self.claims, before, now)
 
-    def update(self, context: Context, time: float, memory: JointPidMemory) -> Update:
-        """Integrate the errors since the last update."""
-        commands = self.received(self._commands, context)
-        if commands is None:
-            return Update(memory, self._nothing)
-        parameters, before = self.setup.parameters, self.sample(context)
-        weight = parameters.i_gain * (time - before.time)
-        state = self._state_port.Eval(context)
-        errors = [float(state[index]) - command for index, command in zip(self._measured, commands.data, strict=True)]
-        integrals = [term + weight * error for term, error in zip(memory.integrals, errors, strict=True)]
+    def activate(self, context: Context) -> None:
+        """Start with integral terms of zero."""
+        self.set_sample(context, Sample(True, context.get_time(), self._no_integral(self.setup)))
+
+    def deactivate(self, context: Context) -> None:
+        """Stop integrating."""
+        self.set_sample(context, replace(self.sample(context), active=False))
+
+    def declare_updates(self) -> bool:
+        """Declare the updates of an integral part."""
+        setup = self.setup
+        if setup.parameters.i_gain:
+            self.DeclarePeriodicUnrestrictedUpdateEvent(setup.update_period, setup.update_offset, weakly(self._update))
+        return bool(setup.parameters.i_gain)
+
+    @staticmethod
+    def _no_integral(setup: ControllerSetup) -> JointPidMemory:
+        return JointPidMemory((0.0,) * len(setup.parameters.joints))
+
+    def _update(self, context: Context, state: State) -> EventStatus:
+        """Integrate the errors since the last update, or since the first command."""
+        sample, commands = self.sample(context), self.received(self._commands, context)
+        if not sample.active or commands is None:
+            return EventStatus.DidNothing()
+        parameters, time = self.setup.parameters, context.get_time()
+        weight = parameters.i_gain * min(time - sample.time, self.setup.update_period)
+        measured = self._state_port.Eval(context)
+        errors = [measured[index] - command for index, command in zip(self._measured, commands.data, strict=True)]
+        terms = [float(term + weight * error) for term, error in zip(sample.memory.integrals, errors, strict=True)]
         if parameters.i_max >= parameters.i_min:
-            integrals = [min(max(term, parameters.i_min), parameters.i_max) for term in integrals]
-        efforts = [parameters.cmd_offset - term for term in integrals]
-        is_new = parameters.interface == "position" and before.commands[: len(efforts)] != commands.data
-        return Update(JointPidMemory(tuple(integrals)), [*commands.data, *efforts], notice=is_new)
+            terms = [min(max(term, parameters.i_min), parameters.i_max) for term in terms]
+        new = Sample(True, time, JointPidMemory(tuple(terms)))
+        state.get_mutable_abstract_state(int(self._sample_index)).set_value(new)
+        return EventStatus.Succeeded()
 
-    def _position_reaches(self) -> tuple[PositionReach, ...]:
-        """Return nothing: the servo is a PD, which no position is too far for."""
-        return ()
+    def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
+        commands, offset = self.received(self._commands, context), self.setup.parameters.cmd_offset
+        if commands is None:
+            output.SetFromVector([nan] * len(self.interfaces))
+        else:
+            efforts = [offset - term for term in self.sample(context).memory.integrals]
+            output.SetFromVector([*commands.data, *efforts])

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 from drake_twin.description.gazebo_drive import (
     ACTUATORS,
@@ -144,6 +145,12 @@ def _largest(lowest: float, highest: float) -> float:
     return min(bounds)
 
 
+# Updates of an integral part (Hz) where its gain is the proportional one (per second): between two of them it changes
+# by 1 % of the proportional part. Each costs some 50 µs.
+_FINENESS = 100.0
+_LOWEST_RATE = 10.0
+
+
 def _with_pid(plugin: DrivePlugin, drive: GazeboDrive, servo: Servo, *, i_gain: float = 0.0) -> GazeboDrive:
     """Return a drive with the servo of its PID, and with a controller of its integral part and its offset.
 
@@ -158,15 +165,19 @@ def _with_pid(plugin: DrivePlugin, drive: GazeboDrive, servo: Servo, *, i_gain: 
     warnings = []
     if largest < inf and lowest != -highest:
         warnings.append(f"efforts from {lowest:g} to {highest:g} are limited to {largest:g} in both directions")
-    parameters = {
+    gain, offset = plugin.number("i_gain", i_gain), plugin.number("cmd_offset", 0.0)
+    parameters: dict[str, Any] = {
         "joints": [joint for joint, _ in drive.interfaces],
         "interface": drive.interfaces[0][1],
-        "i_gain": plugin.number("i_gain", i_gain),
+        "i_gain": gain,
         "i_max": plugin.number("i_max", 1.0),
         "i_min": plugin.number("i_min", -1.0),
-        "cmd_offset": plugin.number("cmd_offset", 0.0),
+        "cmd_offset": offset,
     }
-    adds = parameters["i_gain"] or parameters["cmd_offset"]
+    if gain:
+        relative = abs(gain) / max(servo.proportional or 0.0, abs(gain))
+        parameters["update_rate"] = round(max(_FINENESS * relative, _LOWEST_RATE))
+    adds = gain or offset
     return replace(
         drive,
         controller=plugin.controller(JOINT_PID, parameters) if adds else drive.controller,

@@ -8,10 +8,9 @@ from lxml import etree
 
 from drake_twin.description.meshes import mesh_for_mjcf
 from drake_twin.description.mjcf_actuators import MjcfActuators
+from drake_twin.description.mjcf_includes import included
 from drake_twin.description.mjcf_names import unknown_mjcf_names
-from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, at_places
 
 # The link under a robot without a free joint, which the twin fixes where the robot is spawned.
@@ -46,11 +45,12 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
         InputError: If the file is not an MJCF file with one robot.
     """
     reader = XmlReader(text, file)
+    if reader.root.tag == "mujoco":
+        reader = included(reader, file)
     root = reader.root
     world = root.find("worldbody")
     if root.tag != "mujoco" or world is None:
         raise reader.error(root, "an MJCF robot has a <worldbody>")
-    _check_includes(root, file, (file.resolve(),))
     own_name = root.get("model") or file.stem
     root.set("model", model_name or own_name)
     bodies = world.findall("body")
@@ -81,18 +81,6 @@ def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
     for tag in ("sensor", "keyframe", "size"):
         dropped += [(item, f"<{item.tag}> of <{tag}>") for group in reader.root.findall(tag) for item in group]
     return at_places(Kind.IGNORED, ((what, reader.place(element)) for element, what in dropped))
-
-
-def _check_includes(root: etree._Element, file: Path, above: tuple[Path, ...]) -> None:
-    """Refuse files that include themselves, which Drake's parser would follow without end."""
-    for include in root.iter("include"):
-        included = (file.parent / (include.get("file") or "")).resolve()
-        if included in above:
-            chain = " → ".join(path.name for path in (*above, included))
-            raise InputError(f"the file includes itself: {chain}", file=file)
-        if included.is_file():
-            reader = XmlReader(read_xml(included, "included file"), included)
-            _check_includes(reader.root, included, (*above, included))
 
 
 def _has_free_joint(body: etree._Element) -> bool:

@@ -125,10 +125,9 @@ class MjcfActuators:
             )
 
     def _read_actuators(self) -> Iterator[tuple[str, _Drive]]:
-        has_includes = next(self._reader.root.iter("include"), None) is not None
         driven = set()
         for actuator in (item for group in self._reader.root.findall("actuator") for item in group):
-            if not isinstance(actuator.tag, str) or actuator.tag == "include":
+            if not isinstance(actuator.tag, str):
                 continue
             values = self._defaults.of_actuator(actuator)
             joint = values.get("joint")
@@ -141,7 +140,7 @@ class MjcfActuators:
                 )
                 self._lost.append((f"<{actuator.tag}> that drives a {where}", actuator))
                 continue
-            if joint not in self.joints and not has_includes:
+            if joint not in self.joints:
                 known = ", ".join(name for name in self.joints if name) or "none"
                 what = f"joint is {joint!r}, which is not a hinge or slide of the robot; it has: {known}"
                 raise self._reader.error(actuator, what)

@@ -9,7 +9,6 @@ levers; at 10 ms within 0.3 mm while both tumble at 2 rad/s (`pytest tests/diagr
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -41,6 +40,10 @@ _RODS = tuple(
         ((0, 1, 0), (0, 0, 1)),
     )
 )
+
+# Stiffer than what Drake's solver takes for rigid, up to a ton at 1 ms (N/m). With an infinite one the solver fails
+# where a rod's ends cannot move along it, as across the plane of a linkage.
+_STIFFNESS = 1e12
 
 # Drake's rods act in each new context, and cannot be without stiffness (N/m).
 _NO_STIFFNESS = 1e-300
@@ -79,7 +82,9 @@ class JointInPlant:
                 p_CQ = center + _LENGTH * place
                 p_PR = X_PC @ (p_CQ + _LENGTH * direction)
                 ends = self.parent.index(), p_PR, self.child.index(), p_CQ
-                plant.SetDistanceConstraintParams(context, rod, DistanceConstraintParams(*ends, _LENGTH, inf, 0.0))
+                plant.SetDistanceConstraintParams(
+                    context, rod, DistanceConstraintParams(*ends, _LENGTH, _STIFFNESS, 0.0)
+                )
 
 
 def add_detachable_joints(

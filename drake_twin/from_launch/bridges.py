@@ -85,8 +85,8 @@ def _wrong_keys(process: LaunchedProcess, entry: Any, document: YamlDocument, in
 
 
 def renamed(lines: Iterable[BridgeLine]) -> dict[str, str]:
-    """Return Gazebo topic → ROS topic where the names differ."""
-    return {line.gz: line.ros for line in lines if line.gz != line.ros}
+    """Return Gazebo topic → ROS topic."""
+    return {line.gz: line.ros for line in lines}
 
 
 def stamped(lines: Iterable[BridgeLine]) -> tuple[str, ...]:

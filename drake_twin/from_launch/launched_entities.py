@@ -31,7 +31,7 @@ from drake_twin.from_launch.launched_controllers import (
     controller_requests,
     published_commands,
 )
-from drake_twin.from_launch.launched_nodes import launched_node, needs_terminal, publishes_simulated_states
+from drake_twin.from_launch.launched_nodes import launched_node, needs_terminal, publishes_simulated_states, spawns
 from drake_twin.from_launch.launched_robots import (
     LaunchedRobot,
     LaunchedRobots,
@@ -80,7 +80,7 @@ class LaunchedEntities:
     """What a launch file starts.
 
     Attributes:
-        robots: The robots, at least one.
+        robots: The robots, at least one unless a node spawns one.
         frames: The static transforms; some may place a frame that a robot also places.
         commands: The published messages; some topics may have no subscriber.
         world: The world.
@@ -154,7 +154,7 @@ class _Sorter:
         self._findings += found.findings
         self._log += found.warnings
         self._findings += _never_happened(self._launched, self._file)
-        if not found.robots:
+        if not (found.robots or any(spawns(node, self._packages, self._file) for node in self._nodes)):
             raise self._no_robot()
         robots = tuple(self._robots(found))
         return LaunchedEntities(

@@ -12,6 +12,9 @@ from drake_twin.ros2.launched import NODE, PROCESS, LaunchedProcess, ParameterTe
 from drake_twin.ros2.ros_arguments import ros_arguments
 from drake_twin.scenario import NodeProgram
 
+# The type of the service, in gazebo_msgs, ros_gz_interfaces and simulation_interfaces.
+_SPAWN_SERVICE = b"SpawnEntity"
+
 
 def launched_node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgram | None:
     """Return the program of a process; None if it is not a Python program of a package that is there.
@@ -40,6 +43,25 @@ def launched_node(process: LaunchedProcess, packages: PackageIndex) -> NodeProgr
         environment={name: value for name, value in process.environment.items() if value is not None},
         time=process.start_time,
     )
+
+
+def spawns(node: NodeProgram, packages: PackageIndex, file: Path) -> bool:
+    """Return whether a node program asks a simulator for a robot: its source names the service's type.
+
+    Args:
+        node: The program.
+        packages: Where packages are searched.
+        file: The launch file.
+    """
+    source = Path(node.executable)
+    if node.package:
+        with suppress(MissingPackageError):
+            program = python_programs(packages.find(node.package, str(file))).get(node.executable)
+            source = source if program is None else program.file
+    try:
+        return _SPAWN_SERVICE in source.read_bytes()
+    except OSError:
+        return False
 
 
 def publishes_simulated_states(process: LaunchedProcess, robots: Iterable[LaunchedRobot]) -> bool:

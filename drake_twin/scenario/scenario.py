@@ -303,8 +303,8 @@ def name_in_twin(name: str) -> str:
 
 def _problems(scenario: Scenario) -> typing.Iterator[tuple[ValuePath, str]]:
     yield from misfits(scenario, ())
-    if not scenario.robots:
-        yield ("robots",), "a twin needs at least one robot"
+    if not (scenario.robots or scenario.nodes):
+        yield ("robots",), "a twin needs at least one robot, or a node program that spawns one"
     if not scenario.time_step > 0:
         yield ("time_step",), f"{scenario.time_step:g} s is not positive"
     elif not SHORTEST_STEP <= scenario.time_step <= LONGEST_STEP:

@@ -54,7 +54,7 @@ def delete(session: Session, entity: str) -> None:
         session.rebuild(replace(scenario, world=world, pushes=pushes))
         return
     kept = tuple(item for item in scenario.robots if item.name != entity)
-    if not kept:
+    if not (kept or scenario.nodes):
         raise InputError(f"Entity [{entity}] is the last one: a twin needs at least one robot.")
     commanded = session.built.commanded.values()
     own = {item.topic for item in commanded if item.robot == entity}

@@ -3,9 +3,11 @@
 # ruff: noqa: F401, F811 (fixtures are imported, and named again as arguments)
 
 import pytest
-from browser import BROWSER_TESTS, browser, page, show
+from browser import BROWSER_TESTS, browser, folder, page, show
 from conftest import ARM, ROVER, rovers
 from in_scene import place_of, tools
+
+from drake_twin.scenario import NodeProgram, Robot, Scenario
 
 pytestmark = BROWSER_TESTS
 
@@ -59,3 +61,13 @@ def test_a_bad_file_keeps_the_dialog_with_the_reason_and_arguments_are_given(pag
     it.frames(lambda: "robot_3" in it.twin.robots)
     it.frames(lambda: not tab.locator("#spawn-dialog").is_visible())
     assert it.twin.scenario.robots[2].xacro_args == {"mass": "4"}
+
+
+def test_a_page_without_robots_shows_the_one_that_a_node_spawns_and_none_after_it(show, tmp_path):
+    (tmp_path / "idle.py").write_text("import rclpy\n")
+    it, tab = show(Scenario(robots=(), nodes=(NodeProgram(str(tmp_path / "idle.py")),)))
+    it.for_frames(5)
+    it.twin.spawn(Robot("rover", str(ROVER), xyz=(0, 0, 0.13)))
+    it.frames(lambda: folder(tab, "rover").count() == 1)
+    it.twin.delete("rover")
+    it.frames(lambda: folder(tab, "rover").count() == 0)

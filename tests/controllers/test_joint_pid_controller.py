@@ -38,6 +38,15 @@ def test_it_adds_up_the_error_times_the_gain_and_the_time():
     assert run.commands() == pytest.approx([0.6, -0.1, 0.03, 2 * 0.2 * 0.03])
 
 
+def test_a_command_acts_at_once_and_time_before_it_does_not_count():
+    run = pid(state=[0.1, 0, 0, 0], i_gain=2.0)
+    run.advance(0.995)
+    run.send("commands", messages.Numbers((0.6, 0.0)))
+    assert run.commands() == [0.6, 0.0, 0.0, 0.0]
+    run.advance(1.0)
+    assert run.commands()[2] == pytest.approx(2 * 0.5 * 0.01)
+
+
 def test_the_error_of_a_velocity_is_that_of_the_velocity():
     run = pid(state=[9, 9, 0.1, 0.2], interface="velocity", i_gain=1.0)
     run.send("commands", messages.Numbers((1.1, 0.2)))

@@ -372,7 +372,10 @@ def test_a_pid_with_an_integral_part_or_an_offset_has_a_controller_of_it():
         "i_max": 3.0,
         "i_min": -1.0,
         "cmd_offset": 0.0,
+        "update_rate": 10,
     }
+    fast = drive_of("<joint_name>fl</joint_name><p_gain>4</p_gain><i_gain>2</i_gain>", POSITIONS)
+    assert fast.controller.parameters["update_rate"] == 50
     force = "<joint_name>fl</joint_name><use_force_commands>1</use_force_commands>"
     plain, more = (drive_of(force + inside, VELOCITIES) for inside in ("", "<cmd_offset>2</cmd_offset>"))
     assert plain.controller.type == "velocity_controllers/JointGroupVelocityController"

@@ -98,6 +98,50 @@ def test_two_free_bodies_tumble_as_one(tmp_path, time_step, bound):
         assert np.abs(np.subtract(twin.entity_state("crate", "sat").position, before)).max() < bound
 
 
+BAR = """<link name="{name}"><inertial><origin xyz="{middle} 0 0"/><mass value="{mass}"/>
+<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="{name}_joint" type="continuous"><parent link="{parent}"/><child link="{name}"/>
+<origin xyz="{x} 0 0" rpy="0 0 {turn}"/><axis xyz="0 0 1"/></joint>"""
+# Two arms whose tips meet above the middle between their bases, by bars of 0.2 m: at 104° and 41° from the base line.
+# name, parent, place along it (m), turn (°), mass (kg), center of mass (m)
+FIVE_BAR = [
+    ("b1", "world", 0.0, 104.4775, 0.3, 0.1),
+    ("b2", "b1", 0.2, -63.0679, 0.3, 0.1),
+    ("pin", "b2", 0.2, 0.0, 0.002, 0.0),
+    ("c1", "world", 0.2, 75.5225, 0.3, 0.1),
+    ("c2", "c1", 0.2, 63.0679, 0.3, 0.1),
+]
+
+
+@pytest.mark.parametrize(("time_step", "bound"), [(0.001, 1e-6), (0.01, 1e-4)])
+def test_it_closes_a_loop_of_one_robot(tmp_path, time_step, bound):
+    """Most of the rods cannot move along themselves here: the mechanism is plane."""
+    bars = "".join(
+        BAR.format(name=name, parent=parent, x=x, turn=np.radians(turn), mass=mass, middle=middle)
+        for name, parent, x, turn, mass, middle in FIVE_BAR
+    )
+    fixed = '<parent link="c2"/><child link="tip"/><origin xyz="0.2 0 0"/>'
+    tip = f'<link name="tip"/><joint name="t" type="fixed">{fixed}</joint>'
+    plugins = "".join(
+        f'<plugin filename="gz-sim-joint-position-controller-system" name="{bar}"><joint_name>{bar}_joint</joint_name>'
+        "<p_gain>50</p_gain><d_gain>2</d_gain><topic>both</topic></plugin>"
+        for bar in ("b1", "c1")
+    ) + (
+        '<plugin filename="gz-sim-detachable-joint-system" name="loop"><parent_link>tip</parent_link>'
+        "<child_model>bars</child_model><child_link>pin</child_link></plugin>"
+    )
+    robot = f'<robot name="bars"><link name="world"/>{bars}{tip}<gazebo>{plugins}</gazebo></robot>'
+    (tmp_path / "bars.urdf").write_text(robot)
+    twin = TwinBuilder(time_step=time_step).robot("bars", tmp_path / "bars.urdf").build()
+    before = twin.entity_state("bars::pin", "bars::tip").position
+    for number, angle in enumerate((0.3, -0.3, 0.2)):
+        twin.publish("/bars/both", {"data": angle})
+        for part in range(4):
+            twin.advance_to(0.5 * number + 0.125 * part + 0.125)
+            assert twin.entity_state("bars::pin", "bars::tip").position == pytest.approx(before, abs=bound)
+        assert twin.robot_state("bars").positions[0] == pytest.approx(angle, abs=0.05)
+
+
 def test_it_weighs_on_its_parent(crane):
     """The slide is pushed by 200 N at most: 5 kg alone would have 40 m/s²."""
     twin = crane()

@@ -212,6 +212,14 @@ def test_one_bridge_names_the_topics_of_two_robots(tmp_path):
     assert not_started(launch.scenario) == ()
 
 
+def test_a_bridge_without_remappings_carries_gazebos_names(tmp_path):
+    words = ["/model/a/cmd_vel@geometry_msgs/msg/Twist]gz.msgs.Twist", "/model/a/odometry@nav_msgs/msg/Odometry[x"]
+    spawn = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a")
+    topics = Twin(launched(tmp_path, spawn, node("ros_gz_bridge", "parameter_bridge", *words)).scenario).topics()
+    assert {"/model/a/cmd_vel", "/model/a/odometry"} < topics.keys()
+    assert not topics.keys() & {"/cmd_vel", "/a/cmd_vel"}
+
+
 def test_a_bridges_file_names_topics_too(tmp_path):
     file = write(
         tmp_path / "bridge.yaml",
