@@ -139,12 +139,18 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.sdf import prepare_sdf
+    from drake_twin.description.sdf_values import with_place, wrong_numbers
     from drake_twin.description.sensors import sensors_in_sdf
 
     text, file, lost = included_model(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
-    description = describe_model(prepared, "sdf", text, file, own_name)
     reader = XmlReader(text, file)
+    if reader.root.get("version") is None:
+        raise reader.error(reader.root, "the attribute 'version' is missing")
+    try:
+        description = describe_model(prepared, "sdf", text, file, own_name)
+    except InputError as error:
+        raise with_place(error, reader) from None
     plugins = tuple(read_plugins(reader, "model/plugin"))
     description = replace(description, sensors=tuple(sensors_in_sdf(text, file)), plugins=plugins)
     (model,) = reader.root.findall("model")
@@ -154,7 +160,10 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         prepared,
         "sdf",
         is_fixed,
-        findings=(*lost, *unused, *findings, *unread_in_sdf(reader), *wrong_flags(reader, model)),
+        findings=(
+            *(*lost, *unused, *findings, *unread_in_sdf(reader)),
+            *(*wrong_flags(reader, model), *wrong_numbers(reader, model)),
+        ),
     )
 
 
