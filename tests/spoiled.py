@@ -36,7 +36,8 @@ class Spoiled:
 
     def __init__(self, folder: Path, entry: list[str]):
         self.folder = folder
-        known = [] if not folder.is_dir() else ["--package-path", str(folder)]
+        is_scenario = entry[0].endswith((".yaml", ".yml")) and ".launch." not in entry[0]
+        known = [] if is_scenario else ["--package-path", str(folder)]  # a scenario names its own
         words = [str(folder / word) if (folder / word).is_file() else word for word in entry]
         self._options = [*words, "--headless", *known]
         self._before, self._said = self._load()
@@ -78,7 +79,7 @@ def _is_paragraph(error: TwinError, file: Path) -> bool:
     """One paragraph with a file and a line; of Python code that fails, its traceback, which has both."""
     text = str(error).strip()
     own = "the launch file's code fails" in text and f'{file.name}", line ' in text
-    return error.exit_code == 2 and (own or ("\n" not in text and re.search(r":\d+: ", text) is not None))
+    return error.exit_code == 2 and (own or ("\n" not in text and re.search(r":\d+\b", text) is not None))
 
 
 def report(folder: Path, entry: list[str], files: list[str], seed: str, count: int):

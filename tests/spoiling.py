@@ -240,11 +240,9 @@ _FREE |= {"value", "default", "odom_frame_id", "output", "exec", "pkg", "child",
 def _in_yaml(text: str, random: Random) -> Iterator[tuple]:
     for line in _YAML_LINE.finditer(text):
         key, value = line["key"], line["value"]
-        if key is not None:
+        if key is not None and not _is_label(key, text, line.end()):
             yield KEY, (line.start("key"), line.end("key"), misspelt(key, random))
-        elif not line["indent"].strip():
-            continue
-        if key in _FREE:
+        if (key is None and not line["indent"].strip()) or key in _FREE:
             continue
         for scalar in re.finditer(r"[^\s,\[\]{}][^,\[\]{}]*", value):
             word, at = scalar[0].strip().strip("\"'"), 0
@@ -255,6 +253,8 @@ def _in_yaml(text: str, random: Random) -> Iterator[tuple]:
             if inner is not None:  # of a mapping in one line
                 yield KEY, (at, at + len(inner[1]), misspelt(inner[1], random))
                 word, at = inner[2], at + inner.start(2)
+                if inner[1] in _FREE:
+                    continue
             if _NUMBER.fullmatch(word):
                 yield (
                     NUMBER,
@@ -269,6 +269,12 @@ def _in_yaml(text: str, random: Random) -> Iterator[tuple]:
             elif re.fullmatch(r"[\w/:]*[A-Za-z][\w/:]*", word):
                 is_type = key is not None and "type" in key
                 yield (WORD if is_type else REFERENCE), (at, at + len(word), misspelt(word, random))
+
+
+def _is_label(key: str, text: str, end: int) -> bool:
+    """Whether a key is a controller's name that nothing else of the file has: another name is as good."""
+    below = text[end:].lstrip("\n").split("\n", 1)[0].strip()
+    return below.startswith("type:") and len(re.findall(rf"\b{re.escape(key)}\s*:", text)) == 1
 
 
 # Python --------------------------------------------------------------------------------------------------------------

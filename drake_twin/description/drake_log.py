@@ -42,4 +42,4 @@ def captured_warnings() -> Iterator[list[str]]:
 
 def without_literal(text: str) -> str:
     """Remove the position in the prepared text, which the user never sees, from a message of Drake's parser."""
-    return re.sub(r"<literal-string>[.\w]*:\d*:? *(error: |warning: )?", "", text).strip()
+    return re.sub(r"<(?:literal|data)-string>[.\w]*:\d*:? *(error: |warning: )?", "", text).strip()

@@ -77,11 +77,14 @@ _NUMBERS: Mapping[str, tuple[int, int]] = {
     **dict.fromkeys(("fromto", "xyaxes", "fullinertia"), (6, 6)),
     **dict.fromkeys(("range", "ctrlrange", "forcerange", "actuatorfrcrange"), (2, 2)),
     **dict.fromkeys(("mass", "density", "armature", "frictionloss", "springref", "kp", "kv"), (1, 1)),
-    **dict.fromkeys(("damping", "stiffness", "size"), (1, 3)),
+    **dict.fromkeys(("damping", "stiffness"), (1, 1)),  # MuJoCo 4's polynomials are not modelled
+    "size": (1, 3),
     "friction": (1, 5),
     "gear": (1, 6),
 }
 _JOINT_TYPES = ("free", "ball", "slide", "hinge")
+# Type of a geom → the numbers of its size, without `fromto`.
+_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
 _GEOM_TYPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
 
 
@@ -95,6 +98,8 @@ def unknown_mjcf_names(reader: XmlReader) -> list[Finding]:
 
 
 def _unknown(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
+    for name in (name for name in map(str, reader.root.attrib) if name != "model"):
+        yield reader.root, f"the attribute {name} of <mujoco>{_hint(name, ('model',))}"
     for element in reader.root.iter(etree.Element):
         above = element.getparent()
         children = None if above is None else _CHILDREN.get(str(above.tag))
@@ -113,6 +118,21 @@ def _unknown(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
         kind = element.get("type", "")
         if types and kind and kind not in types:
             raise reader.error(element, f"unknown type {kind!r}", value=kind, valid=types)
+        if element.tag == "geom":
+            _check_geom(reader, element)
+
+
+def _check_geom(reader: XmlReader, geom: etree._Element) -> None:
+    """Check the mass and the size of a geom, where no default class gives it another type."""
+    if reader.number(geom, "mass", 0.0) < 0:
+        raise reader.error(geom, f"mass is {geom.get('mass')!r}, and it cannot be negative")
+    has_defaults = next(reader.root.iterfind("default//geom"), None) is not None
+    count = _SIZES.get(geom.get("type", "sphere"), 0)
+    if has_defaults or "fromto" in geom.attrib or geom.get("mesh") or "include" in {item.tag for item in reader.root}:
+        return
+    if len(geom.get("size", "").split()) < count:
+        size = f"size is {geom.get('size')!r}" if "size" in geom.attrib else "it has no size"
+        raise reader.error(geom, f"{size}, but a {geom.get('type', 'sphere')} needs {count} of them")
 
 
 def _check_numbers(reader: XmlReader, element: etree._Element, name: str) -> None:
@@ -123,7 +143,7 @@ def _check_numbers(reader: XmlReader, element: etree._Element, name: str) -> Non
             reader.parse_number(element, word, name)
         return
     how = needed(least) if least == most else f"{least} to {most} numbers are needed"
-    raise reader.error(element, f"{name} is {element.get(name)!r}, but {how}")
+    raise reader.error(element, f"{name} is {element.get(name)!r}, where {how}")
 
 
 def _hint(name: object, known: Collection[str]) -> str:

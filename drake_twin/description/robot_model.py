@@ -145,14 +145,20 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.link_surface import sdf_surfaces
     from drake_twin.description.sdf import joint_frictions, prepare_sdf
+    from drake_twin.description.sdf_values import with_place, wrong_numbers
     from drake_twin.description.sensors import sensors_in_sdf
 
     text, file, lost = included_model(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
     reader = XmlReader(text, file)
+    if reader.root.get("version") is None:
+        raise reader.error(reader.root, "the attribute 'version' is missing")
     (model,) = reader.root.findall("model")
     frictions = {name: (friction, place) for name, friction, place in joint_frictions(reader, model)}
-    description = describe_model(prepared, "sdf", text, file, own_name)
+    try:
+        description = describe_model(prepared, "sdf", text, file, own_name)
+    except InputError as error:
+        raise with_place(error, reader) from None
     plugins = tuple(read_plugins(reader, "model/plugin"))
     joints = [
         replace(joint, friction=frictions.pop(joint.name)[0]) if joint.is_movable and joint.name in frictions else joint
@@ -174,8 +180,8 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         "sdf",
         is_fixed,
         findings=(
-            *(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings),
-            *(*gravity.findings, *unread_in_sdf(reader), *wrong_flags(reader, model)),
+            *(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings, *gravity.findings),
+            *(*unread_in_sdf(reader), *wrong_flags(reader, model), *wrong_numbers(reader, model)),
         ),
         falls=gravity.falls,
     )

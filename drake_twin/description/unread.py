@@ -6,12 +6,14 @@ from typing import TypeAlias
 
 from lxml import etree
 
+from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sdf_document import number_in
 from drake_twin.description.sdf_model import KEPT
+from drake_twin.description.sdf_values import wrong_numbers
 from drake_twin.description.sensors import SENSOR_PLUGINS
 from drake_twin.description.used_elements import (
     DRAKE,
@@ -84,12 +86,13 @@ def unread_in_world_model(model: etree._Element) -> Iterator[tuple[str, Weight]]
             yield f"friction of joint {joint}: only those of robots have it", Weight.MOVES
 
 
-def unread_in_world(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
-    """Report the elements and attributes of a world's lights, physics and place on Earth that are not SDF's."""
+def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:
+    """Report what of a world is not SDF: flags, numbers, and elements of its lights, physics and place on Earth."""
     parts = {"light": SDF_LIGHT, "physics": SDF_PHYSICS, "spherical_coordinates": SDF_SPHERICAL}
     found = ((element, part) for tag, part in parts.items() for element in world.iterfind(tag))
     unread = (each for element, part in found for each in _unread(element, part))
-    return _findings(reader, (each for each in unread if not _has_no_effect(each[0], each[1])))
+    names = _findings(reader, (each for each in unread if not _has_no_effect(each[0], each[1])))
+    return [*names, *wrong_flags(reader, world), *wrong_numbers(reader, world)]
 
 
 def _has_no_effect(element: etree._Element, thing: str) -> bool:

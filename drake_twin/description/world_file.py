@@ -14,7 +14,6 @@ from typing import Any
 from lxml import etree
 
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -191,7 +190,7 @@ class _World:
     def read(self) -> WorldFile:
         """Return the world as plain data."""
         world = self._world
-        wrong = (*wrong_flags(self._reader, world), *unread_in_world(self._reader, world))
+        wrong = unread_in_world(self._reader, world)
         models = list(self._models())
         surroundings = read_surroundings(self._reader, world, self._includes.lights, self._lose)
         physics = next(

@@ -20,7 +20,7 @@ from pydrake.systems.framework import (
 
 from drake_twin.description.drake_urdf import urdf_link_name
 from drake_twin.description.package_index import PackageIndex
-from drake_twin.description.world_file import WorldFile, read_world
+from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
@@ -34,7 +34,7 @@ from drake_twin.diagram.visualizer import add_visualizer
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ControllerPlan
-from drake_twin.planning.plans import plan_robots
+from drake_twin.planning.plans import plan_robots, world_of
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.topics import GROUND_TRUTH, controller_topic, robot_topic
 from drake_twin.planning.world_sensors import ModelPlan, plan_models
@@ -196,10 +196,7 @@ def build_twin_diagram(
     if known is not None and known.world == scenario.world:
         world_file = known.world_file
     else:
-        world = scenario.world
-        world_file = None
-        if world.file is not None:
-            world_file = read_world(world.file, packages, world.without_models, world.model_poses, world.model_copies)
+        world_file = world_of(scenario.world, packages)
     builder = DiagramBuilder()
     try:
         parts = add_plant(builder, scenario, plans, world_file, known_gains)

@@ -1,12 +1,31 @@
-"""The plans of all robots of a scenario."""
+"""The plans of all robots of a scenario, and its world."""
 
 from collections.abc import Iterable, Mapping
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
+from drake_twin.description.world_file import WorldFile, read_world
+from drake_twin.errors import InputError
 from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 from drake_twin.progress import told
-from drake_twin.scenario import Scenario
+from drake_twin.scenario import Scenario, ScenarioError, World
+
+
+def world_of(world: World, packages: PackageIndex) -> WorldFile | None:
+    """Read the world of a scenario; None if it has no file.
+
+    Raises:
+        InputError: If the file is not an SDF world, or a value is invalid.
+        ScenarioError: If it does not exist.
+    """
+    if world.file is None:
+        return None
+    try:
+        return read_world(world.file, packages, world.without_models, world.model_poses, world.model_copies)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise ScenarioError(("world", "file"), error.message, valid=error.valid, value=error.value) from None
 
 
 def plan_robots(scenario: Scenario, packages: PackageIndex, known: Iterable[RobotPlan] = ()) -> tuple[RobotPlan, ...]:

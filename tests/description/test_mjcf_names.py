@@ -52,9 +52,9 @@ def test_a_name_that_mujoco_does_not_have_is_a_finding_with_its_line(right, wron
     ("right", "wrong", "line", "what"),
     [
         ('pos="0 0 0.5"', 'pos="0 0 0,5"', 5, "<body name='base'>: pos is '0,5', which is not a number"),
-        ('pos="0 0 0.5"', 'pos="0 0"', 5, "<body name='base'>: pos is '0 0', but three numbers are needed"),
+        ('pos="0 0 0.5"', 'pos="0 0"', 5, "<body name='base'>: pos is '0 0', where three numbers are needed"),
         ('mass="1"', 'mass="nan"', 6, "<inertial> of <body name='base'>: mass is 'nan', which is not finite"),
-        ('gear="2"', 'gear=""', 12, "<position> of <actuator>: gear is '', but 1 to 6 numbers are needed"),
+        ('gear="2"', 'gear=""', 12, "<position> of <actuator>: gear is '', where 1 to 6 numbers are needed"),
         ('"hinge"', '"hing"', 7, "<joint name='j'>: unknown type 'hing'. Did you mean 'hinge'? Valid: free, ball"),
     ],
 )
