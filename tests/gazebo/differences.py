@@ -45,6 +45,8 @@ def link_differences(
 ) -> Iterator[Difference]:
     """Yield the differences of a link, its collision shapes and its sensors."""
     yield from pose_difference(where, gazebo["pose"], twin["pose"])
+    if twin.get("self_collide", gazebo["self_collide"]) != gazebo["self_collide"]:
+        yield Difference("surface", where, gazebo["self_collide"], twin["self_collide"])
     for kind in ("collisions", "sensors"):
         ours = by_name(twin[kind])
         for item in gazebo.get(kind, ()):

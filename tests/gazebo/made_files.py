@@ -107,6 +107,7 @@ def _surface(dice: Dice, link: str) -> str:
     if dice.often(0.3):
         coefficients = f"<mu>{dice.number(0, 2):g}</mu>" + (f"<mu2>{dice.number(0, 2):g}</mu2>" if dice.often() else "")
         inside += f"<collision><surface><friction><ode>{coefficients}</ode></friction></surface></collision>"
+    inside += f"<selfCollide>{dice.one(('true', 'false'))}</selfCollide>" if dice.often(0.2) else ""
     return f'<gazebo reference="{link}">{inside}</gazebo>'
 
 

@@ -66,6 +66,7 @@ def first(models, kind):
         ("joints", "type", "ball", "type"),
         ("joints", "axis", [0, 0.6, 0.8], "axis"),
         ("joints", "limits", [-2.5, 2.5, 3.5, 4.5], "limit"),
+        ("links", "self_collide", None, "surface"),
         ("joints", "friction", 7.0, "dynamics"),
         ("collisions", "pose", [9, 0, 0, 1, 0, 0, 0], "pose"),
         ("collisions", "name", "other", "name"),
