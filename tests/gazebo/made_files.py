@@ -114,7 +114,11 @@ def _surface(dice: Dice, link: str) -> str:
 def _sensor(dice: Dice, link: str) -> str:
     pose = f"<pose>{dice.pose()}</pose>" if dice.often(0.7) else ""
     rate = f"<update_rate>{dice.number(1, 100, 0):g}</update_rate>"
-    return f'<gazebo reference="{link}"><sensor name="{link}_sensor" type="imu">{pose}{rate}</sensor></gazebo>'
+    topic = f"<topic>{dice.one(('imu', '/up', 'a/b'))}</topic>" if dice.often() else ""
+    kind = dice.one(("imu", "gpu_lidar", "altimeter"))
+    return (
+        f'<gazebo reference="{link}"><sensor name="{link}_sensor" type="{kind}">{pose}{topic}{rate}</sensor></gazebo>'
+    )
 
 
 # --- SDF

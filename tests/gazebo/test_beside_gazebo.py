@@ -73,6 +73,7 @@ def first(models, kind):
         ("collisions", "mu", 0.001, "surface"),
         ("sensors", "pose", [9, 0, 0, 1, 0, 0, 0], "pose"),
         ("sensors", "name", "other", "name"),
+        ("sensors", "rate", 1e3, "sensor"),
     ],
 )
 def test_another_value_is_a_difference(tmp_path, of, key, value, kind):

@@ -70,6 +70,8 @@ def values_of_robot(model):
             {
                 "name": item.name,
                 "type": item.kind,
+                "topic": item.topic,
+                "rate": item.update_rate,
                 "pose": numbers(sensor_pose(item, link, poses, plant, context)),
             }
             for item in description.sensors
