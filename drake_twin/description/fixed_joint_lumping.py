@@ -45,6 +45,16 @@ def lumped_links(root: etree._Element) -> dict[str, str]:
     return found
 
 
+def link_families(root: etree._Element) -> dict[str, tuple[str, ...]]:
+    """Return each link that Gazebo has → itself and the links that are folded into it, in Gazebo's order."""
+    folded = _folded(root)
+    children: defaultdict[str, list[tuple[str, str]]] = defaultdict(list)
+    for child, (joint, parent) in folded.items():
+        children[parent].append((joint, child))
+    links = map(_name, root.iterfind("link"))
+    return {link: tuple(_family(link, children)) for link in links if link not in folded}
+
+
 def gazebo_collisions(root: etree._Element) -> dict[tuple[str, int], GazeboCollision]:
     """Return link and index of each collision shape of a URDF → the shape in Gazebo, in Gazebo's order.
 
@@ -53,19 +63,13 @@ def gazebo_collisions(root: etree._Element) -> dict[tuple[str, int], GazeboColli
     ``LINK_fixed_joint_lump__NAME_collision``. ``InsertSDFExtensionCollision``: by this name Gazebo also tells whose
     ``<gazebo reference>`` is meant, so that one with a name of its own usually has the default surface.
     """
-    shapes: defaultdict[str, list[str]] = defaultdict(list)
-    for element in root.iterfind("link"):
-        shapes[_name(element)] = [shape.get("name", "") for shape in element.iterfind("collision")]
-    folded = _folded(root)
-    children: defaultdict[str, list[tuple[str, str]]] = defaultdict(list)
-    for child, (joint, parent) in folded.items():
-        children[parent].append((joint, child))
+    shapes = {
+        _name(element): [shape.get("name", "") for shape in element.iterfind("collision")]
+        for element in root.iterfind("link")
+    }
     found = {}
-    for link in list(shapes):
-        if link in folded:
-            continue
-        family = list(_family(link, children))
-        places = [(own, index) for own in family for index in range(len(shapes[own]))]
+    for link, family in link_families(root).items():
+        places = [(own, index) for own in family for index in range(len(shapes.get(own, ())))]
         for count, (own, index) in enumerate(places):
             name = f"{shapes[own][index] or own}{_COLLISION}" + (f"_{count}" if count else "")
             name = name if name.startswith(link) else f"{link}{LUMP}{name}"

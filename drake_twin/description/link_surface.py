@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from lxml import etree
 
-from drake_twin.description.fixed_joint_lumping import gazebo_collisions
+from drake_twin.description.fixed_joint_lumping import gazebo_collisions, link_families
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.values import is_true
 
@@ -56,12 +56,14 @@ def link_surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
             friction = _with_friction_of(element, friction, reader)
         frictions[link][index] = friction
     surfaces: dict[str, LinkSurface] = {}
-    for link in dict.fromkeys((*frictions, *tags)):
-        own = tuple(friction for _, friction in sorted(frictions[link].items()))
-        flags = [flag for tag in tags.get(link, ()) if (flag := _self_collide(tag)) is not None]
-        surface = LinkSurface(own if any(own) else (), flags[-1] if flags else None)
-        if surface != LinkSurface():
-            surfaces[link] = surface
+    for family in link_families(reader.root).values():
+        flags = [_self_collide(tag) for link in family for tag in tags.get(link, ())]
+        given = [flag for flag in flags if flag is not None]  # what is folded together is one link in Gazebo
+        for link in family:
+            own = tuple(friction for _, friction in sorted(frictions[link].items()))
+            surface = LinkSurface(own if any(own) else (), given[-1] if given else None)
+            if surface != LinkSurface():
+                surfaces[link] = surface
     return surfaces
 
 

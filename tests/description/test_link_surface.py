@@ -43,6 +43,15 @@ def test_a_link_without_shapes_has_only_flags():
     assert surfaces(link("base") + tags) == {"base": LinkSurface(self_collide=False)}
 
 
+def test_links_that_are_folded_together_collide_as_one():
+    body = link("hand", "") + link("nail") + link("tip", "") + fixed("b", "hand", "tip") + fixed("a", "hand", "nail")
+    body += told("tip", "<selfCollide>true</selfCollide>") + told("hand", "<selfCollide>false</selfCollide>")
+    assert surfaces(body) == dict.fromkeys(("hand", "nail", "tip"), LinkSurface(self_collide=True))
+    kept = told("b", "<preserveFixedJoint>true</preserveFixedJoint>")
+    apart = {"hand": LinkSurface(self_collide=False), "nail": LinkSurface(self_collide=False)}
+    assert surfaces(body + kept) == apart | {"tip": LinkSurface(self_collide=True)}
+
+
 def test_a_surface_in_the_tag_comes_first():
     surface = "<collision><surface><friction><ode><mu>0.3</mu><mu2>0.2</mu2></ode></friction></surface></collision>"
     assert surfaces(link("base", "") + told("base", f"<mu1>0.9</mu1>{surface}")) == {

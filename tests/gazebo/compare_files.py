@@ -26,7 +26,7 @@ from gazebo.differences import Difference, by_name, link_differences, robot_diff
 from gazebo.gazebo_values import compile_reader, flattened, gazebo_models, transform
 from gazebo.twin_values import numbers, values_of_robot, values_of_world
 
-KINDS = ("pose", "name", "axis", "type", "limit", "surface")
+KINDS = ("pose", "name", "axis", "type", "limit", "dynamics", "surface", "sensor")
 
 
 @dataclass

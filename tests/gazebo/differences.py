@@ -14,6 +14,10 @@ SAME = 2e-5  # m and rad: libsdformat writes the poses of folded links with six 
 UPRIGHT, NEARLY_UPRIGHT = 0.99999, 5e-3
 
 
+# Older name of a kind of sensor → the one that libsdformat prints.
+SYNONYMS = {"ray": "lidar", "gpu_ray": "gpu_lidar", "depth": "depth_camera", "wideanglecamera": "wide_angle_camera"}
+
+
 class Difference(NamedTuple):
     """A value that differs: what kind of value, of what, Gazebo's, the twin's, and why if it is so on purpose."""
 
@@ -45,6 +49,8 @@ def link_differences(
 ) -> Iterator[Difference]:
     """Yield the differences of a link, its collision shapes and its sensors."""
     yield from pose_difference(where, gazebo["pose"], twin["pose"])
+    if twin.get("self_collide", gazebo["self_collide"]) != gazebo["self_collide"]:
+        yield Difference("surface", where, gazebo["self_collide"], twin["self_collide"])
     for kind in ("collisions", "sensors"):
         ours = by_name(twin[kind])
         for item in gazebo.get(kind, ()):
@@ -58,6 +64,9 @@ def link_differences(
                 continue
             if not item.get("is_other"):  # the twin has a mesh's hull or the primitive that it is, and a plane's slab
                 yield from pose_difference(of, item["pose"], own["pose"])
+            for name in ("type", "topic", "rate") if kind == "sensors" else ():
+                if item[name] != SYNONYMS.get(own[name], own[name]):
+                    yield Difference("sensor", f"{name} of {of}", item[name], own[name])
             if kind == "collisions":
                 friction = max(0.0, min(item["mu"], item["mu2"]))
                 if not np.isclose(friction, own["mu"], rtol=1e-6, atol=1e-9):

@@ -107,13 +107,18 @@ def _surface(dice: Dice, link: str) -> str:
     if dice.often(0.3):
         coefficients = f"<mu>{dice.number(0, 2):g}</mu>" + (f"<mu2>{dice.number(0, 2):g}</mu2>" if dice.often() else "")
         inside += f"<collision><surface><friction><ode>{coefficients}</ode></friction></surface></collision>"
+    inside += f"<selfCollide>{dice.one(('true', 'false'))}</selfCollide>" if dice.often(0.2) else ""
     return f'<gazebo reference="{link}">{inside}</gazebo>'
 
 
 def _sensor(dice: Dice, link: str) -> str:
     pose = f"<pose>{dice.pose()}</pose>" if dice.often(0.7) else ""
     rate = f"<update_rate>{dice.number(1, 100, 0):g}</update_rate>"
-    return f'<gazebo reference="{link}"><sensor name="{link}_sensor" type="imu">{pose}{rate}</sensor></gazebo>'
+    topic = f"<topic>{dice.one(('imu', '/up', 'a/b'))}</topic>" if dice.often() else ""
+    kind = dice.one(("imu", "gpu_lidar", "altimeter"))
+    return (
+        f'<gazebo reference="{link}"><sensor name="{link}_sensor" type="{kind}">{pose}{topic}{rate}</sensor></gazebo>'
+    )
 
 
 # --- SDF

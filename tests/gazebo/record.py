@@ -14,8 +14,8 @@ RECORDED = Path(__file__).with_name("recorded.json")
 SEEDS = {"urdf": range(30), "sdf": range(20), "world": range(12)}
 
 # What `read_values.cc` prints beyond this is for people.
-KEPT = ("name", "pose", "static", "links", "joints", "models", "collisions", "sensors", "mu", "mu2")
-KEPT += ("type", "parent", "child", "axis", "limits")
+KEPT = ("name", "pose", "static", "links", "joints", "models", "collisions", "sensors", "mu", "mu2", "self_collide")
+KEPT += ("type", "parent", "child", "axis", "limits", "damping", "friction", "topic", "rate")
 
 
 def made(kind: str, seed: int, folder: Path) -> Path:

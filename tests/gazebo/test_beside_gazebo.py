@@ -66,11 +66,14 @@ def first(models, kind):
         ("joints", "type", "ball", "type"),
         ("joints", "axis", [0, 0.6, 0.8], "axis"),
         ("joints", "limits", [-2.5, 2.5, 3.5, 4.5], "limit"),
+        ("links", "self_collide", None, "surface"),
+        ("joints", "friction", 7.0, "dynamics"),
         ("collisions", "pose", [9, 0, 0, 1, 0, 0, 0], "pose"),
         ("collisions", "name", "other", "name"),
         ("collisions", "mu", 0.001, "surface"),
         ("sensors", "pose", [9, 0, 0, 1, 0, 0, 0], "pose"),
         ("sensors", "name", "other", "name"),
+        ("sensors", "rate", 1e3, "sensor"),
     ],
 )
 def test_another_value_is_a_difference(tmp_path, of, key, value, kind):

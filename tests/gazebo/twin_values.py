@@ -70,6 +70,8 @@ def values_of_robot(model):
             {
                 "name": item.name,
                 "type": item.kind,
+                "topic": item.topic,
+                "rate": item.update_rate,
                 "pose": numbers(sensor_pose(item, link, poses, plant, context)),
             }
             for item in description.sensors
@@ -77,6 +79,8 @@ def values_of_robot(model):
         ]
         links.append({"name": link, "pose": numbers(poses[link]), "collisions": collisions, "sensors": sensors})
         links[-1]["lost"] = is_lost
+        if model.drake_format == "urdf":  # of an SDF it is not used, and a finding says so
+            links[-1]["self_collide"] = bool(link in description.surfaces and description.surfaces[link].self_collide)
     joints = []
     for joint in (each for each in description.joints if not (each.type == "fixed" and each.child in lumped)):
         X_MJ = poses[joint.parent] @ transform(joint.origin)
