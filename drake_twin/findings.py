@@ -41,7 +41,7 @@ _MOST_LINES = 8  # in a sentence
 _MOST_TOLD = 5  # lines of a run that does not ask for all findings
 
 # How the sentence begins that names meshes whose faults do not change what collides.
-HARMLESS_MESHES = "convex hulls of meshes that are not the surface of a solid"
+HARMLESS_MESHES = "convex hulls collide in place of faulty meshes"
 
 # What is told last: how a robot looks, and what Gazebo's engine (DART) does not use either.
 _LEAST = (
