@@ -11,6 +11,8 @@ _FLAT = 1e-6  # relative to the size
 THINNEST = 1e-3  # relative to the size: hulls of thinner meshes are made thicker, because Drake needs volume
 _NO_VOLUME = 1e-9  # relative to the size cubed
 
+_FEW = 0.02  # of a mesh's triangles or edges: so many faults have most meshes of robots
+
 _MOST_CORNERS = 2**21  # of a mesh whose edges are examined: three of them are one number of 63 bits
 
 
@@ -43,6 +45,12 @@ class MeshFaults:
     is_thin: bool = False
     dimensions: int = 3
     is_inside_out: bool = False
+
+    @property
+    def is_poor_surface(self) -> bool:
+        """Whether more than a few triangles or edges are not those of the surface of a solid, but for openings."""
+        triangles, edges = self.degenerate + self.doubled, self.crowded_edges + self.turned_edges
+        return triangles > _FEW * self.triangles or edges > _FEW * 1.5 * self.triangles
 
     @property
     def unplaced_text(self) -> str:

@@ -40,17 +40,17 @@ def said_of_hull(file: Path) -> Iterator[str]:
 
 
 def said_of_hulls(files: Iterable[Path]) -> Iterator[str]:
-    """Yield one sentence on all collision meshes whose faults do not change their convex hulls.
+    """Yield one sentence on all collision meshes with many faults that do not change their convex hulls.
 
     Raises:
         InputError: If a file cannot be read.
     """
-    found = {file.name: ", ".join(mesh_faults(file).of_surface()) for file in files}
-    faulty = [f"{name} ({text})" for name, text in found.items() if text]
+    found = {file.name: mesh_faults(file) for file in files}
+    faulty = [f"{name} ({', '.join(each.of_surface())})" for name, each in found.items() if each.is_poor_surface]
     if faulty:
         more = f" and {len(faulty) - _MOST_NAMED} more" if len(faulty) > _MOST_NAMED else ""
         named = "; ".join(faulty[:_MOST_NAMED]) + more
-        yield f"convex hulls of meshes that are not the surface of a solid collide: {named}"
+        yield f"convex hulls collide in place of faulty meshes, as of sound ones: {named}"
 
 
 def said_of_solids(file: Path) -> Iterator[str]:

@@ -23,7 +23,7 @@ from drake_twin.requirements import missing
 HULL = ".hull.obj"  # the end of the names of convex hulls
 _FAULTS = ".faults.json"
 
-MOST_DRAWN = 300_000  # triangles of a mesh without colours: a page draws no more at once
+MOST_DRAWN = 500_000  # triangles of a mesh without colours: a page draws no more at once
 _FINEST_DRAWN = 1 / 1024  # of its size: details of a mesh of more
 
 # A primitive replaces a mesh whose hull's vertices are on it within this part of the mesh's size.

@@ -101,6 +101,9 @@ def joint_differences(
         yield Difference("axis", of, gazebo["axis"], twin["axis"], reason)
     lower, upper, velocity, effort = (inf if value is None else value for value in gazebo["limits"])
     theirs = [lower, upper, *(inf if value < 0 else value for value in (velocity, effort))]  # SDF's "no limit"
+    for name in ("damping", "friction"):
+        if not np.isclose(gazebo[name], twin[name], rtol=1e-5):
+            yield Difference("dynamics", f"{name} of {of}", gazebo[name], twin[name])
     for name, value, own in zip(("lower", "upper", "velocity", "effort"), theirs, twin["limits"], strict=True):
         if not same_bound(value, own):
             is_zero = value == 0.0 and own == inf and name in ("velocity", "effort")

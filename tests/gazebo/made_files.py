@@ -194,7 +194,9 @@ def _sdf_joint(dice: Dice, name: str, parent: str, child: str, known: Sequence[s
         bounds += f"<effort>{dice.number(1, 9):g}</effort>" if dice.often() else ""
         bounds += f"<velocity>{dice.number(1, 9):g}</velocity>" if dice.often() else ""
         axis = dice.one(("1 0 0", "0 -1 0", "0 0 2", "1 1 0"))
-        inside += f"<axis><xyz{within}>{axis}</xyz><limit>{bounds}</limit></axis>"
+        dynamics = f"<damping>{dice.number(0, 1):g}</damping>" if dice.often() else ""
+        dynamics += f"<friction>{dice.number(0, 1):g}</friction>" if dice.often() else ""
+        inside += f"<axis><xyz{within}>{axis}</xyz><limit>{bounds}</limit><dynamics>{dynamics}</dynamics></axis>"
     return f'<joint name="{name}" type="{kind}">{inside}</joint>'
 
 
