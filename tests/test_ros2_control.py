@@ -571,7 +571,7 @@ def test_a_gain_that_is_none_is_refused(make, monkeypatch):
     wrong = "<hardware><param name='position_proportional_gain'>fast</param>"
     monkeypatch.setitem(globals(), "ROBOT", ROBOT.replace("<hardware>", wrong))
     with pytest.raises(
-        InputError, match=r"robot\.urdf: position_proportional_gain is 'fast', which is not a positive number"
+        InputError, match=r"robot\.urdf:\d+: position_proportional_gain is 'fast', which is not a positive number"
     ):
         make("positions")
 

@@ -81,14 +81,21 @@ def _with_friction_of(element: etree._Element, friction: Friction | None, reader
     """Return a friction as a ``<gazebo reference>`` changes it: ``<surface>`` first, then ``<mu1>`` and ``<mu2>``."""
     for surface in element.iterfind("collision/surface"):
         found = {"mu": surface.findtext("friction/ode/mu"), "mu2": surface.findtext("friction/ode/mu2")}
-        numbers = {name: reader.parse_number(surface, text.strip(), name) for name, text in found.items() if text}
+        numbers = {name: _coefficient(reader, surface, text.strip(), name) for name, text in found.items() if text}
         friction = Friction(**numbers) if numbers else None
     for tag, name in (("mu1", "mu"), ("mu2", "mu2")):
         text = text_or_value(element, tag)
         if text is not None:
-            value = reader.parse_number(element, text, tag)
+            value = _coefficient(reader, element, text, tag)
             friction = replace(friction or Friction(), **{name: value})
     return friction
+
+
+def _coefficient(reader: XmlReader, element: etree._Element, text: str, name: str) -> float:
+    value = reader.parse_number(element, text, name)
+    if value < 0:
+        raise reader.error(element, f"{name} is {value:g}, and it cannot be negative")
+    return value
 
 
 def _self_collide(element: etree._Element) -> bool | None:

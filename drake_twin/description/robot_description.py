@@ -190,6 +190,7 @@ class HardwareSystem:
     sensors: tuple[HardwareSensor, ...] = ()
     parameters: Mapping[str, str] = field(default_factory=dict)
     gpios: tuple[Gpio, ...] = ()
+    place: Place = field(default=Place(""), compare=False)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Numbers of SDF that are none, with which Gazebo's reader refuses a file, and where Drake's reader refuses one."""
+"""Words of SDF where a number is needed, with which Gazebo refuses a file, and where Drake's reader refuses one."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -34,6 +34,7 @@ _OF_PARENT: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "attenuation": dict.fromkeys(("constant", "linear", "quadratic"), _ONE),
     "spot": {"outer_angle": _ONE},
 }
+_NEVER_NEGATIVE = ("mu", "mu2")
 _OF_LIGHTS = ("light", "attenuation", "spot")
 
 
@@ -48,6 +49,8 @@ def _wrong(root: etree._Element) -> Iterator[tuple[etree._Element, str]]:
             counts, words = _OF_PARENT[str(parent.tag)].get(str(element.tag)), (element.text or "").split()
             is_reported = bool(words) and parent.tag in _OF_LIGHTS
             why = None if counts is None or len(element) or is_reported else _why(words, *counts)
+            if counts is not None and why is None and element.tag in _NEVER_NEGATIVE and float(words[0]) < 0:
+                why = "which cannot be negative"
             if why is not None:
                 yield element, f"<{element.tag}> of <{parent.tag}> is {' '.join(words)!r}, {why}: Gazebo refuses it"
 

@@ -163,6 +163,7 @@ def _hardware_system(reader: XmlReader, element: etree._Element) -> HardwareSyst
         parameters=parameters,
         sensors=tuple(hardware_sensors(reader, element)),
         gpios=tuple(hardware_gpios(reader, element, parameters)),
+        place=reader.place(element if hardware is None else hardware),
     )
 
 

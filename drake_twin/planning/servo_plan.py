@@ -2,24 +2,27 @@
 
 from collections.abc import Iterator, Sequence
 from math import nan
+from pathlib import Path
 
 from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
 from drake_twin.description.robot_description import MUJOCO, RobotDescription
 from drake_twin.errors import InputError
+from drake_twin.findings import Place
 
 
-def _settings(description: RobotDescription, name: str) -> Iterator[str]:
+def _settings(description: RobotDescription, name: str) -> Iterator[tuple[str, Place]]:
     """Yield a setting of gz_ros2_control from the places where a robot file may have it: hardware and plugin."""
     for system in description.systems:
         if name in system.parameters:
-            yield system.parameters[name]
+            yield system.parameters[name], system.place
     for plugin in description.plugins:
-        yield from plugin.elements.get(name, ())
+        yield from ((text, plugin.place) for text in plugin.elements.get(name, ()))
 
 
 def hold_joints(description: RobotDescription) -> bool:
     """Return whether a joint that no controller claims is held."""
-    return next((text.strip().lower() not in ("false", "0") for text in _settings(description, "hold_joints")), True)
+    settings = _settings(description, "hold_joints")
+    return next((text.strip().lower() not in ("false", "0") for text, _ in settings), True)
 
 
 # Hardware that follows a commanded position within an update: classic Gazebo's sets it, mock hardware copies it.
@@ -36,18 +39,18 @@ def position_time_constant(description: RobotDescription, update_rate: float) ->
     Raises:
         InputError: If the file's gain is not a positive number.
     """
-    for text in _settings(description, "position_proportional_gain"):
+    for text, place in _settings(description, "position_proportional_gain"):
+        at = Path(place.file) if place.file else description.file
         try:
             gain = float(text)
         except ValueError:
             gain = nan
         if not gain > 0:
-            raise InputError(
-                f"position_proportional_gain is {text!r}, which is not a positive number", file=description.file
-            )
+            what = f"{text!r}, which is not a positive number"
+            raise InputError(f"position_proportional_gain is {what}", file=at, line=place.line)
         if not _SLOWEST <= gain * update_rate <= _FASTEST:
             what = f"{text!r}, and {update_rate:g} Hz times that is not from {_SLOWEST:g} to {_FASTEST:g} 1/s"
-            raise InputError(f"position_proportional_gain is {what}", file=description.file)
+            raise InputError(f"position_proportional_gain is {what}", file=at, line=place.line)
         return 1.0 / (gain * update_rate)
     systems = [system for system in description.systems if system.plugin]
     at_once = bool(systems) and all(system.plugin.startswith(_AT_ONCE) for system in systems)

@@ -125,6 +125,13 @@ def test_joints_with_a_velocity_limit_of_zero_share_a_sentence():
     )
 
 
+def test_a_velocity_limit_below_zero_is_none_and_said():
+    below = '<limit lower="-1" upper="1" effort="1" velocity="-3"/>'
+    root, (repair,) = mend(arm(joint("a", "revolute", inside=below), joint("b", "prismatic", inside=below)))
+    assert [limit.get("velocity") for limit in root.iter("limit")] == [None, None]
+    assert repair.endswith("joint a, b: the velocity limit is -3, below zero: it has no limit [velocity_limit]")
+
+
 @pytest.mark.parametrize(
     ("joints", "reason"),
     [

@@ -4,6 +4,7 @@ import pytest
 
 from drake_twin.description.link_surface import Friction, LinkSurface, link_surfaces
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
 
 
 def surfaces(body):
@@ -83,3 +84,10 @@ def test_a_folded_link_whose_name_begins_with_the_others_has_the_surface_of_that
         "base": LinkSurface((Friction(0.7, 1.0),)),
         "base_skid": LinkSurface((Friction(0.7, 1.0),)),
     }
+
+
+@pytest.mark.parametrize("tag", ["<mu1>-1</mu1>", "<mu2>-0.5</mu2>", "<collision>{}</collision>"])
+def test_a_coefficient_below_zero_is_refused_as_by_gazebo(tag):
+    inside = tag.format("<surface><friction><ode><mu>-2</mu></ode></friction></surface>")
+    with pytest.raises(InputError, match=r"is -.*, and it cannot be negative"):
+        surfaces(link("base", "") + told("base", inside))

@@ -29,6 +29,7 @@ def test_a_model_of_numbers_has_no_finding(tmp_path):
     [
         ("0.5", "0.5..", 3, "<mu> of <ode> is '0.5..', which is not a number: Gazebo refuses it"),
         ("0.5", "0.5 1", 3, "<mu> of <ode> is '0.5 1', where one number is needed: Gazebo refuses it"),
+        ("0.5", "-1", 3, "<mu> of <ode> is '-1', which cannot be negative: Gazebo refuses it"),
         ("0.5", "", 3, "<mu> of <ode> is '', where one number is needed: Gazebo refuses it"),
         (
             "1 0 0<",

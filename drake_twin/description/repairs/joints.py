@@ -103,20 +103,25 @@ def effort_limit(reader: XmlReader) -> Mended:
 
 @repair("velocity_limit")
 def velocity_limit(reader: XmlReader) -> Mended:
-    """Remove a velocity limit of zero, at which Gazebo would hold a joint still: it stands for "not known"."""
-    limits = [(joint, joint.find("limit")) for joint in reader.root.iterfind("joint") if joint.get("type") in _MOVABLE]
-    still = [(joint, limit) for joint, limit in limits if limit is not None and _is_zero(limit.get("velocity"))]
-    for _, limit in still:
-        del limit.attrib["velocity"]
-    if still:
-        names = [joint.get("name", "") for joint, _ in still]
+    """Remove a velocity limit of zero, at which Gazebo would hold a joint still, or below: it stands for "not known".
+
+    Below zero it is no limit in Gazebo either; -1 is how SDF says so.
+    """
+    found: dict[float, list[etree._Element]] = {}
+    for joint in reader.root.iterfind("joint"):
+        limit = joint.find("limit")
+        velocity = None if limit is None else number_or_none(limit.get("velocity"))
+        if joint.get("type") not in _MOVABLE or limit is None or velocity is None:
+            continue
+        if velocity <= 0 and velocity != -1:
+            del limit.attrib["velocity"]
+            found.setdefault(velocity, []).append(joint)
+    for velocity, joints in found.items():
+        names = [joint.get("name", "") for joint in joints]
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-        what = f"{', '.join(names[:_MOST_NAMED])}{more}: the velocity limit is 0, at which Gazebo holds a joint still"
-        yield still[0][0], f"joint {what}: it has no limit"
-
-
-def _is_zero(text: str | None) -> bool:
-    return text is not None and number_or_none(text) == 0.0
+        why = "at which Gazebo holds a joint still" if velocity == 0 else "below zero"
+        named = f"joint {', '.join(names[:_MOST_NAMED])}{more}"
+        yield joints[0], f"{named}: the velocity limit is {velocity:g}, {why}: it has no limit"
 
 
 @repair("mimic")
