@@ -105,7 +105,7 @@ def effort_limit(reader: XmlReader) -> Mended:
 def velocity_limit(reader: XmlReader) -> Mended:
     """Remove a velocity limit of zero, at which Gazebo would hold a joint still, or below: it stands for "not known".
 
-    Below zero it is no limit in Gazebo either; -1 is how SDF says so.
+    Below zero it does not limit in Gazebo either; -1 is how SDF says so.
     """
     found: dict[float, list[etree._Element]] = {}
     for joint in reader.root.iterfind("joint"):
