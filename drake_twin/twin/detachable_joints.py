@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, FilterId, GeometrySet
 from pydrake.math import RigidTransform
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.detachable_joint import Attachment, DetachableJoint
@@ -61,12 +61,40 @@ class DetachableJoints:
                 memory = replace(memory, pose=pose, since=self._root.get_time())
             self._put(joint, memory)
 
-    def moved(self, entity: str) -> None:
-        """Keep what is attached to a robot or model that was put elsewhere, or that was itself, where it is now."""
+    def moved(self, entity: str, before: frozenset[str] = frozenset()) -> None:
+        """Follow a robot or model that was put elsewhere.
+
+        What is attached to it comes along where it can, as in Gazebo. Otherwise, and where it was attached itself, the
+        joint keeps the pose that the two have now.
+
+        Args:
+            entity: Its name.
+            before: Those that have moved already.
+        """
         for joint in self._joints:
             memory = joint.controller.asked(joint.context)
-            if memory.pose and joint.in_plant is not None and entity in self._entities(joint.in_plant):
+            if not memory.pose or joint.in_plant is None:
+                continue
+            parent, child = (self._owner(body) for body in (joint.in_plant.parent, joint.in_plant.child))
+            if entity == parent and child not in {parent, *before} and self._carry(joint.in_plant, memory):
+                self.moved(child, before | {entity})
+            elif entity in (parent, child):
                 self._put(joint, replace(memory, pose=self._present_pose(joint)))
+
+    def _carry(self, in_plant: JointInPlant, memory: Attachment) -> bool:
+        """Move the child's model with the parent link, if it is free; return whether it is."""
+        plant, context, child = self._built.plant, self._plant_context, in_plant.child
+        bodies = [plant.get_body(index) for index in plant.GetBodyIndices(child.model_instance())]
+        free = [body for body in bodies if body.is_floating_base_body() and body.has_quaternion_dofs()]
+        if len(free) != 1:
+            return False
+        X_CR = plant.CalcRelativeTransform(context, child.body_frame(), free[0].body_frame())
+        X_PR = RigidTransform(np.array(memory.pose).reshape(3, 4)) @ X_CR
+        X_WP = plant.EvalBodyPoseInWorld(context, in_plant.parent)
+        V_WP = plant.EvalBodySpatialVelocityInWorld(context, in_plant.parent)
+        plant.SetFreeBodyPose(context, free[0], X_WP @ X_PR)
+        plant.SetFreeBodySpatialVelocity(context, free[0], V_WP.Shift(X_WP.rotation() @ X_PR.translation()))
+        return True
 
     def _put(self, joint: _Joint, memory: Attachment) -> None:
         if memory != joint.controller.sample(joint.context).memory:
@@ -99,6 +127,5 @@ class DetachableJoints:
         X_PC = self._built.plant.CalcRelativeTransform(self._plant_context, *frames)
         return tuple(X_PC.GetAsMatrix34().ravel().tolist())
 
-    def _entities(self, in_plant: JointInPlant) -> set[str]:
-        owners = self._built.owners()
-        return {owners.get(body.model_instance(), "") for body in (in_plant.parent, in_plant.child)}
+    def _owner(self, body: RigidBody) -> str:
+        return self._built.owners().get(body.model_instance(), "")

@@ -91,7 +91,8 @@ def test_two_free_bodies_tumble_as_one(tmp_path, time_step, bound):
     turn = np.array([0.3, 1.0, 2.0])
     way = np.array(twin.entity_state("crate").position) - (0, 0, 3)
     twin.set_entity_state("sat", angular=turn)
-    twin.set_entity_state("crate", angular=turn, linear=np.cross(turn, way))
+    state = twin.entity_state("crate")
+    assert (state.angular, state.linear) == (pytest.approx(turn), pytest.approx(np.cross(turn, way)))
     before = twin.entity_state("crate", "sat").position
     for _ in range(20):
         twin.advance_to(twin.time + 0.1)
@@ -219,6 +220,16 @@ def test_what_is_put_elsewhere_is_attached_there(crane):
     twin.place("crate", (0.5, 0, 1.5))
     twin.advance_to(0.5)
     assert twin.entity_state("crate").position == pytest.approx((0.5, 0, 1.5), abs=1e-5)
+
+
+def test_what_is_attached_comes_along_with_its_parent(crane, tmp_path):
+    twin = crane(pose="0 0 2 0.2 0 0")
+    twin.set_joint_positions("crane", {"slide": 0.7})
+    assert twin.entity_state("crate").position == pytest.approx((0.7, 0, 2))
+    twin.place("crane", (1, 0, 4), (0, 0, np.pi / 2))
+    assert twin.entity_state("crate").position == pytest.approx((1, 0.7, 3))
+    twin.advance_to(0.5)
+    assert twin.entity_state("crate").position == pytest.approx((1, 0.7, 3), abs=1e-5)
 
 
 def test_a_model_that_comes_later_is_attached_when_it_comes(crane, tmp_path):
