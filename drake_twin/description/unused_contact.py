@@ -68,7 +68,7 @@ def unused_in_urdf(reader: XmlReader, rollers: Collection[str] = ()) -> list[Fin
     """
     shapes = gazebo_collisions(reader.root)
     told = {source for shape in shapes.values() for source in shape.sources}
-    own = {link.get("name", ""): link.findall("collision") for link in reader.root.iterfind("link")}
+    own = {link.get("name", "").strip(): link.findall("collision") for link in reader.root.iterfind("link")}
     untold = {place for place, shape in shapes.items() if place[0] not in shape.sources}
     named = {link for link, index in untold if own[link][index].get("name")}
     folded = {link for link, index in untold if not own[link][index].get("name")}

@@ -56,6 +56,11 @@ def test_links_share_a_sentence():
     assert text == f"kp of l0, l1, l2, l3, l4, l5 and 3 more: {STIFFNESS}"
 
 
+def test_blanks_around_a_links_name_do_not_count():
+    reader = XmlReader("<robot name='r'><link name=' left '><collision name='tyre'/></link></robot>")
+    assert unused_in_urdf(reader) == []
+
+
 def test_a_link_without_a_shape_has_no_surface():
     assert of_urdf(of("bare", "<mu1>0.2</mu1><mu2>1.0</mu2><kp>1</kp><material>Gazebo/Red</material>")) == [
         "mu1, kp of bare: without effect: the link has no collision shape"

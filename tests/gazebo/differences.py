@@ -16,6 +16,7 @@ UPRIGHT, NEARLY_UPRIGHT = 0.99999, 5e-3
 
 # Older name of a kind of sensor → the one that libsdformat prints.
 SYNONYMS = {"ray": "lidar", "gpu_ray": "gpu_lidar", "depth": "depth_camera", "wideanglecamera": "wide_angle_camera"}
+SYNONYMS |= {"gps": "navsat"}
 
 
 class Difference(NamedTuple):
