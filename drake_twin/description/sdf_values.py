@@ -1,4 +1,4 @@
-"""Numbers of SDF that are none, with which Gazebo's reader refuses a file, and where Drake's reader refuses one."""
+"""Values of SDF that are not numbers, with which Gazebo refuses a file, and where Drake's parser refuses one."""
 
 import re
 from collections.abc import Iterator, Mapping

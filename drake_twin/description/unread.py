@@ -60,8 +60,8 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
     return () if model is None else tuple(_findings(reader, _unread(model, SDF_MODEL)))
 
 
-def unread_in_world_model(model: etree._Element) -> Iterator[str]:
-    """Describe the elements and attributes of a world's model, and of those inside it, that are not SDF's.
+def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
+    """Report the elements and attributes of a world's model, and of those inside it, that are not SDF's.
 
     What SDF knows and the twin does not use there has no finding of this kind: `drake_twin.description.sdf_model`
     reports what affects the motion.
@@ -71,7 +71,7 @@ def unread_in_world_model(model: etree._Element) -> Iterator[str]:
             above = element.getparent()
             is_reported = above is not None and above.tag in KEPT and not _is_about_attribute(what)
             if not (is_reported or _has_no_effect(element, what)):
-                yield what
+                yield Finding(Kind.IGNORED, what)
 
 
 def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:

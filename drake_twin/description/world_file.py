@@ -316,9 +316,8 @@ class _World:
         robot = None if static else _robot_text(model, version, reader)
         documents = self._includes.documents
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
-        unread = [Finding(Kind.IGNORED, what) for what in unread_in_world_model(model)]
-        unused = unused_in_sdf(reader, model, with_links=False)
-        for finding in (*unread, *unused, *mend_model(model, reader, self._includes.addresses.find)):
+        before = (*unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
+        for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[Finding(finding.kind, finding.what)][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)
@@ -350,11 +349,14 @@ class _World:
 
     def _states(self) -> dict[str, Any]:
         """Return the poses of the world's state as Gazebo classic saved it; they replace those of the models."""
-        return {
-            model.get("name", ""): transform_of(pose, self._reader)
-            for model in self._world.iterfind("state/model")
-            if (pose := model.find("pose")) is not None
-        }
+        found: dict[str, Any] = {}
+        for model in self._world.iterfind("state/model[pose]"):
+            name = model.get("name", "")
+            if name in found:
+                what = f"a second state of the model {name}: it replaces the first"
+                self._findings.append(Finding.at(Kind.WARNING, what, self._reader.place(model)))
+            found[name] = transform_of(model.findall("pose")[0], self._reader)
+        return found
 
     def _missing(self) -> Iterator[Finding]:
         missing = self._includes.addresses.missing

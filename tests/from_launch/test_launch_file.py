@@ -210,6 +210,15 @@ def test_one_bridge_names_the_topics_of_two_robots(tmp_path):
     assert not_started(launch.scenario) == ()
 
 
+@pytest.mark.parametrize(("topic", "told"), [("cmd_vel", 0), ("cmd_vell", 1), ("battery", 0)])
+def test_a_topic_of_a_bridge_that_is_nearly_a_drives_is_a_finding(tmp_path, topic, told):
+    spawned = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a")
+    bridge = node("ros_gz_bridge", "parameter_bridge", f"/model/a/{topic}@geometry_msgs/msg/Twist]gz.msgs.Twist")
+    found = launched(tmp_path, spawned, bridge).scenario.findings
+    what = f"the bridge carries /model/a/{topic}, which nothing has in Gazebo. Did you mean '/model/a/cmd_vel'?"
+    assert [item.what for item in found if "nothing has" in item.what] == [what] * told
+
+
 def test_a_bridges_file_names_topics_too(tmp_path):
     file = write(
         tmp_path / "bridge.yaml",
