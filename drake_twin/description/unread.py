@@ -8,6 +8,7 @@ from lxml import etree
 from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
+from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sdf_model import KEPT
 from drake_twin.description.sdf_values import wrong_numbers
@@ -80,7 +81,9 @@ def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:
     found = ((element, part) for tag, part in parts.items() for element in world.iterfind(tag))
     unread = (each for element, part in found for each in _unread(element, part))
     names = _findings(reader, (each for each in unread if not _has_no_effect(*each)))
-    return [*names, *wrong_flags(reader, world), *wrong_numbers(reader, world)]
+    plugins = [(item, GazeboPlugin(item.get("filename", ""), item.get("name", ""))) for item in world.iter("plugin")]
+    misspelt = ((item, why) for item, plugin in plugins if (why := misspelt_plugin(plugin)))
+    return [*names, *_findings(reader, misspelt), *wrong_flags(reader, world), *wrong_numbers(reader, world)]
 
 
 def _has_no_effect(element: etree._Element, what: str) -> bool:
@@ -124,6 +127,8 @@ def _unread(element: etree._Element, part: Part) -> Iterator[tuple[etree._Elemen
 
 def _unread_plugin(plugin: etree._Element) -> Iterator[tuple[etree._Element, str]]:
     filename, name = plugin.get("filename", ""), plugin.get("name", "")
+    if why := misspelt_plugin(GazeboPlugin(filename, name)):
+        yield plugin, why
     if "ros2_control" in filename + name:
         yield from _unread(plugin, ROS2_CONTROL)
         return
