@@ -13,7 +13,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
 from drake_twin.findings import Finding, Kind, merged
 from drake_twin.from_launch.launched_entities import LaunchedEntities, LaunchedFrame, RobotHint, launched_entities
-from drake_twin.planning.bridged_sensors import unpublished
+from drake_twin.planning.bridged_sensors import misspelt, unpublished
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED
 from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 from drake_twin.planning.topics import topics_with_one_owner
@@ -91,6 +91,7 @@ def _settled(launched: LaunchedEntities, time_step: float | None) -> LaunchedTwi
         plans.append(plan)
     if launched.bridges:
         findings += unpublished(launched.bridges, (*plans, *plan_models(launched.sensing, launched.world.bridged)))
+        findings += misspelt(launched.bridges, plans)
     step = time_step or launched.time_step or 0.001
     scenario = Scenario(
         robots=tuple(plan.robot for plan in plans),

@@ -190,11 +190,11 @@ def read_controllers(
 
 
 def _misspelt_groups(document: YamlDocument) -> Iterator[Finding]:
-    """Report keys that are nearly ``ros__parameters``: no node reads what is below them."""
+    """Report keys that are nearly ``ros__parameters``: what is below them belongs to no node."""
     for path in document.paths:
         key = str(path[-1])
         if key != _PARAMETERS and path.count(_PARAMETERS) == 0 and get_close_matches(key, [_PARAMETERS], cutoff=0.8):
-            what = f"the key {key!r}: no node reads what is below it. Did you mean {_PARAMETERS!r}?"
+            what = f"the key {key!r}: what is below it belongs to no node. Did you mean {_PARAMETERS!r}?"
             yield Finding.at(Kind.IGNORED, what, Place(str(document.file), document.line(path)))
 
 

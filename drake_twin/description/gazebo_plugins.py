@@ -11,9 +11,9 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.values import is_true, parse_number
 
-_GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
+GZ_LIBRARY = re.compile(r"(?:lib)?(?:gz-sim|ignition-gazebo)\d*-([\w-]+?)(?:\.so)?")
 _CLASSIC_LIBRARY = re.compile(r"(?:lib)?(gazebo_ros_\w+?)(?:\.so)?")
-_CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
+CLASS = re.compile(r"(?:gz::sim|ignition::gazebo)(?:::v\d+)?::systems::(\w+)")
 
 # Kinds of plugins whose work the twin does without them.
 DONE_HERE = frozenset(
@@ -34,7 +34,7 @@ def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
 
 def is_of_gazebo_sim(plugin: etree._Element) -> bool:
     """Tell whether a ``<plugin>`` is one of Gazebo Sim's own, and so not one of Gazebo classic."""
-    return bool(_GZ_LIBRARY.fullmatch(plugin.get("filename", "")) or _CLASS.fullmatch(plugin.get("name", "")))
+    return bool(GZ_LIBRARY.fullmatch(plugin.get("filename", "")) or CLASS.fullmatch(plugin.get("name", "")))
 
 
 def read_plugin(reader: XmlReader, plugin: etree._Element) -> GazeboPlugin:
@@ -67,12 +67,17 @@ def _texts(element: etree._Element, above: str = "") -> Iterator[tuple[str, str]
 def plugin_kind(plugin: GazeboPlugin) -> str:
     """Return a plugin's kind, in any spelling of its library: ``gazebo_ros_diff_drive``, ``diff-drive-system``."""
     library = plugin.filename.rpartition("/")[2]
-    for pattern in (_GZ_LIBRARY, _CLASSIC_LIBRARY):
+    for pattern in (GZ_LIBRARY, _CLASSIC_LIBRARY):
         match = pattern.fullmatch(library)
         if match:
             return match[1]
-    match = _CLASS.fullmatch(plugin.name)
-    return f"{_words(match[1], '-')}-system" if match else library
+    match = CLASS.fullmatch(plugin.name)
+    return class_kind(match[1]) if match else library
+
+
+def class_kind(name: str) -> str:
+    """Return the kind of a class of gz-sim: ``diff-drive-system`` for ``DiffDrive``."""
+    return f"{_words(name, '-')}-system"
 
 
 def plugin_node_name(plugin: GazeboPlugin) -> str:

@@ -33,11 +33,14 @@ class SavedState:
         self._element = world.find("state")
         self._is_used = not any(map(is_of_gazebo_sim, world.findall("plugin")))
         self._moved: list[str] = []
-        self._poses = {
-            model.get("name", ""): transform_of(pose, reader)
-            for model in (world.iterfind("state/model") if self._is_used else ())
-            if (pose := model.find("pose")) is not None
-        }
+        self._again: list[Finding] = []
+        self._poses: dict[str, RigidTransform] = {}
+        for model in world.iterfind("state/model[pose]") if self._is_used else ():
+            name = model.get("name", "")
+            if name in self._poses:
+                what = f"a second state of the model {name}: it replaces the first"
+                self._again.append(Finding.at(Kind.WARNING, what, reader.place(model)))
+            self._poses[name] = transform_of(model.findall("pose")[0], reader)
 
     def pose(self, name: str, own: "RigidTransform") -> "RigidTransform":
         """Return a model's pose in the world at the start, given its own."""
@@ -49,9 +52,10 @@ class SavedState:
         return self._poses[name]
 
     def findings(self) -> Iterator[Finding]:
-        """Yield that the state is not used, or who stands elsewhere by it."""
+        """Yield that the state is not used, who stands elsewhere by it, and who is in it twice."""
         if self._element is None:
             return
+        yield from self._again
         place = self._reader.place(self._element)
         if not self._is_used:
             yield Finding.at(Kind.IGNORED, "<state> of the world, which Gazebo Sim does not read", place)

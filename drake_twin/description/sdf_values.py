@@ -1,4 +1,4 @@
-"""Words of SDF where a number is needed, with which Gazebo refuses a file, and where Drake's reader refuses one."""
+"""Values of SDF that are not numbers, with which Gazebo refuses a file, and where Drake's parser refuses one."""
 
 import re
 from collections.abc import Iterator, Mapping

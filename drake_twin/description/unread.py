@@ -9,6 +9,7 @@ from lxml import etree
 from drake_twin.description.flags import wrong_flags
 from drake_twin.description.gazebo_drives import is_drive, known_libraries
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
+from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.description.sdf_defaults import asks_for_nothing
 from drake_twin.description.sdf_document import number_in
@@ -30,7 +31,7 @@ from drake_twin.description.used_elements import (
     weight_of,
 )
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, Weight, merged
+from drake_twin.findings import Finding, Kind, merged
 
 _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its name, and where it stands or why
 
@@ -65,25 +66,22 @@ def unread_in_sdf(reader: XmlReader) -> tuple[Finding, ...]:
     return () if model is None else tuple(_findings(reader, _unread(model, SDF_MODEL)))
 
 
-def unread_in_world_model(model: etree._Element) -> Iterator[tuple[str, Weight]]:
-    """Describe the elements and attributes of a world's model, and of those inside it, that are not SDF's.
+def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
+    """Report the elements and attributes of a world's model, and of those inside it, that are not SDF's.
 
     What SDF knows and the twin does not use there has no finding of this kind: `drake_twin.description.sdf_model`
     reports what affects the motion.
-
-    Yields:
-        What is not used, and what it is for.
     """
     for each in model.iter("model"):
         for element, thing, common in _unread(each, SDF_MODEL):
             above = element.getparent()
             is_reported = above is not None and above.tag in KEPT and not _is_attribute(thing)
             if not (is_reported or _has_no_effect(element, thing)):
-                yield thing + common, weight_of(element)
+                yield Finding(Kind.IGNORED, thing + common, weight=weight_of(element))
     for friction in model.iterfind(".//joint//dynamics/friction"):
         if number_in(friction) != 0.0:
             joint = next(friction.iterancestors("joint")).get("name", "")
-            yield f"friction of joint {joint}: only those of robots have it", Weight.MOVES
+            yield Finding(Kind.IGNORED, f"friction of joint {joint}: only those of robots have it")
 
 
 def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:
@@ -92,7 +90,9 @@ def unread_in_world(reader: XmlReader, world: etree._Element) -> list[Finding]:
     found = ((element, part) for tag, part in parts.items() for element in world.iterfind(tag))
     unread = (each for element, part in found for each in _unread(element, part))
     names = _findings(reader, (each for each in unread if not _has_no_effect(each[0], each[1])))
-    return [*names, *wrong_flags(reader, world), *wrong_numbers(reader, world)]
+    plugins = [(item, GazeboPlugin(item.get("filename", ""), item.get("name", ""))) for item in world.iter("plugin")]
+    misspelt = ((item, why, "") for item, plugin in plugins if (why := misspelt_plugin(plugin)))
+    return [*names, *_findings(reader, misspelt), *wrong_flags(reader, world), *wrong_numbers(reader, world)]
 
 
 def _has_no_effect(element: etree._Element, thing: str) -> bool:
@@ -139,6 +139,8 @@ def _unread(element: etree._Element, part: Part) -> Iterator[_Unread]:
 
 def _unread_plugin(plugin: etree._Element) -> Iterator[_Unread]:
     filename, name = plugin.get("filename", ""), plugin.get("name", "")
+    if why := misspelt_plugin(GazeboPlugin(filename, name)):
+        yield plugin, why, ""
     if "ros2_control" in filename + name:
         yield from _unread(plugin, ROS2_CONTROL)
         return

@@ -298,9 +298,8 @@ class _World:
         robot = None if static else _robot_text(model, version, reader)
         documents = self._includes.documents
         sensors = SensorsOfModel(model, lambda element: documents.get(element, reader))
-        unread = [Finding(Kind.IGNORED, what, weight=weight) for what, weight in unread_in_world_model(model)]
-        unused = unused_in_sdf(reader, model, with_links=False)
-        for finding in (*unread, *unused, *mend_model(model, reader, self._includes.addresses.find)):
+        before = (*unread_in_world_model(model), *unused_in_sdf(reader, model, with_links=False))
+        for finding in (*before, *mend_model(model, reader, self._includes.addresses.find)):
             self._mended[replace(finding, file="", lines=())][name] = place
         root = etree.Element("sdf", version=".".join(map(str, version)))
         root.append(model)

@@ -9,6 +9,7 @@ from typing import Any
 from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.from_launch.launched_robots import parameters
+from drake_twin.messages import known_types
 from drake_twin.ros2.launched import LaunchedProcess, absolute_name
 from drake_twin.values import is_true
 
@@ -20,6 +21,7 @@ _KEYS = (
     *("topic_name", "ros_topic_name", "gz_topic_name", *_TYPES, "direction"),
     *("publisher_queue", "subscriber_queue", "lazy", "qos_profile", "frame_id"),
 )
+_OTHER_PACKAGES = ("ros_gz_interfaces", "ros_ign_interfaces", "actuator_msgs", "gps_msgs", "vision_msgs")
 _DIRECTIONS = {"@": "BIDIRECTIONAL", "[": "GZ_TO_ROS", "]": "ROS_TO_GZ"}
 
 
@@ -73,7 +75,19 @@ def bridge_lines(process: LaunchedProcess, findings: list[Finding]) -> tuple[Bri
         elif not service:
             direction = _DIRECTIONS[kinds[place]]
             found.append(_line(process, topic, topic, kinds[:place], direction, process.place))
-    return (*found, *_in_file(process, findings))
+    lines = (*found, *_in_file(process, findings))
+    for line in lines:
+        if (close := _close_type(line.ros_type)) is not None:
+            what = f"{process.what}: unknown type {line.ros_type!r} of {line.ros}. Did you mean {close!r}?"
+            findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, line.place))
+    return lines
+
+
+def _close_type(name: str) -> str | None:
+    """Return the message type that an unknown one is close to; other packages have types that the twin lacks."""
+    if not name or name in known_types() or name.partition("/")[0] in _OTHER_PACKAGES:
+        return None
+    return next(iter(get_close_matches(name, sorted(known_types()), n=1, cutoff=0.85)), None)
 
 
 def _wrong_keys(process: LaunchedProcess, entry: Any, document: YamlDocument, index: int) -> Iterator[Finding]:

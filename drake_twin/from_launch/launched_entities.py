@@ -41,7 +41,7 @@ from drake_twin.from_launch.launched_robots import (
     parameters,
 )
 from drake_twin.from_launch.launched_world import LaunchedWorld, launched_world, world_start
-from drake_twin.from_launch.not_started import is_window, why_not_started
+from drake_twin.from_launch.not_started import is_window, misspelt_package, why_not_started
 from drake_twin.from_launch.static_frames import static_frame
 from drake_twin.ros2.launched import Launched, LaunchedProcess, ParameterText, WorldStart, absolute_name
 from drake_twin.scenario import Command, NodeProgram, Robot, StaticTransform, World, name_in_twin
@@ -179,6 +179,9 @@ class _Sorter:
         return None if self._bridges is None else {line.gz: line.ros for line in self._bridges if line.is_to_ros}
 
     def _sort(self, process: LaunchedProcess, found: LaunchedRobots) -> None:
+        if (package := misspelt_package(process)) is not None:
+            what = f"{process.what}: unknown package {process.package!r}. Did you mean {package!r}?"
+            self._drop(what, process, Kind.REFUSED_BY_ROS)
         try:
             if is_bridge(process):
                 self._bridges = (*(self._bridges or ()), *bridge_lines(process, self._findings))

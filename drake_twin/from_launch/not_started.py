@@ -54,6 +54,14 @@ _EXECUTABLES = {
 }
 
 
+def misspelt_package(process: LaunchedProcess) -> str | None:
+    """Return the package that a node's executable is of, where the node names one that is close to it."""
+    homes = [package for package, executables in _EXECUTABLES.items() if process.executable in executables]
+    if not homes or process.package is None or process.package in homes:
+        return None
+    return next(iter(get_close_matches(process.package, homes, n=1, cutoff=0.8)), None)
+
+
 def is_window(process: LaunchedProcess) -> bool:
     """Return whether an executable only displays something, as the page does."""
     return _reason(_WINDOWS, process.what) is not None

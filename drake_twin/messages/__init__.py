@@ -102,6 +102,12 @@ def type_store() -> Any:
     return store
 
 
+@cache
+def known_types() -> frozenset[str]:
+    """Return the names of ROS 2 Jazzy's message types, with those defined here."""
+    return frozenset((*_jazzy().types, *DEFINITIONS))
+
+
 def _store_of(kind: str) -> Any:
     """Return a store that has a type; reading our definitions takes as long as a quarter of a robot, and is rare."""
     return type_store() if kind in DEFINITIONS else _jazzy()

@@ -1,7 +1,9 @@
-"""The topics of sensors that a bridge carries and that nothing has."""
+"""The topics that a bridge carries and that nothing has."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from difflib import get_close_matches
 
+from drake_twin.description.gazebo_drive import of_model
 from drake_twin.description.robot_description import Sensor
 from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.bridges import BridgeLine
@@ -22,6 +24,7 @@ _OF_SENSORS = {
     "ros_gz_interfaces/msg/LogicalCameraImage",
     "gps_msgs/msg/GPSFix",
 }
+_CLOSE = 0.9
 
 
 def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPlan]) -> Iterator[Finding]:
@@ -37,6 +40,22 @@ def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPl
             common = ": no sensor publishes it in Gazebo"
             what = f"the bridge carries {line.gz} to {line.ros}{common}"
             yield Finding.at(Kind.WARNING, what, line.place, common=common)
+
+
+def misspelt(lines: Sequence[BridgeLine], plans: Sequence[RobotPlan]) -> Iterator[Finding]:
+    """Yield a warning of each line of a bridge whose topic no drive has, but one that no bridge carries is close to."""
+    drives = {
+        f"/{of_model(topic, plan.name).lstrip('/')}"
+        for plan in plans
+        for controller in plan.controllers
+        if controller.wiring is not None
+        for topic in controller.wiring.gz_topics.values()
+    }
+    left = drives - {line.gz for line in lines}
+    for line in (line for line in lines if line.gz not in drives):
+        if close := get_close_matches(line.gz, sorted(left), n=1, cutoff=_CLOSE):
+            what = f"the bridge carries {line.gz}, which nothing has in Gazebo. Did you mean {close[0]!r}?"
+            yield Finding.at(Kind.WARNING, what, line.place)
 
 
 def _is_of(sensor: Sensor, plan: RobotPlan | ModelPlan, gz: str) -> bool:

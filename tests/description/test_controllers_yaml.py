@@ -305,7 +305,7 @@ def test_fallback_controllers_of_the_manager_and_of_the_controller(read):
 )
 def test_a_key_that_is_nearly_ros_parameters_is_a_finding_with_its_line(read, text, what, line):
     (finding,) = read(text).findings
-    told = f"the key {what!r}: no node reads what is below it. Did you mean 'ros__parameters'?"
+    told = f"the key {what!r}: what is below it belongs to no node. Did you mean 'ros__parameters'?"
     assert (finding.what, finding.lines) == (told, (line,))
 
 

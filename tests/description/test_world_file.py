@@ -155,6 +155,15 @@ def test_a_world_of_gazebo_sim_has_no_saved_state(tmp_path, plugin):
     assert "<state> of the world, which Gazebo Sim does not read" in findings(world)
 
 
+def test_a_second_state_of_a_model_is_a_finding_with_its_line(tmp_path):
+    state = '<model name="a"><pose>{} 2 3 0 0 0</pose></model>'
+    body = f'<model name="a">{BOX}</model>\n<state world_name="w">{state.format(1)}\n{state.format(4)}</state>'
+    world = world_of(tmp_path, body)
+    assert world.models[0].pose.xyz == (4.0, 2.0, 3.0)
+    (finding,) = (item for item in world.findings if "second" in item.what)
+    assert (finding.what, finding.lines) == ("a second state of the model a: it replaces the first", (6,))
+
+
 def test_two_models_of_one_name_get_two_names(tmp_path):
     world = world_of(tmp_path, f'<model name="a">{BOX}</model><model name="a">{BOX}</model>')
     assert [model.name for model in world.models] == ["a", "a_0"]

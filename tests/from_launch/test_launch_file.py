@@ -220,6 +220,49 @@ def test_a_bridge_without_remappings_carries_gazebos_names(tmp_path):
     assert not topics.keys() & {"/cmd_vel", "/a/cmd_vel"}
 
 
+@pytest.mark.parametrize(("topic", "told"), [("cmd_vel", 0), ("cmd_vell", 1), ("battery", 0)])
+def test_a_topic_of_a_bridge_that_is_nearly_a_drives_is_a_finding(tmp_path, topic, told):
+    spawned = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a")
+    bridge = node("ros_gz_bridge", "parameter_bridge", f"/model/a/{topic}@geometry_msgs/msg/Twist]gz.msgs.Twist")
+    found = launched(tmp_path, spawned, bridge).scenario.findings
+    what = f"the bridge carries /model/a/{topic}, which nothing has in Gazebo. Did you mean '/model/a/cmd_vel'?"
+    assert [item.what for item in found if "nothing has" in item.what] == [what] * told
+
+
+@pytest.mark.parametrize(
+    ("kind", "close"),
+    [
+        ("nav_msgs/msg/Oddometry", "nav_msgs/msg/Odometry"),
+        ("nav_msgs/msg/Odometry", ""),
+        ("own_msgs/msg/Thing", ""),
+        ("ros_gz_interfaces/msg/Contact", ""),
+    ],
+)
+def test_a_type_of_a_bridge_that_is_nearly_one_of_ros_is_a_finding(tmp_path, kind, close):
+    spawned = create("-file", write(tmp_path / "a.urdf", cart("a")), "-name", "a")
+    bridge = node("ros_gz_bridge", "parameter_bridge", f"/model/a/odometry@{kind}[gz.msgs.Odometry")
+    found = launched(tmp_path, spawned, bridge).scenario.findings
+    what = f"ros_gz_bridge/parameter_bridge: unknown type {kind!r} of /model/a/odometry. Did you mean {close!r}?"
+    told = [(item.what, item.kind, bool(item.lines)) for item in found if "unknown type" in item.what]
+    assert told == ([(what, Kind.REFUSED_BY_ROS, True)] if close else [])
+
+
+@pytest.mark.parametrize(
+    ("package", "executable", "close"),
+    [
+        ("robot_sate_publisher", "robot_state_publisher", "robot_state_publisher"),
+        ("tf2_rs", "static_transform_publisher", "tf2_ros"),
+        ("my_robot", "robot_state_publisher", ""),
+        ("tf2_ros", "static_transform_publisher", ""),
+    ],
+)
+def test_a_package_that_is_nearly_that_of_its_executable_is_a_finding(tmp_path, package, executable, close):
+    words = ("0", "0", "0", "0", "0", "0", "a", "b") if "static" in executable else ()
+    found = launched_hinge(tmp_path, node(package, executable, *words)).scenario.findings
+    what = f"{package}/{executable}: unknown package {package!r}. Did you mean {close!r}?"
+    assert [item.what for item in found if "unknown package" in item.what] == ([what] if close else [])
+
+
 def test_a_bridges_file_names_topics_too(tmp_path):
     file = write(
         tmp_path / "bridge.yaml",
