@@ -210,8 +210,10 @@ def mend_meshes(model: etree._Element, reader: XmlReader, find: FindFile) -> Ite
         except InputError as error:
             link.remove(shape)
             is_remote = address.startswith(("http://", "https://"))
-            reason = "the twin downloads nothing" if is_remote else str(error).rstrip(".")
-            yield _finding(f"a {shape.tag} is left out with its mesh {address}: {reason}", shape, cause="mesh")
+            reason = f"mesh {address}: {str(error).rstrip('.')}"
+            if is_remote:  # a world may have dozens, so that they are one finding
+                reason = "mesh of a web address: the twin downloads nothing"
+            yield _finding(f"a {shape.tag} is left out with its {reason}", shape, cause="mesh")
 
 
 def _give_hull(shape: etree._Element, mesh: etree._Element, file: Path, scale: tuple[float, float, float]) -> None:

@@ -74,8 +74,8 @@ def _findings(reader: XmlReader, unread: Iterable[tuple[etree._Element, str]]) -
     def found(element: etree._Element, what: str) -> Finding:
         weight, above = weight_of(element), element.getparent()
         cause = str(weight) if weight is Weight.LOOKS else ""
-        if element.tag == "param" and above is not None:
-            cause = f"<param> in <{above.tag}>"
+        if element.tag in ("param", "gazebo") and above is not None:
+            cause = f"<{element.tag}> in <{above.tag}>"
         return Finding.at(Kind.IGNORED, what, reader.place(element), weight=weight, cause=cause)
 
     return merged(found(element, what) for element, what in unread)
