@@ -7,7 +7,7 @@ import pytest
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.world_file import read_world
-from drake_twin.findings import Finding, Kind, Weight, most_telling
+from drake_twin.findings import Finding, Kind, Weight, grouped, most_telling
 from drake_twin.scenario import Robot, Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
@@ -37,6 +37,11 @@ def test_what_is_lost_comes_first_then_what_does_not_start_and_looks_come_last()
         "warning: r: odd 0",
         "failed: r: picture 0",
     ]
+
+
+def test_of_all_findings_what_is_lost_comes_first():
+    told = [*findings(1, Kind.FAILED, "node {}"), *findings(1, what="model {}", weight=Weight.LOST)]
+    assert grouped(told) == [(Kind.IGNORED, "r: model 0"), (Kind.FAILED, "r: node 0")]
 
 
 def test_the_same_of_several_robots_is_one_line():
