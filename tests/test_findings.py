@@ -85,7 +85,8 @@ URDF = """\
     <collision><surface><contact><ode><kp>1e5</kp></ode></contact></surface></collision>
   </gazebo>
   <gazebo reference="base"><turnGravityOff>true</turnGravityOff><maxContacts>4</maxContacts></gazebo>
-  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><visual><cast_shadows>0</cast_shadows></visual></gazebo>
+  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><patch_radius>1</patch_radius>
+    <collide_bitmask>1</collide_bitmask><collide_without_contact>1</collide_without_contact><visual><cast_shadows>0</cast_shadows></visual></gazebo>
   <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
 </robot>"""
 
@@ -109,6 +110,8 @@ def of_urdf(tmp_path_factory):
         ("<visual> in <gazebo>", Weight.LOOKS),
         ("kp of base: without effect", Weight.LOOKS),
         ("slip1 of base: without effect", Weight.MOVES),
+        ("patch_radius of base: without effect", Weight.LOOKS),
+        ("collide_bitmask, collide_without_contact of base: without effect", Weight.MOVES),
         ("Gazebo plugin p (libunknown.so)", Weight.MOVES),
         ("<turnGravityOff> in <gazebo>", Weight.MOVES),
         ("<maxContacts> in <gazebo>", Weight.MOVES),
@@ -129,7 +132,7 @@ def test_what_asks_for_gazebos_own_default_is_no_finding(of_urdf):
 
 
 def test_a_parameter_of_contact_is_one_finding(of_urdf):
-    assert [item.what for item in of_urdf if "contact" in item.what] == [
+    assert [item.what for item in of_urdf if "kp" in item.what or "<contact>" in item.what] == [
         "kp of base: without effect: stiffness and damping of contact follow from the masses"
     ]
 

@@ -39,6 +39,9 @@ _UNUSED: Mapping[str, tuple[tuple[float, ...], str]] = {
     "collide_bitmask": ((65535.0,), _MASKS),
     "category_bitmask": ((65535.0,), _MASKS),
 }
+# What gz-physics does not give to DART either (dartsim/src/SDFFeatures.cc).
+_NOT_IN_DART = {"kp", "kd", "soft_cfm", "soft_erp", "min_depth", "max_vel", "rolling_friction"}
+_NOT_IN_DART |= {"patch_radius", "surface_radius", "collide_without_contact"}
 _COEFFICIENTS = ("mu", "mu1", "mu2", "friction", "friction2")
 _MOST_NAMED = 6  # links in a sentence
 _NEVER_THE_SMALLER = 10.0  # of the two coefficients of a pair, in practice
@@ -105,7 +108,7 @@ def _findings(
         more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
         what = f"{', '.join(names)}{whose}: without effect: {instead}"
-        weight = Weight.LOOKS if instead == _STIFFNESS else Weight.MOVES  # DART does not use it either
+        weight = Weight.LOOKS if _NOT_IN_DART.issuperset(names) else Weight.MOVES
         yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight, cause=instead)
 
 
