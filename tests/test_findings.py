@@ -7,7 +7,7 @@ import pytest
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.world_file import read_world
-from drake_twin.findings import Finding, Kind, Weight, most_telling
+from drake_twin.findings import Finding, Kind, Weight, grouped, most_telling
 from drake_twin.scenario import Robot, Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
@@ -59,6 +59,11 @@ def test_findings_of_one_cause_are_one_line_with_all_their_lines():
     ]
 
 
+def test_of_all_findings_what_is_lost_comes_first():
+    told = [*findings(1, Kind.FAILED, "node {}"), *findings(1, what="model {}", weight=Weight.LOST)]
+    assert grouped(told) == [(Kind.IGNORED, "r: model 0"), (Kind.FAILED, "r: node 0")]
+
+
 def test_the_same_of_several_robots_is_one_line():
     each = [Finding(Kind.IGNORED, f"<thing {number}>", robot=robot) for number in range(5) for robot in ("a", "b")]
     assert most_telling(each)[0] == "ignored: a, b: <thing 0>"
@@ -77,7 +82,8 @@ URDF = """\
     <collision><geometry><mesh filename="absent.stl"/></geometry></collision>
   </link>
   <transmission name="t"><type>x</type></transmission>
-  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><visual><cast_shadows>0</cast_shadows></visual></gazebo>
+  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><patch_radius>1</patch_radius>
+    <collide_bitmask>1</collide_bitmask><collide_without_contact>1</collide_without_contact><visual><cast_shadows>0</cast_shadows></visual></gazebo>
   <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
 </robot>"""
 
@@ -98,9 +104,11 @@ def of_urdf(tmp_path_factory):
         ("the visual mesh of link 'base' is left out", Weight.LOOKS),
         ("the collision mesh of link 'base' is left out", Weight.MOVES),
         ("<transmission>", Weight.LOOKS),
-        ("<visual> in <gazebo>", Weight.LOOKS),
+        ("<cast_shadows> in <visual>", Weight.LOOKS),
         ("kp of base: without effect", Weight.LOOKS),
         ("slip1 of base: without effect", Weight.MOVES),
+        ("patch_radius of base: without effect", Weight.LOOKS),
+        ("collide_bitmask, collide_without_contact of base: without effect", Weight.MOVES),
         ("Gazebo plugin p (libunknown.so)", Weight.MOVES),
     ],
 )
