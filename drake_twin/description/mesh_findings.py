@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from drake_twin.description.meshes import MOST_DRAWN, mesh_faults, visual_mesh
+from drake_twin.description.meshes import MOST_DRAWN, mesh_faults, mesh_for_mjcf, visual_mesh
 
 _MOST_NAMED = 3
 
@@ -37,6 +37,20 @@ def said_of_hull(file: Path) -> Iterator[str]:
     if found := ", ".join(faults.of_solid()):
         thick = ", a thousandth of its size thick" if faults.is_thin else ""
         yield f"collision mesh {file.name} has {found}: its convex hull collides{thick}"
+
+
+def said_of_mjcf_mesh(file: Path) -> Iterator[str]:
+    """Yield what makes a mesh of MJCF, drawn or as a convex hull, another thing than its file means.
+
+    Raises:
+        InputError: As `mesh_for_mjcf`.
+    """
+    if mesh_for_mjcf(file) == file:  # Drake reads it itself
+        return
+    faults = mesh_faults(file)
+    if found := ", ".join(faults.of_solid()):
+        thick = ", a thousandth of its size thick" if faults.is_thin else ""
+        yield f"mesh {file.name} has {found}: where it collides, its convex hull does{thick}"
 
 
 def said_of_hulls(files: Iterable[Path]) -> Iterator[str]:

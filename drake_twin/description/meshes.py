@@ -75,11 +75,19 @@ def visual_mesh(file: Path) -> Path:
 def mesh_for_mjcf(file: Path) -> Path:
     """Convert a mesh to an OBJ file, the only format that Drake's MJCF parser accepts; it is drawn and collides.
 
+    A flat one becomes a little thick.
+
     Raises:
         InputError: As `visual_mesh`.
     """
     check_mesh_file(file)
-    return file if file.suffix.lower() == ".obj" and _has_normals(file) else cached(file, ".visual.obj", _visual_obj)
+    if file.suffix.lower() == ".obj" and _has_normals(file):
+        return file
+    return (
+        cached(file, ".thick.obj", _thick_obj)
+        if mesh_faults(file).is_thin
+        else cached(file, ".visual.obj", _visual_obj)
+    )
 
 
 def collision_mesh(file: Path) -> Path:
@@ -212,7 +220,19 @@ def _faults_json(mesh: Any, unplaced: int) -> bytes:
 
 
 def _visual_obj(file: Path) -> bytes:
-    mesh = _with_fewer_triangles(read_triangles(file))
+    return _obj_of(_with_fewer_triangles(read_triangles(file)))
+
+
+def _thick_obj(file: Path) -> bytes:
+    import trimesh
+
+    mesh = read_triangles(file)
+    vertices, count = with_thickness(_spread(np.asarray(mesh.vertices, dtype=float), file)), len(mesh.vertices)
+    faces = [np.asarray(mesh.faces) + first for first in range(0, len(vertices), count)]
+    return _obj_of(trimesh.Trimesh(vertices, np.concatenate(faces), process=False))
+
+
+def _obj_of(mesh: Any) -> bytes:
     return str(mesh.export(file_type="obj", include_normals=True, include_color=False, include_texture=False)).encode()
 
 
@@ -246,10 +266,7 @@ def _hull_obj(file: Path) -> bytes:
     """Compute the convex hull with Qhull, through SciPy: Drake's own takes over ten seconds for 50,000 triangles."""
     from scipy.spatial import QhullError
 
-    vertices = _different(np.asarray(read_triangles(file).vertices, dtype=float))
-    if len(vertices) == 1:
-        raise InputError("all corners of the mesh are in one point", file=file)
-    vertices = with_thickness(vertices)
+    vertices = with_thickness(_spread(_different(np.asarray(read_triangles(file).vertices, dtype=float)), file))
     try:
         corners, triangles = hull_of(vertices)
     except (QhullError, ValueError) as error:
@@ -262,6 +279,13 @@ def _different(points: np.ndarray) -> np.ndarray:
     """Return the different rows, in order."""
     points = points[np.lexsort(points.T[::-1])]
     return np.asarray(points[np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))])
+
+
+def _spread(vertices: np.ndarray, file: Path) -> np.ndarray:
+    """Return the corners of a mesh, unless all are in one point."""
+    if not np.ptp(vertices, axis=0).any():
+        raise InputError("all corners of the mesh are in one point", file=file)
+    return vertices
 
 
 def with_thickness(vertices: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from lxml import etree
 
+from drake_twin.description.mesh_findings import said_of_mjcf_mesh
 from drake_twin.description.meshes import mesh_for_mjcf
 from drake_twin.description.mjcf_actuators import MjcfActuators
 from drake_twin.description.mjcf_includes import included
@@ -70,7 +71,7 @@ def prepare_mjcf(text: str, file: Path, model_name: str | None) -> PreparedMjcf:
         base.extend(bodies)
     actuators = MjcfActuators(reader)
     _without_what_the_twin_reads(root)
-    _give_mesh_files(reader, file)
+    findings += _give_mesh_files(reader, file)
     findings += actuators.findings
     return PreparedMjcf(etree.tostring(root, encoding="unicode"), is_fixed, own_name, actuators, tuple(findings))
 
@@ -97,7 +98,8 @@ def _without_what_the_twin_reads(root: etree._Element) -> None:
             joint.attrib.pop(name, "")
 
 
-def _give_mesh_files(reader: XmlReader, file: Path) -> None:
+def _give_mesh_files(reader: XmlReader, file: Path) -> Iterator[Finding]:
+    """Convert the meshes to files that Drake reads, and report what is otherwise in them."""
     compiler = reader.root.find("compiler")
     folder = file.parent / (compiler.get("meshdir", "") if compiler is not None else "")
     for mesh in reader.root.iterfind("asset/mesh"):
@@ -105,5 +107,7 @@ def _give_mesh_files(reader: XmlReader, file: Path) -> None:
         if name is not None:
             mesh.set("name", mesh.get("name") or Path(name).stem)
             mesh.set("file", str(mesh_for_mjcf(folder / name)))
+            for what in said_of_mjcf_mesh(folder / name):
+                yield Finding.at(Kind.WARNING, what, reader.place(mesh))
     if compiler is not None:
         compiler.attrib.pop("meshdir", "")

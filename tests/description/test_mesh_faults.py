@@ -12,6 +12,7 @@ from drake_twin.description import mesh_file, mesh_findings, meshes
 from drake_twin.description.mesh_faults import MeshFaults, faults_of
 from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_solids, said_of_visual
 from drake_twin.description.meshes import collision_mesh, mesh_faults, visual_mesh
+from drake_twin.progress import heard
 
 # What differs from a sound mesh: a cube has 12 triangles, 18 edges.
 FAULTS = {
@@ -185,3 +186,12 @@ def test_a_text_of_too_many_triangles_is_refused_with_their_number(tmp_path, mon
     file = write_mesh(MESHES["sound"], tmp_path / f"m.{suffix}")
     for use in (collision_mesh, visual_mesh):
         assert "the mesh has 12 triangles, and 11 are the most" in refusal(use, file)
+
+
+def test_the_progress_tells_of_a_long_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(mesh_file, "_MANY_BYTES", 683)
+    steps: list[str] = []
+    with heard(steps.append):
+        collision_mesh(write_mesh(MESHES["sound"], tmp_path / "m.binary.stl"))  # 684 bytes
+        collision_mesh(write_mesh(MESHES["wedge"], tmp_path / "n.binary.stl"))
+    assert steps == ["reads m.binary.stl (0 MB)"]

@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 import trimesh
+from bad_shapes import MESHES, write_mesh
 
 from drake_twin import TwinBuilder
 from drake_twin.description.mjcf import prepare_mjcf
@@ -160,3 +161,38 @@ def test_what_is_lost_of_a_joint_is_said(tmp_path, joint, what):
     text = f'<mujoco><worldbody><body name="a">{joint}<geom size=".1" mass="1"/></body></worldbody></mujoco>'
     (finding,) = prepare_mjcf(text, tmp_path / "robot.xml", None).findings
     assert (finding.what, finding.lines) == (what, (1,))
+
+
+def robot_of(name: str, folder: Path) -> Path:
+    """An MJCF robot that is one of the bad meshes."""
+    write_mesh(MESHES[name], folder / "m.binary.stl")
+    file = folder / "thing.xml"
+    file.write_text("""<mujoco model="thing"><asset><mesh name="m" file="m.binary.stl"/></asset><worldbody>
+<body name="body"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia=".01 .01 .01"/>
+<geom type="mesh" mesh="m"/></body></worldbody></mujoco>""")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("sound", None),
+        ("open", None),
+        ("inside out", "triangles that face inwards: where it collides, its convex hull does"),
+        ("flat", "all corners in one plane: where it collides, its convex hull does, a thousandth of its size thick"),
+        ("line", "all corners on one line: where it collides, its convex hull does, a thousandth of its size thick"),
+        ("infinite", "1 triangle with corners that are not finite numbers: where it collides, its convex hull does"),
+    ],
+)
+def test_a_bad_mesh_is_a_finding_and_the_robot_runs(tmp_path, monkeypatch, name, what):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    twin = TwinBuilder().robot("thing", robot_of(name, tmp_path), xyz=(0, 0, 1)).build()
+    twin.advance_to(0.01)
+    expected = () if what is None else (f"thing: mesh m.binary.stl has {what} (thing.xml:1)",)
+    assert tuple(warning for warning in twin.warnings if "point: Drake" not in warning) == expected
+
+
+def test_a_mesh_that_is_a_point_is_refused(tmp_path):
+    file = robot_of("point", tmp_path)
+    with pytest.raises(InputError, match=r"m\.binary\.stl: all corners of the mesh are in one point\.$"):
+        TwinBuilder().robot("thing", file).build()
