@@ -81,6 +81,10 @@ def _named(message: str, root: etree._Element) -> etree._Element | None:
     twice = re.search(r"Non-unique name\[([^\]]+)\]", message)
     if twice is not None:
         return next(iter([item for item in root.iter(etree.Element) if item.get("name") == twice[1]][1:]), None)
+    frame = re.search(r"frame with name \[([^\]]+)\]", message)
+    if frame is not None:
+        names = ("relative_to", "attached_to")
+        return next((item for item in root.iter(etree.Element) if frame[1] in map(item.get, names)), None)
     for tag, name in re.findall(r"by (\w+) with name\[([^\]]+)\]", message):
         found = next((item for item in root.iter(tag) if item.get("name") == name), None)
         if found is not None:

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import isfinite
-from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import SceneGraph
@@ -18,6 +17,7 @@ from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, wi
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import ROLLER_WHEELS
 from drake_twin.description.robot_description import Joint, Pose
+from drake_twin.description.sdf_values import with_place
 from drake_twin.description.world_file import WorldFile
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.diagram.ball_joints import add_sdf_models
@@ -121,7 +121,7 @@ def add_plant(
     world_models, anchors = add_world(plant, scenario, world_file, findings)
     instances = {}
     for plan in told("adding", plans, lambda plan: plan.name):
-        with _drakes_refusal(f"robot {plan.name!r}", plan.description.file):
+        with _drakes_refusal(f"robot {plan.name!r}", plan):
             instances[plan.name] = _add_robot(plant, plan, findings)
     layouts = {}
     with _drakes_refusal(f"to simulate {', '.join(repr(plan.name) for plan in plans)}"):
@@ -158,13 +158,16 @@ def rigid_transform(pose: Pose) -> RigidTransform:
 
 
 @contextmanager
-def _drakes_refusal(what: str, file: Path | None = None) -> Iterator[None]:
+def _drakes_refusal(what: str, plan: RobotPlan | None = None) -> Iterator[None]:
     """Convert what Drake raises to an error for the user; some of its checks raise SystemExit."""
     try:
         yield
     except DRAKE_RAISES as error:
         reason = without_literal(" ".join(str(error).split())) or "no reason given"
-        raise InputError(f"Drake refuses {what}: {reason}", file=file) from None
+        refused = InputError(f"Drake refuses {what}: {reason}", file=None if plan is None else plan.description.file)
+        if plan is not None and plan.model.drake_format == "sdf":
+            refused = with_place(refused, XmlReader(plan.description.text, plan.description.file))
+        raise refused from None
 
 
 def _add_robot(plant: MultibodyPlant, plan: RobotPlan, findings: list[Finding]) -> ModelInstanceIndex:

@@ -69,6 +69,8 @@ def plan_controllers(
         if name in by_drive:
             drive = by_drive[name]
             plan = replace(plan, wiring=_wiring(drive))
+            if plan.error is not None and plan.error.file is None:
+                plan.error.file, plan.error.line = drive.plugin.place.file, drive.plugin.place.line
         plans[name] = plan
         if name in chosen:
             findings += ignored

@@ -1,5 +1,6 @@
 import pytest
 
+from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.errors import InputError
@@ -59,3 +60,9 @@ def test_what_drakes_reader_refuses_has_a_line(tmp_path, right, wrong, line):
     with pytest.raises(InputError, match=rf"^{tmp_path}/m.sdf:{line}: ") as refused:
         load(tmp_path, text)
     assert "\n" not in str(refused.value)
+
+
+def test_a_frame_that_only_the_twins_plant_misses_has_the_line_that_names_it(tmp_path):
+    (tmp_path / "m.sdf").write_text(SDF.replace('<visual name="v">', '<visual name="v"><pose relative_to="x"/>'))
+    with pytest.raises(InputError, match=rf"^{tmp_path}/m.sdf:4: "):
+        TwinBuilder().robot("r", tmp_path / "m.sdf").build()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder
-from drake_twin.errors import CommandError
+from drake_twin.errors import CommandError, InputError
 
 CART = """<robot name="cart">
   <link name="base_footprint"/>
@@ -43,6 +43,14 @@ def make(tmp_path):
         return TwinBuilder().robot("cart", tmp_path / "cart.urdf").build()
 
     return make
+
+
+def test_a_value_of_a_plugin_that_its_controller_refuses_has_the_line_of_the_plugin(make, tmp_path):
+    drive = """<gazebo><plugin name="drive" filename="gz-sim-diff-drive-system"><left_joint>left</left_joint>
+      <right_joint>right</right_joint><wheel_separation>0.4</wheel_separation><wheel_radius>-0.1</wheel_radius>
+      </plugin></gazebo>"""
+    with pytest.raises(InputError, match=rf"^{tmp_path}/cart.urdf:\d+: controller 'drive': -0.1 is not above 0"):
+        make(drive)
 
 
 def test_a_twist_drives_a_cart_that_has_only_the_plugin(make):
