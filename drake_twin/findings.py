@@ -129,9 +129,10 @@ def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
 
 
 def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
-    """Return kind and sentence of each finding, kind by kind; the same one about several robots once."""
+    """Return kind and sentence of each finding: what is lost, then kind by kind; one about several robots once."""
     kinds = list(Kind)
-    return _sentences(sorted(findings, key=lambda finding: kinds.index(finding.kind)))
+    ranked = sorted(findings, key=lambda finding: (finding.weight is not Weight.LOST, kinds.index(finding.kind)))
+    return _sentences(ranked)
 
 
 def most_telling(findings: Iterable[Finding]) -> list[str]:

@@ -7,7 +7,7 @@ import pytest
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.world_file import read_world
-from drake_twin.findings import Finding, Kind, Weight, most_telling
+from drake_twin.findings import Finding, Kind, Weight, grouped, most_telling
 from drake_twin.scenario import Robot, Scenario
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
@@ -57,6 +57,11 @@ def test_findings_of_one_cause_are_one_line_with_all_their_lines():
     assert most_telling(many) == [
         "ignored: a: <0>, <1>, <2>, <3>, <4>, <5> and 3 more in <sensor> of sensor 's' (r.urdf:7)"
     ]
+
+
+def test_of_all_findings_what_is_lost_comes_first():
+    told = [*findings(1, Kind.FAILED, "node {}"), *findings(1, what="model {}", weight=Weight.LOST)]
+    assert grouped(told) == [(Kind.IGNORED, "r: model 0"), (Kind.FAILED, "r: node 0")]
 
 
 def test_the_same_of_several_robots_is_one_line():
