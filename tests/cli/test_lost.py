@@ -1,11 +1,15 @@
 """A spawn, a robot or a world that is lost: said first and last, with exit code 2, unless ``--keep-going``."""
 
 import json
+import signal
+import subprocess
+import sys
 
 import pytest
 from launch_files import write
 from program_runs import LAUNCH_ARM, ROVER, run, summary_of
 
+from drake_twin.calibrate import main as calibrate
 from drake_twin.check import main as check
 from drake_twin.cli.lost import check_lost
 from drake_twin.errors import InputError
@@ -127,6 +131,27 @@ def test_a_check_a_sweep_and_a_run_agree(tmp_path, capsys):
     assert not table.exists()
     assert sweep([*words, "--keep-going"]) == 0
     assert table.exists()
+
+
+def test_a_calibration_does_not_begin_with_a_robot_that_is_lost(tmp_path, capsys):
+    file = launch(tmp_path, LOST["spawn of no file"][0])
+    words = [str(file), "--fit", "arduinobot.joint_1.damping=0.1:1", "--log", str(tmp_path / "absent.json")]
+    assert calibrate(words) == 2
+    assert capsys.readouterr().err.startswith("error: lost although a file asks for it: ")
+    assert calibrate([*words, "--keep-going"]) == 2
+    assert "absent.json" in capsys.readouterr().err
+
+
+def test_a_run_that_is_stopped_by_hand_says_what_is_lost(tmp_path):
+    file = launch(tmp_path, LOST["spawn of no file"][0])
+    command = [sys.executable, "-m", "drake_twin.run", str(file), "--headless", "--echo", "/clock"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert " s simulated in " in out
+    assert err.splitlines()[-1].startswith("error: lost although a file asks for it: ")
 
 
 def test_of_many_lost_things_a_few_are_told():
