@@ -82,7 +82,9 @@ URDF = """\
     <collision><geometry><mesh filename="absent.stl"/></geometry></collision>
   </link>
   <transmission name="t"><type>x</type></transmission>
-  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><visual><cast_shadows>0</cast_shadows></visual></gazebo>
+  <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><patch_radius>1</patch_radius>
+    <collide_bitmask>1</collide_bitmask><collide_without_contact>1</collide_without_contact>
+    <visual><cast_shadows>0</cast_shadows></visual></gazebo>
   <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
 </robot>"""
 
@@ -103,9 +105,11 @@ def of_urdf(tmp_path_factory):
         ("the visual mesh of link 'base' is left out", Weight.LOOKS),
         ("the collision mesh of link 'base' is left out", Weight.MOVES),
         ("<transmission>", Weight.LOOKS),
-        ("<visual> in <gazebo>", Weight.LOOKS),
+        ("<cast_shadows> in <visual>", Weight.LOOKS),
         ("kp of base: without effect", Weight.LOOKS),
         ("slip1 of base: without effect", Weight.MOVES),
+        ("patch_radius of base: without effect", Weight.LOOKS),
+        ("collide_bitmask, collide_without_contact of base: without effect", Weight.MOVES),
         ("Gazebo plugin p (libunknown.so)", Weight.MOVES),
     ],
 )

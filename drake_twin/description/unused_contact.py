@@ -43,6 +43,9 @@ _UNUSED: Mapping[str, tuple[tuple[float, ...], str]] = {
     "collide_bitmask": ((65535.0,), _MASKS),
     "category_bitmask": ((65535.0,), _MASKS),
 }
+# What gz-physics does not give to DART either (dartsim/src/SDFFeatures.cc).
+_NOT_IN_DART = {"kp", "kd", "soft_cfm", "soft_erp", "min_depth", "max_vel", "rolling_friction"}
+_NOT_IN_DART |= {"patch_radius", "surface_radius", "collide_without_contact"}
 _COEFFICIENTS = ("mu", "mu1", "mu2")
 _MOST_NAMED = 6  # links in a sentence
 _NEVER_THE_SMALLER = 10.0  # of the two coefficients of a pair, in practice
@@ -141,7 +144,7 @@ def _together(reader: XmlReader, unused: Iterable[tuple[str, etree._Element, str
         links = [link for link in links if link]
         more = f" and {len(links) - _MOST_NAMED} more" if len(links) > _MOST_NAMED else ""
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
-        weight = Weight.LOOKS if effect.endswith(_STIFFNESS) else Weight.MOVES  # DART does not use it either
+        weight = Weight.LOOKS if _NOT_IN_DART.issuperset(names) else Weight.MOVES
         what = f"{', '.join(names)}{whose}: {effect}"
         yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight)
 
