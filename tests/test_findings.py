@@ -83,7 +83,8 @@ URDF = """\
   </link>
   <transmission name="t"><type>x</type></transmission>
   <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><patch_radius>1</patch_radius>
-    <collide_bitmask>1</collide_bitmask><collide_without_contact>1</collide_without_contact><visual><cast_shadows>0</cast_shadows></visual></gazebo>
+    <collide_bitmask>1</collide_bitmask><collide_without_contact>1</collide_without_contact>
+    <visual><cast_shadows>0</cast_shadows></visual></gazebo>
   <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
 </robot>"""
 
