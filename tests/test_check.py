@@ -113,7 +113,7 @@ DROPS = [
     '<gazebo reference="a"><sensor name="s" type="thermal_camera"/></gazebo>',
     '<gazebo><plugin name="p" filename="libgazebo_ros_p3d.so"/></gazebo>',
     '<transmission name="t"/>',
-    '<gazebo reference="a"><turnGravityOff>true</turnGravityOff></gazebo>',
+    '<gazebo reference="a"><dampingFactor>0.5</dampingFactor></gazebo>',
 ]
 
 
