@@ -152,7 +152,9 @@ class LaunchedRobots:
         line = command_line(process, flags=("allow_renaming", "unpause", "wait", "b"), defaults=parameters(process))
         for option in line.unknown(_SPAWNERS[process.package or "", process.executable]):
             what = f"{process.what}: unknown option {option}"
-            self.findings.append(Finding.at(Kind.REFUSED_BY_ROS, what, process.place))
+            # `create` calls gflags' AllowCommandLineReparsing, which skips unknown options in silence.
+            kind = Kind.REFUSED_BY_ROS if process.package == "gazebo_ros" else Kind.IGNORED
+            self.findings.append(Finding.at(kind, what, process.place))
         source, publisher = self._source(line, process)
         own_name = source.name if process.package != "gazebo_ros" else ""
         name = line.text("name", "entity") or own_name
