@@ -4,6 +4,7 @@ import pytest
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
+from drake_twin.description.world_file import read_world
 from drake_twin.findings import most_telling
 
 # Written as Gazebo classic 11 saves a model: the elements of each parent, and all at SDF's defaults.
@@ -44,6 +45,17 @@ def findings_of(folder, text):
 
 def test_what_gazebo_saves_unchanged_is_no_finding(tmp_path):
     assert [str(finding) for finding in findings_of(tmp_path, SAVED)] == []
+
+
+def test_what_gazebo_saves_unchanged_is_no_finding_in_a_world(tmp_path):
+    file = tmp_path / "w.sdf"
+    world = SAVED.replace("<model", "<world name='w'><model").replace("</model>", "</model></world>")
+    file.write_text(world)
+    assert [str(finding) for finding in read_world(str(file), PackageIndex()).findings] == []
+    file.write_text(world.replace("<self_collide>false", "<self_collide>true"))
+    assert [finding.what for finding in read_world(str(file), PackageIndex()).findings] == [
+        "r: <self_collide> is not used"
+    ]
 
 
 @pytest.mark.parametrize(
