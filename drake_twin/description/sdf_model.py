@@ -53,6 +53,7 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         What was left out and what was changed, each once.
     """
     unknown = Counter(_unknown_elements(model))
+    hold_by_links(model)
     found: Counter[tuple[str, Weight]] = Counter()
     for rule in (_frames_of_old_poses, _names, _joints, _inertias):
         found.update((what, Weight.MOVES) for what in rule(model))
@@ -65,6 +66,20 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
         if parent is not None and nested.find("link") is None and nested.find("model") is None:
             parent.remove(nested)
     return [*_counted(Kind.IGNORED, unknown), *_counted(Kind.WARNING, found)]
+
+
+def hold_by_links(model: etree._Element) -> None:
+    """Attach the frames that a joint holds to its child link: Drake places them there without the joint's own pose."""
+    for each in model.iter("model"):
+        children = {joint.get("name"): (joint.findtext("child") or "").strip() for joint in each.findall("joint")}
+        for frame in each.findall("frame"):
+            joint = frame.get("attached_to", "")
+            if joint in children:
+                pose = frame.find("pose")
+                pose = etree.SubElement(frame, "pose") if pose is None else pose
+                pose.text = pose.text if (pose.text or "").split() else "0 0 0 0 0 0"
+                pose.set("relative_to", pose.get("relative_to") or joint)
+                frame.set("attached_to", children[joint])
 
 
 def _counted(kind: Kind, found: Mapping[tuple[str, Weight], int]) -> Iterator[Finding]:

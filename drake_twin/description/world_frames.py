@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings
-from drake_twin.description.sdf_document import modernize
+from drake_twin.description.sdf_document import free_name, modernize
+from drake_twin.description.sdf_model import hold_by_links
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
 
@@ -86,24 +87,23 @@ class WorldFrames:
 
     def _frame_in(self, model: etree._Element, frame: str, asking: etree._Element) -> "RigidTransform":
         """Return the pose of a frame in the model that has it; ``INNER::FRAME`` for one of a model inside that."""
-        from drake_twin.description.model_frames import MODEL_FRAME, model_frames
+        from drake_twin.description.model_frames import model_frames
 
-        name = model.get("name", "")
         root = etree.Element("sdf", version="1.9")
         root.append(deepcopy(model))
-        root[0].attrib.pop("placement_frame", "")
-        for each in (*root[0].findall("pose"), *root[0].findall("static")):  # Drake refuses joints in a static model
-            root[0].remove(each)
-        modernize(root[0])
-        *inner, last = frame.split("::")
+        own = root[0]
+        own.attrib.pop("placement_frame", "")
+        for each in (*own.findall("pose"), *own.findall("static")):  # Drake refuses joints in a static model
+            own.remove(each)
+        modernize(own)
+        asked = free_name("asked", [each.get("name", "") for each in own])
+        etree.SubElement(own, "frame", name=asked, attached_to=frame)
+        hold_by_links(own)
         try:
             with captured_warnings():
-                found = model_frames(etree.tostring(root, encoding="unicode"))
-            owner = "::".join((name, *inner))
-            own = found.get(owner, {})
-            return own[last] if last in own else found[f"{owner}::{last}"][MODEL_FRAME]
+                return model_frames(etree.tostring(root, encoding="unicode"))[own.get("name", "")][asked]
         except (*DRAKE_RAISES, KeyError):
-            what = f"its pose depends on the frame {frame!r} of {name!r}, which does not exist"
+            what = f"its pose depends on the frame {frame!r} of {own.get('name', '')!r}, which does not exist"
             raise self._reader.error(asking, what, value=frame) from None
 
     def _reader_of(self, pose: etree._Element, name: str) -> XmlReader:

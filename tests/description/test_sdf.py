@@ -9,6 +9,7 @@ from pydrake.math import RollPitchYaw
 
 from drake_twin import TwinBuilder
 from drake_twin.description.drake_model import describe_model
+from drake_twin.description.model_frames import model_frames
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.robot_model import load_robot_model
@@ -199,6 +200,28 @@ def test_friction_is_that_of_gazebos_default_engine():
     box = "<geometry><box><size>1 1 1</size></box></geometry>"
     text, *_ = prepare(f'<link name="a"><collision name="c">{box}{bullet}</collision></link>')
     assert {float(element.text) for element in etree.fromstring(text).iter("{http://drake.mit.edu}mu_dynamic")} == {1.0}
+
+
+HELD = """<link name="base"/><link name="arm"><pose>0 0 1 0 0 0</pose></link>
+<joint name="j" type="fixed"><parent>base</parent><child>arm</child><pose>0 1 0 0 0 0</pose></joint>
+<frame name="f" attached_to="j">{}</frame><link name="tool"><pose relative_to="f">0 0 0 0 0 0</pose></link>
+<joint name="k" type="fixed"><parent>f</parent><child>tool</child></joint>"""
+
+
+@pytest.mark.parametrize(
+    ("pose", "expected"),
+    [
+        ("", (0, 1, 1)),
+        ("<pose>2 0 0 0 0 0</pose>", (2, 1, 1)),
+        ('<pose relative_to="base">2 0 0 0 0 0</pose>', (2, 0, 0)),
+    ],
+)
+def test_a_frame_that_a_joint_holds_is_where_the_joint_is(pose, expected):
+    """Drake alone has it at the joint's child link, whatever the joint's own pose is."""
+    text, *_ = prepare(HELD.format(pose))
+    frames = model_frames(text)["robot_1"]
+    assert frames["f"].translation() == pytest.approx(expected)
+    assert frames["tool"].translation() == pytest.approx(expected)
 
 
 def test_a_mesh_of_someone_elses_machine_is_found_in_the_package_its_folders_are_named_after(tmp_path):

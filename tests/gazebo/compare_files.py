@@ -107,7 +107,8 @@ def model_differences(name, X_WM, model, ours, moved, counts) -> Iterator[Differ
         known = by_name(found["collisions"])  # planes and meshes are not looked at
         placed = dict(link, pose=numbers(X_WM @ transform(link["pose"])), sensors=[])
         placed["collisions"] = [each for each in link.get("collisions", ()) if each["name"] in known]
-        for difference in link_differences(placed, found, f"{name}::{link['name']}"):
+        casters = {joint["child"] for joint in model.get("joints", ()) if joint["type"] == "ball"}
+        for difference in link_differences(placed, found, f"{name}::{link['name']}", casters):
             reason = "Gazebo classic starts with the poses that it saved in <state>" if top in moved else ""
             yield difference if difference.kind != "pose" else difference._replace(reason=difference.reason or reason)
 

@@ -16,7 +16,7 @@ UPRIGHT, NEARLY_UPRIGHT = 0.99999, 5e-3
 
 # Older name of a kind of sensor → the one that libsdformat prints.
 SYNONYMS = {"ray": "lidar", "gpu_ray": "gpu_lidar", "depth": "depth_camera", "wideanglecamera": "wide_angle_camera"}
-SYNONYMS |= {"gps": "navsat"}
+SYNONYMS |= {"gps": "navsat", "rgbd": "rgbd_camera", "thermal": "thermal_camera"}
 
 
 class Difference(NamedTuple):
@@ -39,7 +39,8 @@ def robot_differences(gazebo: Mapping[str, Any], twin: Mapping[str, Any]) -> Ite
         yield from link_differences(link, links[link["name"]], f"link {link['name']}", twin.get("casters", ()))
     for joint in gazebo.get("joints", ()):
         if joint["name"] not in joints:
-            yield Difference("name", f"joint {joint['name']}", joint["name"], None)
+            reason = "a joint to the world fixes the robot where it is spawned" if joint["parent"] == "world" else ""
+            yield Difference("name", f"joint {joint['name']}", joint["name"], None, reason)
             continue
         ambiguous = {each["name"] for each in gazebo["joints"]} & {*links}
         yield from joint_differences(joint, joints[joint["name"]], ambiguous, twin.get("casters", ()))

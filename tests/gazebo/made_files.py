@@ -176,10 +176,20 @@ def _model(
         parts.append(f'<link name="{link}">{_pose(dice, (*links[:index], *frames))}{inertial}{shapes}{sensor}</link>')
         if index and is_tree:
             joints.append(_sdf_joint(dice, f"joint_{index}", dice.one(links[:index]), link, (*links, *frames)))
+    for joint in (f"joint_{index}" for index in range(1, len(links)) if is_tree):
+        if dice.often(0.3):
+            frame, held = f"frame_of_{joint}", f"held_by_{joint}"
+            parts.append(f'<frame name="{frame}" attached_to="{joint}">{_pose(dice, ())}</frame>')
+            inertial = f"<inertial><mass>1</mass>{SDF_INERTIA}</inertial>"
+            parts.append(f'<link name="{held}">{_pose(dice, (frame,))}{inertial}</link>')
+            ends = f"<parent>{joint}</parent><child>{held}</child>"
+            joints.append(f'<joint name="holds_{held}" type="fixed">{ends}</joint>')
+            frames.append(frame)
     if nested:
         parts.append(_model(dice, "inner", is_tree=True, known=(*links, *frames)))
     static = f"<static>{dice.one(('true', 'false'))}</static>" if known and name != "inner" and not nested else ""
-    placed = f' placement_frame="{dice.one((*links, *frames))}"' if dice.often(0.3) else ""
+    holds = (*links, *frames, *(f"joint_{index}" for index in range(1, len(links)) if is_tree))
+    placed = f' placement_frame="{dice.one(holds)}"' if dice.often(0.3) else ""
     pose = _pose(dice, known) if dice.often(0.8) else ""
     return f'<model name="{name}"{placed}>{static}{pose}{more}' + "\n".join((*parts, *joints)) + "</model>"
 

@@ -8,7 +8,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from drake_twin.description.drake_urdf import urdf_link_name
+from drake_twin.description.drake_urdf import drake_link_name, urdf_link_name
 from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.diagram.ball_joints import add_sdf_models
 from drake_twin.sensors.collision_names import collision_geometries, collision_names
@@ -106,7 +106,7 @@ def sensor_pose(sensor, link, poses, plant, context):
     own = transform(sensor.pose)
     if not sensor.pose_frame or sensor.pose_frame == sensor.link:
         return poses[link].inverse() @ poses[sensor.link] @ own
-    body = plant.GetBodyByName(sensor.link).body_frame()
+    body = plant.GetBodyByName(drake_link_name(link)).body_frame()
     return plant.CalcRelativeTransform(context, body, plant.GetFrameByName(sensor.pose_frame)) @ own
 
 
