@@ -84,3 +84,13 @@ def test_a_world_without_robots_is_refused_with_the_way_to_use_it(crate_world, c
     error = capsys.readouterr().err
     assert what in error
     assert f"--world {crate_world} puts it around" in error
+
+
+def test_a_world_whose_robot_is_absent_is_refused_with_the_line_of_its_include(tmp_path, capsys):
+    (tmp_path / "w.sdf").write_text(
+        '<sdf version="1.9"><world name="w">\n<include><uri>model://gone</uri></include></world></sdf>'
+    )
+    assert main([str(tmp_path / "w.sdf"), "--headless", "--duration", "0.01"]) == 2
+    said = capsys.readouterr().err
+    assert "these models and packages were not found: gone" in said
+    assert "(w.sdf:2)" in said

@@ -11,6 +11,7 @@ from drake_twin.builder.robot_file import PlannedScenario, height_on_ground
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
+from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, merged
 from drake_twin.from_launch.launched_entities import LaunchedEntities, LaunchedFrame, RobotHint, launched_entities
 from drake_twin.planning.bridged_sensors import misspelt, unpublished
@@ -117,7 +118,12 @@ def _planned(
 ) -> RobotPlan:
     """Plan a robot, without remappings to topics that other robots have."""
     remappings = {own: topic for own, topic in hint.robot.remappings.items() if topic not in taken}
-    plan = plan_robot(replace(hint.robot, remappings=remappings), launched.packages, models=models)
+    try:
+        plan = plan_robot(replace(hint.robot, remappings=remappings), launched.packages, models=models)
+    except ScenarioError as error:  # of what the launch file gives the robot
+        if error.file is not None:
+            raise
+        raise InputError(error.reason, file=hint.place.file, line=hint.place.line, **error.more) from None
     plan = _without_missing_controllers(plan, hint, findings)
     if lone := _left_alone(plan, hint, findings):
         active = tuple(name for name in plan.robot.active_controllers or () if name not in lone)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from drake_twin.description.bounded_yaml import load_yaml
 from drake_twin.description.package_index import absolute_path, share_folder
 from drake_twin.errors import CommandError, InputError
+from drake_twin.findings import Finding
 from drake_twin.program import say
 from drake_twin.scenario import (
     CENIC,
@@ -324,7 +325,8 @@ def _world_file(name: str, options: argparse.Namespace, xacro_args: dict[str, st
     read = _ReadWorld.of(str(_own_or(name)), folders)
     if not read.robots:
         what = "no model of this world has a plugin that drives it, so it holds no robot"
-        raise InputError(f"{what}: --world {name} puts it around robots", file=_own_or(name))
+        absent = "".join(f". {item}" for item in read.absent)
+        raise InputError(f"{what}: --world {name} puts it around robots{absent}", file=_own_or(name))
     world = World(file=read.file, without_models=read.without_models)
     scenario = Scenario(robots=read.robots, world=world, package_paths=folders)
     return Target(scenario if read.time_step is None else replace(scenario, time_step=read.time_step))
@@ -340,12 +342,13 @@ def _in_world(scenario: Scenario, address: str, *, own_step: bool) -> Scenario:
 
 
 class _ReadWorld(NamedTuple):
-    """A world's file, its models that are robots by name, its physics step if it is usable (s), and these robots."""
+    """A world's file, its models that are robots by name, its step if usable (s), these robots, and absent models."""
 
     file: str
     without_models: tuple[str, ...]
     time_step: float | None
     robots: tuple[Robot, ...]
+    absent: tuple[Finding, ...]
 
     @classmethod
     def of(cls, address: str, folders: Sequence[str]) -> _ReadWorld:
@@ -366,7 +369,8 @@ class _ReadWorld(NamedTuple):
             for model, robot in driven
         )
         is_usable = step is not None and SHORTEST_STEP <= step <= LONGEST_STEP
-        return cls(address, tuple(model.name for model, _ in driven), step if is_usable else None, robots)
+        absent = tuple(item for item in found.findings if "not found" in item.what or "not included" in item.what)
+        return cls(address, tuple(model.name for model, _ in driven), step if is_usable else None, robots, absent)
 
 
 def _command(topic: str, text: str) -> Command:

@@ -94,6 +94,7 @@ def unknown_mjcf_names(reader: XmlReader) -> list[Finding]:
     Raises:
         InputError: If a value is not as many finite numbers as its attribute has, or a type is unknown.
     """
+    _check_names(reader)
     return list(at_places(Kind.IGNORED, ((what, reader.place(element)) for element, what in _unknown(reader))))
 
 
@@ -122,11 +123,24 @@ def _unknown(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
             _check_geom(reader, element)
 
 
+def _check_names(reader: XmlReader) -> None:
+    """Refuse what has the name of another of its kind, as MuJoCo does."""
+    for kinds in (("body",), ("joint", "freejoint"), ("geom",), ("site",), _ACTUATORS):
+        taken: set[str] = set()
+        section = "actuator" if kinds is _ACTUATORS else "worldbody"
+        for element in (item for part in reader.root.findall(section) for item in part.iter(*kinds)):
+            name = element.get("name", "")
+            if name and name in taken:
+                raise reader.error(element, f"another {element.tag} has this name")
+            taken.add(name)
+
+
 def _check_geom(reader: XmlReader, geom: etree._Element) -> None:
     """Check the mass and the size of a geom, where no default class gives it another type."""
     if reader.number(geom, "mass", 0.0) < 0:
         raise reader.error(geom, f"mass is {geom.get('mass')!r}, and it cannot be negative")
-    has_defaults = next(reader.root.iterfind("default//geom"), None) is not None
+    is_whole = "type" in geom.attrib and "size" in geom.attrib
+    has_defaults = not is_whole and next(reader.root.iterfind("default//geom"), None) is not None
     count = _SIZES.get(geom.get("type", "sphere"), 0)
     if has_defaults or "fromto" in geom.attrib or geom.get("mesh") or "include" in {item.tag for item in reader.root}:
         return

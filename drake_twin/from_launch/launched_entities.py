@@ -60,11 +60,13 @@ class RobotHint:
         robot: The scenario's entry. Its controllers may be missing, its remappings may have topics of other robots.
         on_ground: Whether it is spawned without a pose, to stand on the ground.
         requests: Controller → the process that asks for it.
+        place: Where it is started.
     """
 
     robot: Robot
     on_ground: bool
     requests: Mapping[str, LaunchedProcess]
+    place: Place
 
 
 @dataclass(frozen=True)
@@ -254,7 +256,8 @@ class _Sorter:
                 stamped_topics=stamped(self._bridges or ()),
                 bridged=self._bridged(),
             )
-            yield RobotHint(robot, pose is None, {request.name: request.process for request in requests})
+            processes = {request.name: request.process for request in requests}
+            yield RobotHint(robot, pose is None, processes, launched.process.place)
         for time, names in late.items():
             are = "it is" if len(names) == 1 else "they are"
             self._log.append(f"{', '.join(names)}: {are} spawned after {time:g} s in ROS, but at the start here")

@@ -244,7 +244,10 @@ def _controller_manager(
         try:
             resolved.append(packages.resolve_as_started(file, description.file))
         except InputError as error:
-            named = [item.place for item in description.plugins if file in item.parameters and not robot.controllers]
+            name = Path(file).name  # a launch file gives the plugin's own as an absolute path
+            named = [
+                item.place for item in description.plugins if name in {Path(each).name for each in item.parameters}
+            ]
             if named:
                 what = f"the ros2_control plugin's parameters file: {error}"
                 raise InputError(what, file=named[0].file, line=named[0].line) from None

@@ -55,6 +55,15 @@ def test_a_name_that_mujoco_does_not_have_is_a_finding_with_its_line(right, wron
         ('pos="0 0 0.5"', 'pos="0 0"', 5, "<body name='base'>: pos is '0 0', where three numbers are needed"),
         ('mass="1"', 'mass="nan"', 6, "<inertial> of <body name='base'>: mass is 'nan', which is not finite"),
         ('gear="2"', 'gear=""', 12, "<position> of <actuator>: gear is '', where 1 to 6 numbers are needed"),
+        ('size=".02"', 'size=""', 8, "<geom> of <body name='base'>: size is '', where 1 to 3"),
+        ('fromto="0 0 0 .3 0 .5"', "", 8, "<geom> of <body name='base'>: size is '.02', but a capsule needs 2 of them"),
+        (
+            'fromto="0 0 0 .3 0 .5"',
+            'pos="0 0 0" mass="-1"',
+            8,
+            "<geom> of <body name='base'>: mass is '-1', and it cannot be negative",
+        ),
+        ("</body>", '<body name="base"/></body>', 9, "<body name='base'>: another body has this name"),
         ('"hinge"', '"hing"', 7, "<joint name='j'>: unknown type 'hing'. Did you mean 'hinge'? Valid: free, ball"),
     ],
 )

@@ -8,6 +8,7 @@ from launch_files import not_started, write, write_python
 
 from drake_twin.builder.launch_file import launch_description_scenario, launch_file_scenario
 from drake_twin.description.package_index import share_folder
+from drake_twin.errors import InputError
 from drake_twin.findings import Kind
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.twin import Twin
@@ -218,6 +219,14 @@ def test_a_bridge_without_remappings_carries_gazebos_names(tmp_path):
     topics = Twin(launched(tmp_path, spawn, node("ros_gz_bridge", "parameter_bridge", *words)).scenario).topics()
     assert {"/model/a/cmd_vel", "/model/a/odometry"} < topics.keys()
     assert not topics.keys() & {"/cmd_vel", "/a/cmd_vel"}
+
+
+def test_a_parameters_file_that_is_gone_is_refused_with_the_line_that_starts_the_robot(tmp_path):
+    write_hinge(tmp_path)
+    entities = [publisher(tmp_path / "hinge.urdf"), node("controller_manager", "ros2_control_node")]
+    entities[1] = entities[1].replace("Node(", "Node(parameters=['/gone/c.yaml'], ", 1)
+    with pytest.raises(InputError, match=rf"^{tmp_path}/\S+\.py:\d+: .*/gone/c.yaml"):
+        launched(tmp_path, *entities)
 
 
 @pytest.mark.parametrize(("topic", "told"), [("cmd_vel", 0), ("cmd_vell", 1), ("battery", 0)])
