@@ -96,13 +96,18 @@ class WorldFrames:
         for each in (*own.findall("pose"), *own.findall("static")):  # Drake refuses joints in a static model
             own.remove(each)
         modernize(own)
-        asked = free_name("asked", [each.get("name", "") for each in own])
+        for joint in own.iter("joint"):  # whatever it is, and whether Drake knows it
+            joint.set("type", "fixed")
+            for axis in (*joint.findall("axis"), *joint.findall("axis2")):
+                joint.remove(axis)
+        asked = free_name("asked", [each.get("name", "") for each in own.iter(etree.Element)])
         etree.SubElement(own, "frame", name=asked, attached_to=frame)
         hold_by_links(own)
         try:
             with captured_warnings():
-                return model_frames(etree.tostring(root, encoding="unicode"))[own.get("name", "")][asked]
-        except (*DRAKE_RAISES, KeyError):
+                found = model_frames(etree.tostring(root, encoding="unicode"))
+            return next(frames[asked] for frames in found.values() if asked in frames)
+        except (*DRAKE_RAISES, StopIteration):
             what = f"its pose depends on the frame {frame!r} of {own.get('name', '')!r}, which does not exist"
             raise self._reader.error(asking, what, value=frame) from None
 

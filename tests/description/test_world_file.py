@@ -97,10 +97,17 @@ def test_a_placement_frame_is_where_the_pose_says_and_the_model_beside_it(tmp_pa
 
 def test_a_joint_can_be_a_placement_frame(tmp_path):
     joint = """<link name="arm"><pose>0 0 1 0 0 0</pose></link><joint name="j" type="revolute"><parent>link</parent>
-    <child>arm</child><pose>0 1 0 0 0 0</pose><axis><xyz>0 0 1</xyz></axis></joint>"""
+    <child>arm</child><pose>0 1 0 0 0 0</pose></joint>"""
     body = f'<model name="a" placement_frame="j"><static>1</static><pose>5 5 5 0 0 0</pose>{BOX}{joint}</model>'
     (model,) = world_of(tmp_path, body).models
     assert model.pose.xyz == pytest.approx((5, 4, 4))
+
+
+def test_a_model_inside_another_can_be_a_placement_frame(tmp_path):
+    inner = f'<model name="i"><pose>0 0 1 0 0 0</pose>{BOX}</model>'
+    body = f'<model name="a" placement_frame="i"><pose>5 5 5 0 0 0</pose>{BOX}{inner}</model>'
+    (model,) = world_of(tmp_path, body).models
+    assert model.pose.xyz == pytest.approx((5, 5, 4))
 
 
 def test_a_frame_that_a_model_lacks_costs_what_is_relative_to_it(tmp_path):

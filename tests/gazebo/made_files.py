@@ -188,7 +188,12 @@ def _model(
     if nested:
         parts.append(_model(dice, "inner", is_tree=True, known=(*links, *frames)))
     static = f"<static>{dice.one(('true', 'false'))}</static>" if known and name != "inner" and not nested else ""
-    holds = (*links, *frames, *(f"joint_{index}" for index in range(1, len(links)) if is_tree))
+    holds = (
+        *links,
+        *frames,
+        *(f"joint_{index}" for index in range(1, len(links)) if is_tree),
+        *(["inner"] if nested else ()),
+    )
     placed = f' placement_frame="{dice.one(holds)}"' if dice.often(0.3) else ""
     pose = _pose(dice, known) if dice.often(0.8) else ""
     return f'<model name="{name}"{placed}>{static}{pose}{more}' + "\n".join((*parts, *joints)) + "</model>"
