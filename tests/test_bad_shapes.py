@@ -143,7 +143,6 @@ def test_a_bad_size_of_any_shape_is_a_finding_or_a_paragraph(tmp_path, use, kind
         ("<size>nan nan</size>", "a visual <plane> has the size 'nan nan': it is drawn 100 by 100 m large"),
         ("<size>2</size>", "a visual <plane> has the size '2': it is drawn 2 by 2 m large"),
         ("<normal>0 0 0</normal><size>1 1</size>", "a visual <plane> has the normal '0 0 0': it faces along z"),
-        ("<normal>up</normal><size>1 1</size>", "a visual <plane> has the normal 'up': it faces along z"),
     ],
 )
 def test_a_plane_that_is_drawn_otherwise_is_a_finding(tmp_path, plane, what):

@@ -3,7 +3,6 @@
 `spoiling` makes the slips, `fingerprint` tells whether the twin is the same: neither knows the findings.
 """
 
-import logging
 import re
 import shutil
 from random import Random
@@ -49,6 +48,13 @@ def lines(xml):
     return re.sub(r">\s*<", ">\n<", xml)
 
 
+@pytest.fixture(autouse=True)
+def _quiet():
+    logging.disable(logging.CRITICAL)
+    yield
+    logging.disable(logging.NOTSET)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("spoiled")
@@ -66,7 +72,6 @@ def folder(tmp_path_factory):
 
 def lost(folder, name, count):
     """The slips of a target that change the robot and are not told, or that end in anything but a paragraph."""
-    logging.disable(logging.CRITICAL)
     entry, files = TARGETS[name]
     target, found, outcomes = Spoiled(folder, entry), [], set()
     for file in files:

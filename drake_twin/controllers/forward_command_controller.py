@@ -78,17 +78,15 @@ def numbers_of_claims(message: Any, claims: Sequence[Interface]) -> messages.Num
     return messages.Numbers(data)
 
 
-def may_start_or_stop(
-    claims: Sequence[Interface], before: messages.Numbers | None, now: messages.Numbers | None
-) -> bool:
+def may_start_or_stop(has_positions: bool, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
     """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes.
 
     Args:
-        claims: The claimed interfaces.
+        has_positions: Whether one of the numbers is a position.
         before: The command before; None without one.
         now: The new command.
     """
-    if before is None or now is None or any(claim.name == "position" for claim in claims):
+    if before is None or now is None or has_positions:
         return True
     return before.data != now.data and [*map(bool, before.data)] != [*map(bool, now.data)]
 
@@ -124,6 +122,7 @@ class ForwardCommandController(Controller):
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
+        self._has_positions = any(claim.name == "position" for claim in self.claims)
         self._commands = self.declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
         self.declare_command_interfaces(
             self._calc_command_interfaces, {self.input_port_ticket(self._commands.get_index())}
@@ -148,7 +147,7 @@ class ForwardCommandController(Controller):
 
     def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
         """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes."""
-        return may_start_or_stop(self.claims, before, now)
+        return may_start_or_stop(self._has_positions, before, now)
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         # Not `received`: this call is on the shortest path from a message to a joint.

@@ -103,7 +103,7 @@ class JointPidController(StatefulController):
 
     def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
         """Return whether a joint may start or stop."""
-        return may_start_or_stop(self.claims, before, now)
+        return may_start_or_stop(self.setup.parameters.interface == "position", before, now)
 
     def activate(self, context: Context) -> None:
         """Start with integral terms of zero."""

@@ -33,6 +33,9 @@ class DetachableJoints:
     Args:
         built: The diagram.
         root: Its context.
+
+    Attributes:
+        is_empty: Whether there are none.
     """
 
     def __init__(self, built: TwinDiagram, root: Context):
@@ -45,6 +48,7 @@ class DetachableJoints:
             for name, item in parts.controllers.items()
             if isinstance(item, DetachableJoint)
         ]
+        self.is_empty = not self._joints
 
     def forget(self) -> None:
         """Know that the context has its default values."""

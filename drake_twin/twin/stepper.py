@@ -126,7 +126,8 @@ class Stepper:
         else:
             wrenches.before = (), ()
         session.commands.apply(time, self._publish_scheduled)
-        physics.detachable_joints.follow()
+        if not physics.detachable_joints.is_empty:
+            physics.detachable_joints.follow()
         for control in controls:
             if control.check_period is not None and clock.step % clock.steps(control.check_period) == 0:
                 control.check_joints()

@@ -126,4 +126,4 @@ def test_launched_robots_without_controller_managers_share_their_topics(tmp_path
     moved = [twin.robot_state(robot).base_pose[0] - x for robot, x in zip(twin.robots, start, strict=True)]
     assert moved == pytest.approx([0.5, 0.5], abs=0.02)
     (finding,) = [item for item in twin.findings if item.kind is Kind.WARNING and "frames" in item.what]
-    assert (finding.robot, "begin with two/" in finding.what) == ("two", True)
+    assert (finding.robot, "begin with its name" in finding.what) == ("two", True)
