@@ -3,6 +3,7 @@
 `spoiling` makes the slips, `fingerprint` tells whether the twin is the same: neither knows the findings.
 """
 
+import logging
 import re
 import shutil
 from random import Random

@@ -1,6 +1,5 @@
 """Joint commands from a topic, as ros2_controllers' forward command controllers write them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any, ClassVar
@@ -54,45 +53,45 @@ class MultiInterfaceForwardCommandParameters(CommandTimeoutParameters):
     interface_names: tuple[str, ...]
 
 
-def numbers_of_claims(message: Any, claims: Sequence[Interface]) -> messages.Numbers:
-    """Convert a message to numbers, one for each claim.
+class NumbersForClaims:
+    """How a controller takes one number for each command interface that it claims.
 
-    Args:
-        message: A ``std_msgs/msg/Float64MultiArray``, or `messages.Numbers`.
-        claims: The claimed interfaces.
-
-    Raises:
-        CommandError: If the number of elements is wrong, for which ros2_control deactivates the controller, or an
-            element is not finite, for which the message is dropped.
-    """
-    data = tuple(map(float, message.data))
-    if len(data) != len(claims):
-        raise CommandError(
-            f"the command has {len(data)} elements, but there are {len(claims)} command interfaces:"
-            f" {', '.join(map(str, claims))}",
-            deactivates=True,
-        )
-    for claim, number in zip(claims, data, strict=True):
-        if not isfinite(number):
-            raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
-    return messages.Numbers(data)
-
-
-def may_start_or_stop(has_positions: bool, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
-    """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes.
-
-    Args:
+    Attributes:
+        claims: The claimed interfaces; a controller has them.
         has_positions: Whether one of the numbers is a position.
-        before: The command before; None without one.
-        now: The new command.
     """
-    if before is None or now is None or has_positions:
-        return True
-    return before.data != now.data and [*map(bool, before.data)] != [*map(bool, now.data)]
+
+    claims: tuple[Interface, ...]
+    has_positions: bool
+
+    def read(self, topic: str, message: Any, context: Context) -> messages.Numbers:
+        """Convert a message to numbers, one for each claim.
+
+        Raises:
+            CommandError: If the number of elements is wrong, for which ros2_control deactivates the controller, or an
+                element is not finite, for which the message is dropped.
+        """
+        data = tuple(map(float, message.data))
+        if len(data) != len(self.claims):
+            raise CommandError(
+                f"the command has {len(data)} elements, but there are {len(self.claims)} command interfaces:"
+                f" {', '.join(map(str, self.claims))}",
+                deactivates=True,
+            )
+        for claim, number in zip(self.claims, data, strict=True):
+            if not isfinite(number):
+                raise CommandError(f"the command for {claim} is {number}, which is not a finite number")
+        return messages.Numbers(data)
+
+    def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
+        """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes."""
+        if before is None or now is None or self.has_positions:
+            return True
+        return before.data != now.data and [*map(bool, before.data)] != [*map(bool, now.data)]
 
 
 @controller("forward_command_controller/ForwardCommandController")
-class ForwardCommandController(Controller):
+class ForwardCommandController(NumbersForClaims, Controller):
     """Forward commands to command interfaces as they arrive.
 
     Behaves as ``forward_command_controller/ForwardCommandController`` does in ROS 2 Jazzy. It has no state and no
@@ -122,7 +121,7 @@ class ForwardCommandController(Controller):
 
     def __init__(self, setup: ControllerSetup):
         super().__init__(setup)
-        self._has_positions = any(claim.name == "position" for claim in self.claims)
+        self.has_positions = any(claim.name == "position" for claim in self.claims)
         self._commands = self.declare_topic_input("commands", "std_msgs/msg/Float64MultiArray")
         self.declare_command_interfaces(
             self._calc_command_interfaces, {self.input_port_ticket(self._commands.get_index())}
@@ -135,19 +134,6 @@ class ForwardCommandController(Controller):
     def timeout(self, topic: str) -> float | None:
         """Return the parameter ``command_timeout``."""
         return self.setup.parameters.command_timeout or None
-
-    def read(self, topic: str, message: Any, context: Context) -> messages.Numbers:
-        """Convert a message to numbers, one for each claim.
-
-        Raises:
-            CommandError: If the number of elements is wrong, for which ros2_control deactivates the controller, or an
-                element is not finite, for which the message is dropped.
-        """
-        return numbers_of_claims(message, self.claims)
-
-    def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
-        """Return whether a joint may start or stop: a new position may be far away, a velocity of zero brakes."""
-        return may_start_or_stop(self._has_positions, before, now)
 
     def _calc_command_interfaces(self, context: Context, output: BasicVector) -> None:
         # Not `received`: this call is on the shortest path from a message to a joint.

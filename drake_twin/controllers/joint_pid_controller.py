@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass, field, replace
 from math import nan
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from pydrake.systems.framework import BasicVector, Context, EventStatus, InputPort, State
 
-from drake_twin import messages
 from drake_twin.controllers.base_controller import ControllerSetup
-from drake_twin.controllers.forward_command_controller import may_start_or_stop, numbers_of_claims
+from drake_twin.controllers.forward_command_controller import NumbersForClaims
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.registry import controller
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
@@ -49,7 +48,7 @@ class JointPidMemory(Frozen):
 
 
 @controller(JOINT_PID)
-class JointPidController(StatefulController):
+class JointPidController(NumbersForClaims, StatefulController):
     """Command joints, and add the integral part of a PID to the efforts of their servos.
 
     The proportional and derivative parts are the servo's own, in the plant. The integral part is that of gz-math's
@@ -82,6 +81,7 @@ class JointPidController(StatefulController):
         parameters, layout = setup.parameters, setup.layout
         efforts = tuple(Interface(joint, "effort") for joint in parameters.joints)
         super().__init__(setup, efforts, Sample(memory=self._no_integral(setup)))
+        self.has_positions = parameters.interface == "position"
         places = layout.positions if parameters.interface == "position" else layout.velocities
         self._measured = [places[joint] for joint in parameters.joints]
         self._state_port = self.declare_robot_input("state", layout.size)
@@ -92,18 +92,6 @@ class JointPidController(StatefulController):
     def get_commands_input_port(self) -> InputPort:
         """Return the port ``commands``."""
         return self._commands
-
-    def read(self, topic: str, message: Any, context: Context) -> messages.Numbers:
-        """Convert a message to numbers, one for each joint.
-
-        Raises:
-            CommandError: If the number of elements is wrong, or an element is not finite.
-        """
-        return numbers_of_claims(message, self.claims)
-
-    def starts_or_stops(self, before: messages.Numbers | None, now: messages.Numbers | None) -> bool:
-        """Return whether a joint may start or stop."""
-        return may_start_or_stop(self.setup.parameters.interface == "position", before, now)
 
     def activate(self, context: Context) -> None:
         """Start with integral terms of zero."""
