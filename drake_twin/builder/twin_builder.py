@@ -95,7 +95,7 @@ class TwinBuilder:
         namespace: str | None = None,
         frame_prefix: str | None = None,
         initial_positions: Mapping[str, float] | None = None,
-        self_collision: bool = False,
+        self_collision: bool | None = None,
         collision: str = "hull",
         contact: str = HYDROELASTIC,
         remappings: Mapping[str, str] | None = None,

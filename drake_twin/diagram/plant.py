@@ -267,14 +267,19 @@ def _contact_models(
             (instances[plan.name],),
             plan.robot.contact,
             rigid_transform(plan.spawn_pose),
-            None
-            if plan.robot.self_collision
-            else {drake_link_name(link) for link, surface in plan.description.surfaces.items() if surface.self_collide},
+            _colliding_links(plan),
             plan.robot.friction,
         )
         for plan in plans
     ]
     return [*robots, *(ContactModel(name, every, world.contact) for name, every in world_models.items())]
+
+
+def _colliding_links(plan: RobotPlan) -> set[str] | None:
+    """Return the links of a robot that touch others of it, as Drake calls them; None for all."""
+    if plan.robot.self_collision is not None:
+        return None if plan.robot.self_collision else set()
+    return {drake_link_name(link) for link, surface in plan.description.surfaces.items() if surface.self_collide}
 
 
 def _state_indices(plant: MultibodyPlant, instance: ModelInstanceIndex) -> list[int]:

@@ -219,6 +219,7 @@ class _Sorter:
 
     def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:
         managers = requests_by_robot(found.robots, self._requests, self._findings, self._log)
+        is_gazebo_sim = bool(self._worlds) and self._worlds[-1][0].simulator == "gz"
         namespaces: set[str] = set()
         links: set[str] = set()
         late: dict[float, list[str]] = {}
@@ -240,6 +241,11 @@ class _Sorter:
             links |= {prefix + link for link in launched.links}
             if launched.process.start_time > 0:
                 late.setdefault(launched.process.start_time, []).append(name)
+            if is_gazebo_sim and launched.has_colliding_links and not launched.self_collides:
+                what = (
+                    "its links' <self_collide> has no effect, as in Gazebo Sim, which reads only that of an SDF model"
+                )
+                self._findings.append(Finding(Kind.WARNING, what, robot=name, file=launched.model))
             pose = launched.pose
             robot = Robot(
                 name=name,
@@ -255,6 +261,7 @@ class _Sorter:
                 remappings=self._remappings(launched, requests, namespace),
                 stamped_topics=stamped(self._bridges or ()),
                 bridged=self._bridged(),
+                self_collision=launched.self_collides if is_gazebo_sim else None,
             )
             processes = {request.name: request.process for request in requests}
             yield RobotHint(robot, pose is None, processes, launched.process.place)

@@ -21,6 +21,7 @@ from drake_twin.from_launch.command_line import CommandLine, command_line
 from drake_twin.from_launch.launched_world import LaunchedWorld
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.scenario import name_in_twin
+from drake_twin.values import is_true
 
 _POSE = ("x", "y", "z", "R", "P", "Y")
 _CREATE = ("world", "file", "param", "string", "topic", "name", "allow_renaming", *_POSE)
@@ -53,6 +54,8 @@ class LaunchedRobot:
         plugin_files: The parameters files in its description.
         publisher: The robot_state_publisher that publishes its description.
         links: The names of its links.
+        self_collides: Whether they touch each other in Gazebo Sim, whose engine reads only the flag of an SDF model.
+        has_colliding_links: Whether a link has such a flag.
     """
 
     name: str
@@ -65,6 +68,8 @@ class LaunchedRobot:
     plugin_files: tuple[str, ...] = ()
     publisher: LaunchedProcess | None = None
     links: frozenset[str] = frozenset()
+    self_collides: bool = False
+    has_colliding_links: bool = False
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,8 @@ class _Source:
     links: frozenset[str]
     name: str
     has_hardware: bool
+    self_collides: bool
+    has_colliding_links: bool
 
 
 def is_spawner(process: LaunchedProcess) -> bool:
@@ -227,6 +234,8 @@ class LaunchedRobots:
                 plugin_files=tuple(file for plugin in control for file in plugin.parameters),
                 publisher=publisher,
                 links=source.links,
+                self_collides=source.self_collides,
+                has_colliding_links=source.has_colliding_links,
             )
         )
 
@@ -368,6 +377,12 @@ def _read(model: str, text: str, path: Path) -> _Source:
         links=frozenset(str(link.get("name", "")) for link in links),
         name=name or "robot",
         has_hardware=_has(root, ("ros2_control", "model/ros2_control")),
+        self_collides=is_true(root.findtext("model/self_collide")),
+        has_colliding_links=any(
+            is_true(flag.get("value") or flag.text)
+            for flag in root.iter("selfCollide", "self_collide")
+            if flag.getparent() is not root.find("model")
+        ),
     )
 
 

@@ -111,7 +111,7 @@ class Robot:
         inactive_controllers: The controllers to load and leave inactive; those in no list are not loaded.
         unconfigured_controllers: The controllers to load and leave unconfigured.
         initial_positions: Joint name → position at the start (rad or m).
-        self_collision: Whether its links collide with each other; without it those do that ``<selfCollide>`` names.
+        self_collision: Whether its links collide with each other; by default those do that ``<selfCollide>`` names.
         collision: What a collision mesh becomes: its convex ``hull``, or a convex ``decomposition`` (needs CoACD).
         contact: ``hydroelastic``: its flat shapes touch with their faces; or ``point``: in a point.
         remappings: Topic → the topic in its place, both in full.
@@ -141,7 +141,7 @@ class Robot:
     active_controllers: tuple[str, ...] | None = None
     inactive_controllers: tuple[str, ...] = ()
     initial_positions: Mapping[str, float] = field(default_factory=dict)
-    self_collision: bool = False
+    self_collision: bool | None = None
     collision: str = "hull"
     contact: str = HYDROELASTIC
     remappings: Mapping[str, str] = field(default_factory=dict)

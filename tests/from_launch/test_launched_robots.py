@@ -5,7 +5,7 @@ from math import cos, sin
 from pathlib import Path
 
 import pytest
-from hinge import command, create, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
+from hinge import command, create, gz, hinge, launched, launched_hinge, node, publisher, spawner, write_hinge
 from launch_files import not_started, write
 
 from drake_twin.errors import InputError
@@ -192,6 +192,28 @@ def test_many_robots_with_frames_of_the_same_names_are_one_line(tmp_path):
     assert about == [
         "two, three: another robot publishes frames of the same names, so its own begin with its name and / on /tf"
     ]
+
+
+LINKS_TOUCH = "<gazebo reference='arm'><selfCollide>1</selfCollide></gazebo>"
+MODEL_TOUCHES = """<sdf version='1.9'><model name='m'><self_collide>true</self_collide>
+<link name='l'><self_collide>true</self_collide></link></model></sdf>"""
+
+
+@pytest.mark.parametrize(
+    ("simulator", "text", "collides", "told"),
+    [
+        (gz("-r empty.sdf"), hinge(extra=LINKS_TOUCH), False, 1),
+        (gz("-r empty.sdf"), hinge(), False, 0),
+        (gz("-r empty.sdf"), MODEL_TOUCHES, True, 0),
+        (command("gzserver", "empty.world"), hinge(extra=LINKS_TOUCH), None, 0),
+    ],
+)
+def test_gazebo_sim_reads_the_self_collision_of_models_only(tmp_path, simulator, text, collides, told):
+    """As DART 6.12 behind gz-physics 5 does; Gazebo classic reads that of links, as a twin without a launch file."""
+    file = write(tmp_path / "robot.sdf", text)
+    scenario = launched(tmp_path, simulator, create("-file", file, "-name", "one")).scenario
+    assert [robot.self_collision for robot in scenario.robots] == [collides]
+    assert ["<self_collide> has no effect" in item.what for item in scenario.findings].count(True) == told
 
 
 def test_an_entity_that_exists_is_refused_as_gazebo_does(tmp_path):

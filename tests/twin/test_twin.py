@@ -612,8 +612,9 @@ COLLIDES = '<gazebo reference="{}"><selfCollide>true</selfCollide></gazebo>'
         (COLLIDES.format("a"), {}, False),
         (COLLIDES.format("a") + COLLIDES.format("b"), {}, True),
         ("", {"self_collision": True}, True),
+        (COLLIDES.format("a") + COLLIDES.format("b"), {"self_collision": False}, False),
     ],
-    ids=["as in Gazebo", "one link asks", "both links ask", "the scenario asks"],
+    ids=["as in Gazebo", "one link asks", "both links ask", "the scenario asks", "the scenario forbids"],
 )
 def test_links_of_one_robot_collide_only_where_they_are_told_to(tmp_path, gazebo, options, apart):
     (tmp_path / "o.urdf").write_text(OVERLAPPING.format(gazebo=gazebo))
