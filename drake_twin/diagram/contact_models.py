@@ -18,6 +18,7 @@ class ContactModel:
         root_pose: The pose of its root body in the world at the start; None for the plant's default pose.
         colliding: The bodies that collide with others of the same model; None for all of them.
         friction: The coefficient of friction of all its shapes; None for those of its file.
+        is_folded: Whether Gazebo folds its links on fixed joints into one, as it does those of a URDF.
     """
 
     name: str
@@ -26,3 +27,4 @@ class ContactModel:
     root_pose: RigidTransform | None = None
     colliding: Collection[str] | None = ()
     friction: float | None = None
+    is_folded: bool = False

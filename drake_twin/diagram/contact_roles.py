@@ -257,12 +257,29 @@ class Registry:
 
 
 def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models: Sequence[ContactModel]) -> None:
-    """Let links of one model pass through each other, as in Gazebo, except those declared to collide."""
+    """Let links of one model pass through each other, as in Gazebo, except those declared to collide.
+
+    Nothing collides between two links with a joint. Where Gazebo folds links on fixed joints into one, nor does what
+    is fixed to the two.
+    """
     manager = scene_graph.collision_filter_manager()
     for model in models:
+        bodies = [plant.get_body(index) for instance in model.instances for index in plant.GetBodyIndices(instance)]
+        if model.is_folded and (model.colliding is None or model.colliding):
+            for parents, children in _jointed(plant, model):
+                manager.Apply(CollisionFilterDeclaration().ExcludeBetween(parents, children))
         if model.colliding is None:
             continue
-        bodies = [plant.get_body(index) for instance in model.instances for index in plant.GetBodyIndices(instance)]
         apart = plant.CollectRegisteredGeometries([body for body in bodies if body.name() in model.colliding])
         others = plant.CollectRegisteredGeometries([body for body in bodies if body.name() not in model.colliding])
         manager.Apply(CollisionFilterDeclaration().ExcludeWithin(others).ExcludeBetween(others, apart))
+
+
+def _jointed(plant: MultibodyPlant, model: ContactModel) -> Iterator[tuple[GeometrySet, GeometrySet]]:
+    """Yield the shapes on the two sides of each joint that moves, with those of all links that are fixed to them."""
+    for joint in map(plant.get_joint, plant.GetJointIndices()):
+        if joint.model_instance() in model.instances and joint.num_velocities():
+            sides = (plant.GetBodiesWeldedTo(body) for body in (joint.parent_body(), joint.child_body()))
+            own = ([body for body in side if body.model_instance() in model.instances] for side in sides)
+            parents, children = map(plant.CollectRegisteredGeometries, own)
+            yield parents, children

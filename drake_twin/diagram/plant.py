@@ -269,6 +269,7 @@ def _contact_models(
             rigid_transform(plan.spawn_pose),
             _colliding_links(plan),
             plan.robot.friction,
+            is_folded=plan.model.drake_format == "urdf",
         )
         for plan in plans
     ]
