@@ -38,7 +38,7 @@ def gravity_of_urdf(reader: XmlReader) -> Gravity:
 def gravity_of_sdf(reader: XmlReader, model: etree._Element) -> Gravity:
     """Read it of an SDF model."""
     flags = {link.get("name", ""): link.find("gravity") for link in model.iterfind("link")}
-    off = {name: flag for name, flag in flags.items() if flag is not None and not is_true(flag.text)}
+    off = {name: flag for name, flag in flags.items() if flag is not None and not is_true(flag.text or "true")}
     return _gravity(reader, flags, off)
 
 

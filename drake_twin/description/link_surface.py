@@ -46,7 +46,7 @@ def link_surfaces(reader: XmlReader) -> dict[str, LinkSurface]:
     """
     tags: defaultdict[str, list[etree._Element]] = defaultdict(list)
     for element in reader.root.iterfind("gazebo[@reference]"):
-        tags[element.get("reference", "")].append(element)
+        tags[element.get("reference", "").strip()].append(element)
     for element in (tag for found in tags.values() for tag in found):
         _with_friction_of(element, None, reader)  # a wrong number is wrong on any link
     frictions: defaultdict[str, dict[int, Friction | None]] = defaultdict(dict)

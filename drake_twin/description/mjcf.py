@@ -81,6 +81,8 @@ def _ignored(reader: XmlReader, world: etree._Element) -> Iterator[Finding]:
     dropped = [(child, f"<{child.tag}> of the world") for child in world if child.tag not in ("body", "light")]
     for tag in ("sensor", "keyframe", "size"):
         dropped += [(item, f"<{item.tag}> of <{tag}>") for group in reader.root.findall(tag) for item in group]
+    for path in ("worldbody/body//replicate", "asset/model"):  # of which Drake's parser says nothing
+        dropped += [(item, f"<{item.tag}>") for item in reader.root.iterfind(path)]
     return at_places(Kind.IGNORED, ((what, reader.place(element)) for element, what in dropped))
 
 

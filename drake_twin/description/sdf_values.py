@@ -35,6 +35,7 @@ _OF_PARENT: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "spot": {"outer_angle": _ONE},
 }
 _NEVER_NEGATIVE = ("mu", "mu2")
+_FAILED_CHECK = "Failure at "  # of Drake's own code, which does not tell what is wrong in the file
 _OF_LIGHTS = ("light", "attenuation", "spot")
 
 
@@ -65,12 +66,14 @@ def _why(words: list[str], least: int, most: int) -> str | None:
 
 def with_place(error: InputError, reader: XmlReader) -> InputError:
     """Return an error of Drake's reader with a line: of what it names, of the first wrong number, or of the model."""
-    named, wrong = _named(error.message, reader.root), next((found for found, _ in _wrong(reader.root)), None)
-    element = next((item for item in (named, wrong, reader.root.find("model")) if item is not None), None)
+    wrong, why = next(_wrong(reader.root), (None, ""))
+    elements = _named(error.message, reader.root), wrong, reader.root.find("model")
+    element = next((item for item in elements if item is not None), None)
     if element is None or error.line is not None:
         return error
     place = reader.place(element)
-    return InputError(error.message, file=place.file or error.file, line=place.line)
+    is_told = element is wrong and _FAILED_CHECK in error.message
+    return InputError(why if is_told else error.message, file=place.file or error.file, line=place.line)
 
 
 def _named(message: str, root: etree._Element) -> etree._Element | None:

@@ -361,6 +361,6 @@ class _World:
             if child.tag == "plugin":
                 if plugin_kind(GazeboPlugin(child.get("filename", ""), child.get("name", ""))) in DONE_HERE:
                     continue
-                what = f"the plugin {child.get('name') or child.get('filename')}"
+                what = f"the plugin {child.get('name') or child.get('filename') or '?'}"
             if is_window == (child.tag == "gui"):
                 yield f"{what} of the world", child

@@ -43,6 +43,7 @@ CASES = {
     "one is off, folded": ("urdf", urdf(told("fix", OFF)), True, ["gravity of base"]),
     "sdf, on": ("sdf", sdf("", "<gravity>true</gravity>"), True, []),
     "sdf, off": ("sdf", sdf(OFF_IN_SDF, "<gravity>0</gravity>"), False, []),
+    "sdf, empty": ("sdf", sdf("<gravity/>", ""), True, []),
     "sdf, one is off": ("sdf", sdf("", OFF_IN_SDF), True, ["gravity of arm"]),
 }
 

@@ -34,6 +34,10 @@ def test_friction_is_read_in_both_spellings(inside):
     assert surfaces(link("base", "") + told("base", inside)) == {"base": LinkSurface((Friction(0.9, 0.8),))}
 
 
+def test_blanks_around_a_reference_do_not_count():
+    assert surfaces(link("base", "") + told(" base ", "<mu1>0.9</mu1>")) == {"base": LinkSurface((Friction(0.9, 1.0),))}
+
+
 def test_two_gazebo_tags_for_one_link_add_up():
     tags = told("base", "<mu1>0.4</mu1>") + told("base", "<selfCollide>1</selfCollide>")
     assert surfaces(link("base", "") + tags) == {"base": LinkSurface((Friction(0.4, 1.0),), self_collide=True)}

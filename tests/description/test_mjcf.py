@@ -86,6 +86,16 @@ def test_what_belongs_to_the_world_and_sensors_are_findings_with_their_lines(tmp
     assert found == ["<geom> of the world (robot.xml:2)", "<gyro> of <sensor> (robot.xml:4, 5)"]
 
 
+def test_what_drakes_parser_leaves_out_in_silence_is_a_finding(tmp_path):
+    file = tmp_path / "robot.xml"
+    file.write_text(
+        '<mujoco model="m"><asset>\n<model name="x" file="x.xml"/></asset><worldbody><body name="b"><freejoint/>'
+        '<geom type="box" size="1 1 1"/>\n<replicate count="3"><geom size="1"/></replicate></body></worldbody></mujoco>'
+    )
+    found = [str(item) for item in prepare_mjcf(file.read_text(), file, None).findings]
+    assert found == ["<replicate> (robot.xml:3)", "<model> (robot.xml:2)"]
+
+
 def test_a_motor_without_commands_is_limp(tmp_path):
     twin = twin_of(tmp_path, ARM)
     twin.advance_to(1.0)

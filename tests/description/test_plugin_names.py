@@ -16,6 +16,8 @@ PHYSICS, DRIVE = "gz-sim-physics-system", "gz-sim-diff-drive-system"
         ("libignition-gazebo6-physics-system.so", "ignition::gazebo::v6::systems::Physics"),
         ("gz-sim-forcetorque-system", "gz::sim::systems::ForceTorque"),
         ("gz-sim-navsat-system", "gz::sim::systems::NavSat"),
+        ("gz-sim-multicopter-control-system", "gz::sim::systems::MulticopterVelocityControl"),
+        ("gz-sim-buoyancy-engine-system", "gz::sim::systems::BuoyancyEnginePlugin"),
         (DRIVE, "drive"),
         ("", "gz::sim::systems::Physics"),
         ("libmine.so", "gz::sim::systems::Physics"),

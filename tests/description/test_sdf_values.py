@@ -62,6 +62,14 @@ def test_what_drakes_reader_refuses_has_a_line(tmp_path, right, wrong, line):
     assert "\n" not in str(refused.value)
 
 
+def test_a_number_at_which_drakes_own_code_fails_is_told(tmp_path):
+    text = SDF.replace("</xyz></axis>", "</xyz><limit>\n<lower>nan</lower></limit></axis>")
+    with pytest.raises(InputError) as refused:
+        load(tmp_path, text)
+    what = "<lower> of <limit> is 'nan', which is not a number: Gazebo refuses it"
+    assert str(refused.value) == f"{tmp_path}/m.sdf:9: {what}."
+
+
 def test_a_frame_that_only_the_twins_plant_misses_has_the_line_that_names_it(tmp_path):
     (tmp_path / "m.sdf").write_text(SDF.replace('<visual name="v">', '<visual name="v"><pose relative_to="x"/>'))
     with pytest.raises(InputError, match=rf"^{tmp_path}/m.sdf:4: "):
