@@ -30,7 +30,7 @@ TARGETS = {
         ["rover_gazebo/launch/main.launch.xml"],
         ["rover_description/config/rover_drive.yaml", "rover_description/config/rover_controllers.yaml"],
     ),
-    "rover": (["rover_description/urdf/rover.urdf.xacro"], ROVER_FILES),
+    "rover": (["rover_description/urdf/rover.urdf.xacro", "robot_name:=rover"], ROVER_FILES),
     "arm": (
         [f"{ARM}/urdf/arduinobot.urdf.xacro"],
         [f"{ARM}/config/arduinobot_controllers.yaml", f"{ARM}/urdf/arm_links.xacro"],

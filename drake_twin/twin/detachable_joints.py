@@ -35,7 +35,7 @@ class DetachableJoints:
         root: Its context.
 
     Attributes:
-        is_empty: Whether there are none.
+        is_empty: Whether the diagram lacks such joints.
     """
 
     def __init__(self, built: TwinDiagram, root: Context):
