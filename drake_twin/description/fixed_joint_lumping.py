@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from lxml import etree
 
-from drake_twin.values import is_true
+from drake_twin.description.gazebo_tag import is_yes, text_or_value
 
 LUMP, _COLLISION = "_fixed_joint_lump__", "_collision"
 
@@ -84,7 +84,7 @@ def _folded(root: etree._Element) -> dict[str, tuple[str, str]]:
         (element.get("reference") or "").strip()
         for element in root.iterfind("gazebo[@reference]")
         for tag in ("preserveFixedJoint", "disableFixedJointLumping")
-        if is_true(element.findtext(tag))
+        if is_yes(text_or_value(element, tag))
     }
     found = {}
     for joint in root.iterfind("joint"):

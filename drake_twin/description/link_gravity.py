@@ -9,7 +9,7 @@ from typing import NamedTuple
 from lxml import etree
 
 from drake_twin.description.fixed_joint_lumping import lumped_links
-from drake_twin.description.link_surface import text_or_value
+from drake_twin.description.gazebo_tag import text_or_value, turns_gravity_off
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, at_places
 from drake_twin.values import is_true
@@ -28,8 +28,8 @@ def gravity_of_urdf(reader: XmlReader) -> Gravity:
     off: dict[str, etree._Element] = {}
     for element in reader.root.iterfind("gazebo[@reference]"):
         link = element.get("reference", "").strip()
-        gravity, turned_off = (text_or_value(element, tag) for tag in ("gravity", "turnGravityOff"))
-        if is_true(turned_off) or not (gravity is None or is_true(gravity)):
+        gravity = text_or_value(element, "gravity")
+        if turns_gravity_off(element) or not (gravity is None or is_true(gravity)):
             off[into.get(link, link)] = element
     heavy = (link.get("name", "").strip() for link in reader.root.iterfind("link") if link.find("inertial") is not None)
     return _gravity(reader, {into.get(link, link) for link in heavy}, off)

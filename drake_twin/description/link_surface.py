@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from lxml import etree
 
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions, link_families
+from drake_twin.description.gazebo_tag import is_yes, text_or_value
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.values import is_true
 
@@ -99,13 +100,7 @@ def _coefficient(reader: XmlReader, element: etree._Element, text: str, name: st
 
 
 def _self_collide(element: etree._Element) -> bool | None:
-    text = text_or_value(element, "selfCollide") or text_or_value(element, "self_collide")
-    return None if text is None else is_true(text)
-
-
-def text_or_value(element: etree._Element, tag: str) -> str | None:
-    """Read ``<mu1>0.9</mu1>`` or ``<mu1 value="0.9"/>``: both are in use."""
-    child = element.find(tag)
-    if child is None:
-        return None
-    return child.get("value") or (child.text or "").strip() or None
+    converted, own = text_or_value(element, "selfCollide"), text_or_value(element, "self_collide")
+    if converted is not None:
+        return is_yes(converted)
+    return None if own is None else is_true(own)

@@ -8,8 +8,9 @@ from math import hypot, inf
 from lxml import etree
 
 from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.gazebo_tag import is_yes, text_or_value
 from drake_twin.description.gpios import hardware_gpios
-from drake_twin.description.link_surface import link_surfaces, text_or_value
+from drake_twin.description.link_surface import link_surfaces
 from drake_twin.description.robot_description import (
     CommandInterface,
     ControlledJoint,
@@ -24,7 +25,7 @@ from drake_twin.description.robot_description import (
 from drake_twin.description.sensors import hardware_sensors, sensors_in_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind
-from drake_twin.values import is_true, parse_number
+from drake_twin.values import parse_number
 
 _JOINT_TYPES = ("fixed", "revolute", "continuous", "prismatic", "planar", "floating")
 
@@ -223,7 +224,7 @@ def _check_followers(reader: XmlReader, joints: list[Joint]) -> None:
 def is_static_in_gazebo(root: etree._Element) -> bool:
     """Return whether a ``<gazebo>`` tag without a reference says ``<static>true</static>``."""
     found = [element for element in root.findall("gazebo") if element.get("reference") is None]
-    return any(is_true(text) for element in found if (text := text_or_value(element, "static")) is not None)
+    return any(is_yes(text_or_value(element, "static")) for element in found)
 
 
 def skip_wrong_bounds(reader: XmlReader) -> Iterator[Finding]:
