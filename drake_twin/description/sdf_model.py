@@ -90,7 +90,7 @@ def _counted(kind: Kind, found: Mapping[tuple[str, Weight], int]) -> Iterator[Fi
 def falls(model: etree._Element) -> bool:
     """Tell whether gravity acts on a model: not where all its links have ``<gravity>false``."""
     flags = [link.find("gravity") for link in model.iter("link")]
-    return not flags or any(flag is None or is_true(flag.text) for flag in flags)
+    return not flags or any(flag is None or is_true(flag.text or "true") for flag in flags)
 
 
 def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
@@ -112,10 +112,11 @@ def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:
     for link in model.iter("link"):
         for flag in [*link.findall("gravity"), *link.findall("kinematic")]:
             link.remove(flag)
+            is_gravity = flag.tag == "gravity"
             if (
-                (flag.tag == "gravity") != is_true(flag.text)
+                is_gravity != is_true(flag.text or str(is_gravity))
                 and not is_within_static(link)
-                and (falling or flag.tag != "gravity")
+                and (falling or not is_gravity)
             ):
                 yield f"<{flag.tag}>{(flag.text or '').strip()}</{flag.tag}> of a link is not used", Weight.MOVES
 

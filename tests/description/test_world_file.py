@@ -186,11 +186,12 @@ def test_two_models_of_one_name_get_two_names(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("flag", "falls"), [("<gravity>0</gravity>", False), ("<gravity>1</gravity>", True), ("", True)]
+    ("flag", "falls"),
+    [("<gravity>0</gravity>", False), ("<gravity>1</gravity>", True), ("<gravity/>", True), ("", True)],
 )
 def test_a_model_without_gravity_does_not_fall(tmp_path, flag, falls):
-    (model,) = world_of(tmp_path, f'<model name="a"><link name="l">{flag}</link></model>').models
-    assert model.falls is falls
+    world = world_of(tmp_path, f'<model name="a"><link name="l">{flag}</link></model>')
+    assert (world.models[0].falls, findings(world)) == (falls, ())
 
 
 # --- what is not used

@@ -8,6 +8,7 @@ from drake_twin.diagram.cenic_constraints import cenic_has_constraints
 from drake_twin.errors import RunError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
+from drake_twin.twin.recording import Recording, replay
 
 G = 9.8  # SDF's default
 
@@ -299,3 +300,17 @@ def test_a_step_that_fails_is_taken_back_with_what_it_was_to_detach(crane, monke
     assert (twin.time, twin.entity_state("crate").position[2]) == (0.1, pytest.approx(2, abs=1e-5))
     twin.advance_to(0.3)  # the message is still to come
     assert twin.entity_state("crate").position[2] == pytest.approx(2 - G * 0.2**2 / 2, abs=2e-3)
+
+
+@pytest.mark.parametrize("time_step", [0.001, 0.01])
+def test_a_recording_of_attaching_and_letting_go_ends_in_the_same_state(tmp_path, crane, time_step):
+    twin = crane(time_step=time_step)
+    twin.record()
+    for time, topic in ((0.2, None), (0.4, DETACH), (0.45, ATTACH), (0.8, DETACH), (1.5, None)):
+        drive(twin, 1.0 - time)
+        twin.advance_to(time)
+        if topic is not None:
+            twin.publish(topic, {})
+    twin.recording().save(tmp_path / "run.json")
+    assert replay(Recording.load(tmp_path / "run.json")).state_sha256() == twin.state_sha256()
+    assert twin.entity_state("crate").position[2] < 1.0, "it was let go"
