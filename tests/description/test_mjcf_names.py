@@ -2,13 +2,14 @@
 
 import re
 
-import mujoco
 import pytest
 
 from drake_twin.description import mjcf_names
 from drake_twin.description.mjcf_names import unknown_mjcf_names
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
+
+mujoco = pytest.importorskip("mujoco", reason="the extra 'test' is not installed whole")
 
 ARM = """<mujoco model="arm">
 <compiler angle="degree"/>
