@@ -101,8 +101,8 @@ def _shapes(inspector):
         shape = re.sub(r"0x\w+", "", repr(inspector.GetShape(identity)))
         name = inspector.GetName(inspector.GetFrameId(identity))  # the shape's own is a label
         looks = inspector.GetIllustrationProperties(identity)
-        colour = None if looks is None else looks.GetPropertyOrDefault("phong", "diffuse", "")
-        rgba = "" if colour is None else _numbers([colour.r(), colour.g(), colour.b(), colour.a()])
+        colour = "" if looks is None else looks.GetPropertyOrDefault("phong", "diffuse", "")
+        rgba = "" if colour == "" else _numbers([colour.r(), colour.g(), colour.b(), colour.a()])
         roles = [str(role) for role in _ROLES if inspector.GetProperties(identity, role) is not None]
         yield f"{name} {shape} {_pose(inspector.GetPoseInFrame(identity))} {rgba} {roles}"
 
