@@ -9,6 +9,18 @@ from typing import Any
 _PACKAGE = Path(__file__).parent
 
 
+def did_you_mean(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return ``. Did you mean 'NAME'?`` with the known name that is closest; empty where none is close.
+
+    Args:
+        name: The name as written.
+        known: The names that would have been right.
+        cutoff: How alike the two must be, from 0 to 1.
+    """
+    close = get_close_matches(name, list(known), n=1, cutoff=cutoff)
+    return f". Did you mean {close[0]!r}?" if close else ""
+
+
 class TwinError(Exception):
     """The base of all errors that the twin raises.
 
@@ -56,9 +68,7 @@ class InputError(TwinError):
             place = f"{self.file}: " if self.line is None else f"{self.file}:{self.line}: "
         text = place + str(self.message).rstrip(".") + "."  # Gymnasium makes an error of an error
         if self.valid is not None:
-            close = get_close_matches(str(self.value), self.valid, n=1) if self.value else []
-            if close:
-                text += f" Did you mean {close[0]!r}?"
+            text += did_you_mean(str(self.value), self.valid).removeprefix(".") if self.value else ""
             text += f" Valid: {', '.join(self.valid)}." if self.valid else " There are no valid choices."
         return text
 

@@ -3,13 +3,12 @@
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 from drake_twin.description.source_file import check_regular
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
-from drake_twin.errors import InputError
+from drake_twin.errors import InputError, did_you_mean
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.values import is_number
 
@@ -193,8 +192,9 @@ def _misspelt_groups(document: YamlDocument) -> Iterator[Finding]:
     """Report keys that are nearly ``ros__parameters``: what is below them belongs to no node."""
     for path in document.paths:
         key = str(path[-1])
-        if key != _PARAMETERS and path.count(_PARAMETERS) == 0 and get_close_matches(key, [_PARAMETERS], cutoff=0.8):
-            what = f"the key {key!r}: what is below it belongs to no node. Did you mean {_PARAMETERS!r}?"
+        hint = did_you_mean(key, [_PARAMETERS], 0.8) if _PARAMETERS not in path else ""
+        if hint:
+            what = f"the key {key!r}: what is below it belongs to no node{hint}"
             yield Finding.at(Kind.IGNORED, what, Place(str(document.file), document.line(path)))
 
 
@@ -203,9 +203,9 @@ def _misspelt_nodes(
 ) -> Iterator[Finding]:
     """Report the parameters of a node whose name is nearly a controller's; other nodes may share the file."""
     for name in (name for name in nodes if name not in types):
-        if name not in _NODES and (close := get_close_matches(name, types, n=1, cutoff=0.85)):
+        if name not in _NODES and (hint := did_you_mean(name, types, 0.85)):
             document, path, _ = nodes[name][0]
-            what = f"parameters of the node {name!r}, which is not a controller. Did you mean {close[0]!r}?"
+            what = f"parameters of the node {name!r}, which is not a controller{hint}"
             yield Finding.at(Kind.WARNING, what, Place(str(document.file), document.line(path[:-1])))
 
 

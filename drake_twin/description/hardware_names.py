@@ -1,11 +1,11 @@
 """Names in ``<ros2_control>`` that simulated hardware does not have: types of hardware, interfaces of joints."""
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import did_you_mean
 from drake_twin.findings import Finding, Kind, at_places
 
 _TYPES = ("system", "actuator", "sensor")
@@ -31,5 +31,4 @@ def _unknown(root: etree._Element) -> Iterator[tuple[etree._Element, str]]:
 
 
 def _valid(name: str, known: tuple[str, ...]) -> str:
-    close = get_close_matches(name, known, n=1)
-    return f". Did you mean {close[0]!r}?" if close else f"; it has {', '.join(known)}"
+    return did_you_mean(name, known) or f"; it has {', '.join(known)}"

@@ -10,6 +10,7 @@ from lxml import etree
 
 from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_tag import text_or_value, turns_gravity_off
+from drake_twin.description.sdf_document import has_weight
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Finding, Kind, at_places
 from drake_twin.values import is_true
@@ -37,9 +38,9 @@ def gravity_of_urdf(reader: XmlReader) -> Gravity:
 
 def gravity_of_sdf(reader: XmlReader, model: etree._Element) -> Gravity:
     """Read it of an SDF model."""
-    flags = {link.get("name", ""): link.find("gravity") for link in model.iterfind("link")}
-    off = {name: flag for name, flag in flags.items() if flag is not None and not is_true(flag.text or "true")}
-    return _gravity(reader, flags, off)
+    links = {link.get("name", ""): link for link in model.iterfind("link")}
+    off = {name: flag for name, link in links.items() for flag in link.findall("gravity")[:1] if not has_weight(link)}
+    return _gravity(reader, links, off)
 
 
 def _gravity(reader: XmlReader, heavy: Iterable[str], off: Mapping[str, etree._Element]) -> Gravity:

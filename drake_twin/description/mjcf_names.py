@@ -1,11 +1,11 @@
 """What of an MJCF file is not in MuJoCo's schema: MuJoCo refuses it, and Drake's parser is silent."""
 
-from collections.abc import Collection, Iterator, Mapping
-from difflib import get_close_matches
+from collections.abc import Iterator, Mapping
 
 from lxml import etree
 
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import did_you_mean
 from drake_twin.findings import Finding, Kind, at_places
 from drake_twin.values import needed
 
@@ -100,19 +100,19 @@ def unknown_mjcf_names(reader: XmlReader) -> list[Finding]:
 
 def _unknown(reader: XmlReader) -> Iterator[tuple[etree._Element, str]]:
     for name in (name for name in map(str, reader.root.attrib) if name != "model"):
-        yield reader.root, f"the attribute {name} of <mujoco>{_hint(name, ('model',))}"
+        yield reader.root, f"the attribute {name} of <mujoco>{did_you_mean(name, ('model',))}"
     for element in reader.root.iter(etree.Element):
         above = element.getparent()
         children = None if above is None else _CHILDREN.get(str(above.tag))
         if above is None or children is None:
             continue
         if element.tag not in (*children, *_ANYWHERE):
-            yield element, f"<{element.tag}> in <{above.tag}>{_hint(element.tag, children)}"
+            yield element, f"<{element.tag}> in <{above.tag}>{did_you_mean(element.tag, children)}"
             continue
         known = _ATTRIBUTES.get(str(element.tag), frozenset(map(str, element.attrib)))
         for name in map(str, element.attrib):
             if name not in known and not name.startswith("{"):
-                yield element, f"the attribute {name} of <{element.tag}>{_hint(name, sorted(known))}"
+                yield element, f"the attribute {name} of <{element.tag}>{did_you_mean(name, sorted(known))}"
             elif name in _NUMBERS:
                 _check_numbers(reader, element, name)
         types = {"joint": _JOINT_TYPES, "geom": _GEOM_TYPES}.get(str(element.tag))
@@ -158,8 +158,3 @@ def _check_numbers(reader: XmlReader, element: etree._Element, name: str) -> Non
         return
     how = needed(least) if least == most else f"{least} to {most} numbers are needed"
     raise reader.error(element, f"{name} is {element.get(name)!r}, where {how}")
-
-
-def _hint(name: object, known: Collection[str]) -> str:
-    close = get_close_matches(str(name), known, n=1)
-    return f". Did you mean {close[0]!r}?" if close else ""

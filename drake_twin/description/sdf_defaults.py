@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from lxml import etree
 
 from drake_twin.description.unused_contact import is_unused
+from drake_twin.values import number_or_none
 
 # Element that the twin does not use → the values with which it asks for nothing, by SDF 1.9; true is 1 and false 0.
 _DEFAULTS: Mapping[str, tuple[str, ...]] = {
@@ -51,13 +52,5 @@ def asks_for_nothing(element: etree._Element) -> bool:
 
 
 def _numbers(text: str) -> tuple[float | str, ...]:
-    words = (_WORDS.get(word, word) for word in text.lower().split())
-    return tuple(float(word) if _is_number(word) else word for word in words)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+    words = [_WORDS.get(word, word) for word in text.lower().split()]
+    return tuple(word if (number := number_or_none(word)) is None else number for word in words)

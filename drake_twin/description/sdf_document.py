@@ -72,6 +72,11 @@ def is_within_static(element: etree._Element) -> bool:
     return any(is_static(model) for model in element.iterancestors("model"))
 
 
+def has_weight(link: etree._Element) -> bool:
+    """Tell whether gravity acts on a link: its ``<gravity>`` is true where it is missing or empty."""
+    return is_true(link.findtext("gravity") or "true")
+
+
 def number_in(element: etree._Element | None) -> float | None:
     """Read an element's text as a number, which may be infinite; None for anything else."""
     return None if element is None else number_or_none((element.text or "").strip())

@@ -15,7 +15,7 @@ from drake_twin.description.caster_balls import weld_caster_balls
 from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_defaults import asks_for_nothing
-from drake_twin.description.sdf_document import free_name, is_within_static, number_in
+from drake_twin.description.sdf_document import free_name, has_weight, is_within_static, number_in
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
@@ -89,8 +89,8 @@ def _counted(kind: Kind, found: Mapping[tuple[str, Weight], int]) -> Iterator[Fi
 
 def falls(model: etree._Element) -> bool:
     """Tell whether gravity acts on a model: not where all its links have ``<gravity>false``."""
-    flags = [link.find("gravity") for link in model.iter("link")]
-    return not flags or any(flag is None or is_true(flag.text or "true") for flag in flags)
+    links = [*model.iter("link")]
+    return not links or any(map(has_weight, links))
 
 
 def _unknown_elements(model: etree._Element) -> Iterator[tuple[str, Weight]]:

@@ -1,7 +1,6 @@
 """The elements and attributes of a URDF or SDF file that the twin ignores: all that `used_elements` does not list."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from difflib import get_close_matches
 from typing import TypeAlias
 
 from lxml import etree
@@ -31,6 +30,7 @@ from drake_twin.description.used_elements import (
     weight_of,
 )
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import did_you_mean
 from drake_twin.findings import Finding, Kind, merged
 
 _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its name, and where it stands or why
@@ -153,8 +153,7 @@ def _unread_plugin(plugin: etree._Element) -> Iterator[_Unread]:
     kind = plugin_kind(GazeboPlugin(filename, name))
     if kind in SENSOR_PLUGINS or kind in DONE_HERE:
         return
-    close = get_close_matches(filename.rpartition("/")[2], known_libraries(), n=1, cutoff=0.85)
-    absent = "the twin has no such plugin" + (f". Did you mean {close[0]!r}?" if close else "")
+    absent = "the twin has no such plugin" + did_you_mean(filename.rpartition("/")[2], known_libraries(), 0.85)
     yield plugin, f"Gazebo plugin {called}", f": {_reason(_PLUGINS, filename + name, absent)}"
 
 

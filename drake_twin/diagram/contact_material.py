@@ -139,9 +139,8 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
     filled = pi / 4 if isinstance(shape.shape, Cylinder) else 1.0  # of a face's rectangle
     modulus = 0.0
     for least, width, length, height in faces:
-        stiffness = min(
-            max(least, 6 * UPRIGHT * height / width**2), STIFFEST
-        )  # 1/s²; a body stands on an even face by the latter
+        stands = 6 * UPRIGHT * height / width**2  # 1/s²: so stiff a face keeps a body upright
+        stiffness = min(max(least, stands), STIFFEST)
         bears = max(stiffness * shape.mass, least * _borne(shape))
         modulus = max(modulus, bears / (filled * width * length) * (depth or height / 2))
     return modulus

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.description.yaml_document import YamlDocument
+from drake_twin.errors import did_you_mean
 from drake_twin.findings import Finding, Kind, Place
 from drake_twin.from_launch.launched_robots import parameters
 from drake_twin.messages import known_types
@@ -94,8 +95,8 @@ def _wrong_keys(process: LaunchedProcess, entry: Any, document: YamlDocument, in
     """Report the keys of an entry that ROS's bridge does not read."""
     for key in (key for key in map(str, entry if isinstance(entry, dict) else ()) if key not in _KEYS):
         place = Place(str(document.file), document.line((index, key)))
-        hint = f". Did you mean {close[0]!r}?" if (close := get_close_matches(key, _KEYS, n=1)) else ""
-        yield Finding.at(Kind.IGNORED, f"{process.what}: {key} of an entry of its file{hint}", place)
+        what = f"{process.what}: {key} of an entry of its file{did_you_mean(key, _KEYS)}"
+        yield Finding.at(Kind.IGNORED, what, place)
 
 
 def renamed(lines: Iterable[BridgeLine]) -> dict[str, str]:

@@ -381,7 +381,7 @@ def _read(model: str, text: str, path: Path) -> _Source:
         has_colliding_links=any(
             is_true(flag.get("value") or flag.text)
             for flag in root.iter("selfCollide", "self_collide")
-            if flag.getparent() is not root.find("model")
+            if flag.getparent() is not named
         ),
     )
 

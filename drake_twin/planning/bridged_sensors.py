@@ -1,10 +1,10 @@
 """The topics that a bridge carries and that nothing has."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from difflib import get_close_matches
 
 from drake_twin.description.gazebo_drive import of_model
 from drake_twin.description.robot_description import Sensor
+from drake_twin.errors import did_you_mean
 from drake_twin.findings import Finding, Kind
 from drake_twin.from_launch.bridges import BridgeLine
 from drake_twin.planning.robot_plan import RobotPlan
@@ -53,8 +53,8 @@ def misspelt(lines: Sequence[BridgeLine], plans: Sequence[RobotPlan]) -> Iterato
     }
     left = drives - {line.gz for line in lines}
     for line in (line for line in lines if line.gz not in drives):
-        if close := get_close_matches(line.gz, sorted(left), n=1, cutoff=_CLOSE):
-            what = f"the bridge carries {line.gz}, which nothing has in Gazebo. Did you mean {close[0]!r}?"
+        if hint := did_you_mean(line.gz, sorted(left), _CLOSE):
+            what = f"the bridge carries {line.gz}, which nothing has in Gazebo{hint}"
             yield Finding.at(Kind.WARNING, what, line.place)
 
 

@@ -1,7 +1,8 @@
 """Frames that files name and that are most likely a misspelt link of the robot."""
 
 from collections.abc import Collection
-from difflib import get_close_matches
+
+from drake_twin.errors import did_you_mean
 
 _CLOSE = 0.85
 
@@ -19,8 +20,8 @@ def misspelt_frame(frame: str, links: Collection[str]) -> str | None:
     name = frame.strip().lstrip("/")
     if not name or any(_is_same(name, link) for link in links):
         return None
-    close = get_close_matches(name, links, n=1, cutoff=_CLOSE)
-    return f"the robot has no link {name!r}. Did you mean {close[0]!r}?" if close else None
+    hint = did_you_mean(name, links, _CLOSE)
+    return f"the robot has no link {name!r}{hint}" if hint else None
 
 
 def _is_same(name: str, link: str) -> bool:

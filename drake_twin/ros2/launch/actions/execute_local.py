@@ -1,9 +1,9 @@
 """Starts a process."""
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 from typing import Any
 
+from drake_twin.errors import did_you_mean
 from drake_twin.findings import Place
 from drake_twin.ros2.ending_commands import command_ends, duration, shell_words
 from drake_twin.ros2.event_effects import emit
@@ -171,8 +171,7 @@ def refuse_unknown_keywords(what: str, given: Iterable[str], known: Iterable[str
     known = list(known)
     for name in given:
         if name not in known:
-            close = get_close_matches(name, [*known, *_USED], n=1)
-            hint = f". Did you mean {close[0]!r}?" if close else ""
+            hint = did_you_mean(name, [*known, *_USED])
             raise TypeError(f"{what} got an unexpected keyword argument {name!r}{hint}")
 
 
