@@ -119,11 +119,18 @@ def run_tests(package: Path, tests: Sequence[str], time_limit: float = TIME_LIMI
 
 def try_mutant(mutant: Mutant, package: Path, time_limit: float = TIME_LIMIT) -> Outcome:
     """Put a mutant into a copy of the package, run its tests, and take it out again."""
-    file = find(mutant, package)
-    original, begin = file.read_text(), time.monotonic()
-    try:
-        _write(file, mutated(mutant, file))
+    file, begin = find(mutant, package), time.monotonic()
+    with written(file, mutated(mutant, file)):
         return Outcome(mutant, run_tests(package, mutant.tests, time_limit), time.monotonic() - begin)
+
+
+@contextmanager
+def written(file: Path, text: str) -> Iterator[None]:
+    """Give a module another text for a while."""
+    original = file.read_text(encoding="utf-8")
+    try:
+        _write(file, text)
+        yield
     finally:
         _write(file, original)
 

@@ -21,6 +21,40 @@ class My(Node):
     assert lines(capsys) == ["fast 50000000", "slow 100000000", "fast 100000000", "fast 150000000"]
 
 
+def test_a_timer_that_is_reset_counts_a_whole_period_from_there(tmp_path, capsys):
+    """Also one that was canceled. As rcl_timer_reset: the next call is a period after the reset."""
+    file = script(
+        tmp_path,
+        "timers.py",
+        """
+class My(Node):
+    def __init__(self):
+        super().__init__("timers")
+        self.slow = self.create_timer(0.1, lambda: print("slow", self.get_clock().now().nanoseconds))
+        self.quick = self.create_timer(0.06, self.tick)
+
+    def tick(self):
+        print(self.slow.is_canceled(), self.slow.time_until_next_call())
+        if self.get_clock().now().nanoseconds == 60_000_000:
+            self.slow.reset()
+        elif self.get_clock().now().nanoseconds == 180_000_000:
+            self.slow.cancel()
+        elif self.get_clock().now().nanoseconds == 240_000_000:
+            self.slow.reset()
+            self.quick.cancel()
+""",
+    )
+    with running(file) as twin:
+        twin.advance_to(0.45)
+    assert lines(capsys) == [
+        "False 40000000",
+        "False 40000000",
+        *("slow 160000000", "False 80000000"),
+        "True None",
+        *("slow 340000000", "slow 440000000"),
+    ]
+
+
 def test_a_period_that_is_no_multiple_of_the_step_keeps_its_mean(tmp_path, capsys):
     file = script(
         tmp_path,

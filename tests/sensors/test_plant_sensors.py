@@ -59,6 +59,23 @@ def test_an_altimeter_beside_the_axis_of_a_turning_link_moves_up_and_down(tmp_pa
     assert message.vertical_velocity == pytest.approx(1.0 - 2.0 * 0.5)
 
 
+@pytest.mark.parametrize("noisy", ["vertical_position", "vertical_velocity"])
+def test_height_and_velocity_have_each_its_own_noise(tmp_path, noisy):
+    noise = "<noise type='gaussian'><mean>7</mean></noise>"
+    inside = f"<altimeter><{noisy}>{noise}</{noisy}></altimeter>"
+    twin = twin_with(tmp_path, on_box("altimeter", inside), xyz=(0, 0, 50))
+    message = twin.latest("/box/s/altimeter")
+    found = {name: getattr(message, name) for name in ("vertical_position", "vertical_velocity")}
+    assert found == {**dict.fromkeys(found, 0.0), noisy: 7.0}
+
+
+def test_the_variance_of_the_pressure_is_that_of_its_noise(tmp_path):
+    noise = "<noise type='gaussian'><stddev>3</stddev></noise>"
+    inside = f"<air_pressure><pressure>{noise}</pressure></air_pressure>"
+    assert twin_with(tmp_path, on_box("air_pressure", inside)).latest("/box/s/air_pressure").variance == 9.0
+    assert twin_with(tmp_path, on_box("air_pressure")).latest("/box/s/air_pressure").variance == 0.0
+
+
 # The standard atmosphere of 1976, table I: geometric altitude (m), pressure (Pa).
 @pytest.mark.parametrize(
     ("altitude", "pressure"), [(0, 101325.0), (500, 95461.0), (1000, 89876.0), (3000, 70121.0), (8000, 35652.0)]
