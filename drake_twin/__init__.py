@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from drake_twin.show import TwinPage, show
     from drake_twin.twin.action import ActionGoal
     from drake_twin.twin.entities import EntityState
-    from drake_twin.twin.recording import Recording, replay
+    from drake_twin.twin.recording import Recording
+    from drake_twin.twin.replay import replay
     from drake_twin.twin.rewind import Rewind
     from drake_twin.twin.snapshot import Snapshot
     from drake_twin.twin.state import RobotState
@@ -46,7 +47,8 @@ _HOMES = {
     "show": ("TwinPage", "show"),
     "twin.action": ("ActionGoal",),
     "twin.entities": ("EntityState",),
-    "twin.recording": ("Recording", "replay"),
+    "twin.recording": ("Recording",),
+    "twin.replay": ("replay",),
     "twin.rewind": ("Rewind",),
     "twin.snapshot": ("Snapshot",),
     "twin.state": ("RobotState",),

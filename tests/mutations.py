@@ -129,7 +129,8 @@ class Kinds:
         from drake_twin.builder.launch_file import launch_file_scenario
         from drake_twin.scenario import World
         from drake_twin.scenario.scenario_file import ScenarioFile
-        from drake_twin.twin.recording import Recording, replay
+        from drake_twin.twin.recording import Recording
+        from drake_twin.twin.replay import replay
         from drake_twin.twin.snapshot import Snapshot
 
         file, builder = self.folder / name, TwinBuilder()

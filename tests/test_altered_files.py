@@ -8,7 +8,8 @@ import pytest
 from conftest import ARM, rovers
 
 from drake_twin.errors import TwinError
-from drake_twin.twin.recording import Recording, replay
+from drake_twin.twin.recording import Recording
+from drake_twin.twin.replay import replay
 from drake_twin.twin.snapshot import Snapshot
 
 VALUES = [

@@ -2,6 +2,8 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -55,9 +57,14 @@ FILES = {
 }
 
 
+@cache
+def parsed(file: Path) -> ast.Module:
+    return ast.parse(file.read_text(encoding="utf-8"))
+
+
 def imported(module: str) -> Iterator[str]:
     """The package's own modules that a module imports anywhere: in functions and for type checking, too."""
-    for node in ast.walk(ast.parse(FILES[module].read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(FILES[module])):
         names = []
         if isinstance(node, ast.Import):
             names = [item.name for item in node.names]
@@ -100,13 +107,27 @@ def test_an_arrow_upwards_would_be_seen(monkeypatch, tmp_path):
         test_arrows_between_rooms_point_down()
 
 
+def test_no_files_import_each_other_in_a_circle():
+    """Nor for type checking or in functions."""
+    arrows = {module: set(imported(module)) for module in FILES if module != "drake_twin"}
+    TopologicalSorter(arrows).prepare()  # a CycleError has the files of a circle
+
+
+def test_a_circle_of_files_would_be_seen(monkeypatch, tmp_path):
+    file = tmp_path / "state.py"
+    file.write_text("def f():\n    from drake_twin.twin.twin import Twin\n")
+    monkeypatch.setitem(FILES, "drake_twin.twin.state", file)
+    with pytest.raises(CycleError, match=r"drake_twin\.twin\.twin', 'drake_twin\.twin\.state"):
+        test_no_files_import_each_other_in_a_circle()
+
+
 def test_planning_and_what_lies_below_the_systems_is_without_drake():
     """Planning asks each kind of controller, whose module needs Drake; it imports none of it itself."""
     rooms = ("planning", "control", "from_launch", "ros2", "scenario", "messages")
     found = []
     for module, file in FILES.items():
         if module != "drake_twin" and room(module) in rooms:
-            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            for node in ast.walk(parsed(file)):
                 names = [item.name for item in node.names] if isinstance(node, ast.Import) else []
                 names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
                 found += [f"{module} → {name}" for name in names if name.startswith("pydrake")]
@@ -129,7 +150,7 @@ def test_no_class_but_the_facade_has_many_public_methods():
     for module, file in FILES.items():
         if module.startswith("drake_twin.nodes.rclpy"):  # the methods are those of ROS's classes
             continue
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        for node in ast.walk(parsed(file)):
             if isinstance(node, ast.ClassDef):
                 methods = {item.name for item in node.body if isinstance(item, ast.FunctionDef)}
                 public = {name for name in methods if not name.startswith("_")}

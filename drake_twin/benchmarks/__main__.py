@@ -9,7 +9,8 @@ from pathlib import Path
 
 from drake_twin.benchmarks.plots import draw
 from drake_twin.benchmarks.report import Table, save
-from drake_twin.benchmarks.sections import SECTIONS, Size
+from drake_twin.benchmarks.sections import SECTIONS
+from drake_twin.benchmarks.size import Size
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_version, run_program, say
 from drake_twin.requirements import EXTRAS, missing

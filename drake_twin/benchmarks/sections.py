@@ -2,10 +2,8 @@
 
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
-from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any
@@ -17,6 +15,7 @@ from drake_twin.benchmarks.engines.twin import TwinEngine
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
 from drake_twin.benchmarks.sensors import sensors
+from drake_twin.benchmarks.size import Size
 from drake_twin.benchmarks.startup import startup
 from drake_twin.benchmarks.sweeps import sweep
 from drake_twin.benchmarks.workloads import HOLDING_ARMS, WORKLOADS, Workload
@@ -33,25 +32,6 @@ _SOLVERS = ("twin", "twin, similar", "twin, sap")  # the discrete engine with ea
 _STEPS = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)  # s
 _ACCURACIES = (1e-2, 1e-3, 1e-4, 3e-5, 1e-5, 5e-6, 3e-6, 2e-6, 1e-6, 3e-7, 1e-7)
 _STEPS_OF_MUJOCO = (5e-3, 2e-3, 1e-3, 7e-4, 5e-4, 4e-4, 3e-4, 2.5e-4, 2e-4, 1.5e-4, 1e-4, 5e-5, 2.5e-5)  # s
-
-
-@dataclass(frozen=True)
-class Size:
-    """The size of the measurements.
-
-    Attributes:
-        folder: A folder for files that engines read.
-        repeats: How often each case runs.
-        counts: Numbers of robots.
-        many: Numbers of robots in the sections that vary the number.
-        scale: A factor on the simulated times.
-    """
-
-    folder: Path
-    repeats: int = 5
-    counts: tuple[int, ...] = (1, 8, 32)
-    many: tuple[int, ...] = (1, 4, 8, 16, 32, 64)
-    scale: float = 1.0
 
 
 def overhead(size: Size) -> list[Table]:

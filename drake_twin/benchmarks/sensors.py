@@ -7,16 +7,13 @@ from math import cos, pi, sin
 from os import getpid, sysconf
 from pathlib import Path
 from time import process_time
-from typing import TYPE_CHECKING
 
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
+from drake_twin.benchmarks.size import Size
 from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.scenario import World
 from drake_twin.twin.twin import Twin
-
-if TYPE_CHECKING:
-    from drake_twin.benchmarks.sections import Size
 
 _RAYS = "<samples>{}</samples><min_angle>{}</min_angle><max_angle>{}</max_angle>"
 _LIDAR = (
@@ -77,7 +74,7 @@ _KINDS = (
 _LISTENED = (_KINDS[0], _KINDS[2])  # in the table of runs; others cost what their messages do
 
 
-def sensors(size: "Size") -> list[Table]:
+def sensors(size: Size) -> list[Table]:
     """Measure runs of robots with sensors beside those without, and the processor time of a message of each kind."""
     world = size.folder / "room.sdf"
     world.write_text(_room(), encoding="utf-8")
@@ -95,7 +92,7 @@ def sensors(size: "Size") -> list[Table]:
     ]
 
 
-def _runs(size: "Size", world: Path, count: int) -> list[tuple[int, str, float]]:
+def _runs(size: Size, world: Path, count: int) -> list[tuple[int, str, float]]:
     cases = {"no sensors": _twin(size, world, count, with_sensors=False), "nothing": _twin(size, world, count)}
     for kind in _LISTENED:
         what = f"{kind.what} of each at {kind.rate:g} Hz"
@@ -115,7 +112,7 @@ def _runs(size: "Size", world: Path, count: int) -> list[tuple[int, str, float]]
     return [(count, name, ratio(times, name, "no sensors")) for name in cases if name != "no sensors"]
 
 
-def _costs(size: "Size", world: Path, count: int) -> list[tuple[int, str, float | None, float | None]]:
+def _costs(size: Size, world: Path, count: int) -> list[tuple[int, str, float | None, float | None]]:
     rows: list[tuple[int, str, float | None, float | None]] = []
     with _twin(size, world, count) as twin:
         for kind in _KINDS:
@@ -150,7 +147,7 @@ def _time_of_children() -> float:
     return sum(int(tick) for pair in ticks for tick in pair) / sysconf("SC_CLK_TCK")
 
 
-def _twin(size: "Size", world: Path, count: int, *, with_sensors: bool = True) -> Twin:
+def _twin(size: Size, world: Path, count: int, *, with_sensors: bool = True) -> Twin:
     file = size.folder / f"{'sensing' if with_sensors else 'plain'}.urdf"
     tags = "".join(f'<gazebo reference="box">{kind.text()}</gazebo>' for kind in _KINDS) if with_sensors else ""
     shape = '<geometry><box size="0.3 0.3 0.2"/></geometry>'

@@ -5,13 +5,10 @@ import subprocess
 import sys
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING
 
 from drake_twin.benchmarks.measure import by_turns
 from drake_twin.benchmarks.report import Table
-
-if TYPE_CHECKING:
-    from drake_twin.benchmarks.sections import Size
+from drake_twin.benchmarks.size import Size
 
 _IMPORTS = "import pydrake.multibody.plant, pydrake.geometry, pydrake.systems.analysis"
 _PROCESSES = {
@@ -52,6 +49,7 @@ import sys
 from pathlib import Path
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.twin.twin import Twin
+from drake_twin.benchmarks.size import Size
 def resident():
     return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
 kept = Twin(demo_scenario("rover", 1))
@@ -63,7 +61,7 @@ print((resident() - before) / int(sys.argv[1]) / 1024)
 """
 
 
-def startup(size: "Size") -> list[Table]:
+def startup(size: Size) -> list[Table]:
     """Measure whole processes, the phases of one, and the memory of a rover."""
     times = by_turns({name: partial(_run, arguments) for name, arguments in _PROCESSES.items()}, size.repeats)
     imports = median(times["pydrake's three modules"])

@@ -3,20 +3,17 @@
 from collections.abc import Callable
 from functools import partial
 from statistics import median
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from drake_twin.benchmarks.engine import Setting, drive
 from drake_twin.benchmarks.measure import by_turns, ratio
 from drake_twin.benchmarks.report import Table
+from drake_twin.benchmarks.size import Size
 from drake_twin.benchmarks.workloads import WORKLOADS
 from drake_twin.scenario import CENIC, DISCRETE
 from drake_twin.sweeps.episode import DONE, Runner, Sweep
 from drake_twin.sweeps.variation import Design, Variation
-
-if TYPE_CHECKING:
-    from drake_twin.benchmarks.sections import Size
 
 _ROVERS, _COUNT = WORKLOADS["cruising rovers"], 2
 _DURATION = 1.3  # s
@@ -31,7 +28,7 @@ _TRIED = (
 )
 
 
-def sweep(size: "Size") -> list[Table]:
+def sweep(size: Size) -> list[Table]:
     """Measure episodes a second: a twin that is reset, and a model of MuJoCo that is reset, with the same values."""
     pairs = {"equal step": _EQUAL_STEP, "equal accuracy": _equally_accurate(size)}
     episodes = max(2, round(8 * size.scale))
@@ -53,7 +50,7 @@ def sweep(size: "Size") -> list[Table]:
     return [Table("sweep", title, columns, tuple(rows))]
 
 
-def _equally_accurate(size: "Size") -> tuple[Setting, Setting]:
+def _equally_accurate(size: Size) -> tuple[Setting, Setting]:
     """Return the fastest settings of both whose joints are as near to the engine's own finest run as asked for.
 
     Where none is, the nearest.
@@ -78,13 +75,13 @@ def _equally_accurate(size: "Size") -> tuple[Setting, Setting]:
     return chosen[0], chosen[1]
 
 
-def _positions(setting: Setting, size: "Size") -> np.ndarray:
+def _positions(setting: Setting, size: Size) -> np.ndarray:
     engine = setting.make(_ROVERS, _COUNT, size.folder)
     drive(engine, _ROVERS, _COUNT, 0.0, _DURATION)
     return engine.positions()
 
 
-def _in_twin(setting: Setting, size: "Size", count: int, duration: float) -> Callable[[], None]:
+def _in_twin(setting: Setting, size: Size, count: int, duration: float) -> Callable[[], None]:
     engine, accuracy = (DISCRETE, 1e-3) if setting.accuracy is None else (CENIC, setting.accuracy)
     scenario = _ROVERS.scenario(_COUNT, size.folder, time_step=setting.step, engine=engine, accuracy=accuracy)
     design = Design((Variation.parse(f"friction=0.5:0.9:{count}"),))
@@ -98,7 +95,7 @@ def _in_twin(setting: Setting, size: "Size", count: int, duration: float) -> Cal
     return run
 
 
-def _in_mujoco(setting: Setting, size: "Size", count: int, duration: float) -> Callable[[], None]:
+def _in_mujoco(setting: Setting, size: Size, count: int, duration: float) -> Callable[[], None]:
     from drake_twin.benchmarks.engines.mujoco import MujocoEngine  # needs the extra, which --help and --version do not
 
     engine = setting.make(_ROVERS, _COUNT, size.folder)

@@ -177,7 +177,7 @@ def build_twin(target: Target) -> Twin:
     Raises:
         InputError: If the scenario cannot be built, with the file and line of the invalid value.
     """
-    from drake_twin.twin.recording import replay
+    from drake_twin.twin.replay import replay
     from drake_twin.twin.twin import Twin
 
     if target.recording is not None:

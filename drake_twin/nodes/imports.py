@@ -9,20 +9,13 @@ import importlib.machinery
 import importlib.util
 import sys
 from collections.abc import Callable, Sequence
-from functools import cache
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import Any
 
+from drake_twin.nodes.process_view import ProcessView
 from drake_twin.nodes.task import here
-
-if TYPE_CHECKING:
-    from drake_twin.nodes.program import Program
-
-_FOLDER = Path(__file__).parent
-_OF_LAUNCH_FILES = frozenset(("tf_transformations",))  # packages of `drake_twin.ros2` that node programs have, too
-ROOTS = _OF_LAUNCH_FILES | {file.parent.name for file in _FOLDER.glob("*/__init__.py")}
 
 Source = Callable[[str], ModuleType | None]  # a module's full name → the module
 
@@ -55,7 +48,7 @@ class NodeFinder(importlib.abc.MetaPathFinder):
             self._is_busy = False
 
     def _find(
-        self, program: "Program", fullname: str, root: str, dot: str, path: Sequence[str] | None
+        self, program: ProcessView[Any], fullname: str, root: str, dot: str, path: Sequence[str] | None
     ) -> ModuleSpec | None:
         spec = None
         for source in self._sources:
@@ -90,21 +83,3 @@ class _Given(importlib.abc.Loader):
 
     def exec_module(self, module: ModuleType) -> None:
         module.__spec__ = self._spec
-
-
-@cache
-def stand_in(name: str) -> ModuleType | None:
-    """Return the module of this package's tree that stands in for one of ROS's: ``rclpy.node`` is ``rclpy/node.py``.
-
-    Raises:
-        ModuleNotFoundError: If the tree lacks a module of a package that it has.
-    """
-    root = name.partition(".")[0]
-    if root in _OF_LAUNCH_FILES:
-        return importlib.import_module(f"drake_twin.ros2.{name}")
-    if root not in ROOTS:
-        return None
-    path = _FOLDER.joinpath(*name.split("."))
-    if not path.with_suffix(".py").is_file() and not (path / "__init__.py").is_file():
-        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-    return importlib.import_module(f"{__package__}.{name}")

@@ -14,10 +14,11 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.nodes import simulated_time
 from drake_twin.nodes.action_graph import ActionGraph
 from drake_twin.nodes.graph import Graph
-from drake_twin.nodes.imports import NodeFinder, stand_in
+from drake_twin.nodes.imports import NodeFinder
 from drake_twin.nodes.interfaces import Interfaces
 from drake_twin.nodes.package_folders import PackageFolders
 from drake_twin.nodes.program import Program
+from drake_twin.nodes.stand_ins import stand_in
 from drake_twin.nodes.task import Task
 from drake_twin.nodes.turns import Turns
 from drake_twin.scenario import NodeProgram
@@ -68,7 +69,7 @@ class Nodes:
         self._finder = NodeFinder(sources, self._folder_of)
         self._is_open = False
         self.programs: list[Program] = []
-        self._blocked: set[tuple[Program, str]] = set()
+        self._blocked: set[tuple[int, str]] = set()
         self.graph = Graph(twin, self._turns, services)
         self.actions = ActionGraph(self.graph)
         self.graph.changed = self._look_again
@@ -186,8 +187,8 @@ class Nodes:
     def blocked(self, task: Task) -> None:
         """Take note of a thread that waits for something outside, while the simulation continues."""
         place = _where(task)
-        if (task.program, place) not in self._blocked:
-            self._blocked.add((task.program, place))
+        if (task.program.index, place) not in self._blocked:
+            self._blocked.add((task.program.index, place))
             _log.warning(
                 "node %s waits for something outside of the simulation, which continues%s", task.program.what, place
             )

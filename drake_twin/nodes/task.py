@@ -6,11 +6,9 @@ import threading
 import time as wall_clock
 from collections.abc import Callable, Iterator
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from drake_twin.nodes.program import Program
-    from drake_twin.nodes.turns import Turns
+from drake_twin.nodes.process_view import ProcessView
 
 _MOST_CALLS = 1000  # calls at one simulation time, after which a thread waits for the next step
 _MOST_WAITS = 100  # waits of a program after its own handler of Ctrl-C, until it is interrupted nevertheless
@@ -23,6 +21,29 @@ _new_lock = threading.Lock
 
 class Abandoned(BaseException):
     """Raised in a thread that has to end at once; nodes that catch `Exception` do not catch it."""
+
+
+class Baton(Protocol):
+    """What a thread knows of `drake_twin.nodes.turns.Turns`, which hands out the baton.
+
+    Attributes:
+        now: The simulation time (ns).
+        limit: The last time (ns) that counts as now.
+        after: A time (ns) between the present step and the next one.
+    """
+
+    now: int
+    limit: int
+    after: int
+
+    def take_back(self, task: "Task") -> None:
+        """Take the baton back, in the thread that had it."""
+
+    def let_out(self, task: "Task") -> None:
+        """Take the baton back, and let the thread run on."""
+
+    def let_in(self, task: "Task") -> None:
+        """Take note of a thread that comes back and waits for its turn."""
 
 
 class Task:
@@ -42,7 +63,7 @@ class Task:
         is_watching: Whether it waits for something that can come while the twin is paused.
     """
 
-    def __init__(self, turns: "Turns", program: "Program"):
+    def __init__(self, turns: Baton, program: "ProcessView[Task]"):
         self.program = program
         self.thread: threading.Thread | None = None
         self.is_outside = False

@@ -1,11 +1,8 @@
 """The system that has the ports of many sensors."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drake_twin.sensors.plant_reader import PlantReader
-
-if TYPE_CHECKING:
-    from drake_twin.sensors.sensor_system import SensorSystem
 
 
 class SensorHost(PlantReader):
@@ -15,13 +12,13 @@ class SensorHost(PlantReader):
     sensors of eight robots slowed the steps of a simple scene by 28 %, though nobody listened to them.
 
     Attributes:
-        sensors: The sensors; their ports' callbacks hold them weakly.
+        sensors: The sensors (each a `SensorSystem`); their ports' callbacks hold them weakly.
         shared: What some of them share, by what it is.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self.sensors: list[SensorSystem] = []
+        self.sensors: list[Any] = []
         self.shared: dict[Any, Any] = {}
 
     def forget(self) -> None:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from drake_twin.services.actions import ActionServer, action_servers
 from drake_twin.services.node_actions import NodeActionServer
-from drake_twin.services.registry import Fields, Later, Service, services_of
+from drake_twin.services.offered import services_of
+from drake_twin.services.registry import Fields, Later, Service
 from drake_twin.twin.endpoints import Endpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.seam import Seam

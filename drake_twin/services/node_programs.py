@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from drake_twin.services.registry import services_of
+from drake_twin.services.offered import services_of
 from drake_twin.twin.twin import Twin
 
 if TYPE_CHECKING:

@@ -1,13 +1,8 @@
 """Services by what they belong to: the twin, a robot, or a node with parameters."""
 
-import importlib
-import pkgutil
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, TypeVar
-
-from drake_twin.twin.twin import Twin
 
 Fields = Mapping[str, Any]  # of a response
 Later = Generator[Any, None, Fields]  # a response that takes several frames: it is continued once a frame
@@ -37,7 +32,17 @@ class Service:
 
 
 @dataclass(frozen=True)
-class _Kind:
+class Kind:
+    """A service that each twin or each robot has.
+
+    Attributes:
+        name: The full name, or the one below the robot's namespace.
+        type: Its ROS type.
+        node: The name of its node, likewise.
+        answer: Takes the twin, the robot's name if it is a robot's, and the request.
+        between_advances: As `Service.between_advances`.
+    """
+
     name: str
     type: str
     node: str
@@ -45,8 +50,8 @@ class _Kind:
     between_advances: bool
 
 
-_OF_TWIN: list[_Kind] = []
-_OF_ROBOT: list[_Kind] = []
+OF_TWIN: list[Kind] = []  # by the order in which their modules are imported
+OF_ROBOT: list[Kind] = []
 
 
 def twin_service(
@@ -62,7 +67,7 @@ def twin_service(
     """
 
     def register(answer: _Answer) -> _Answer:
-        _OF_TWIN.append(_Kind(name, type, node, answer, between_advances))
+        OF_TWIN.append(Kind(name, type, node, answer, between_advances))
         return answer
 
     return register
@@ -78,47 +83,7 @@ def robot_service(type: str, name: str, node: str) -> Callable[[_Answer], _Answe
     """
 
     def register(answer: _Answer) -> _Answer:
-        _OF_ROBOT.append(_Kind(f"{node}/{name}", type, node, answer, False))
+        OF_ROBOT.append(Kind(f"{node}/{name}", type, node, answer, False))
         return answer
 
     return register
-
-
-def services_of(twin: Twin) -> tuple[Service, ...]:
-    """Return the services of a twin with its present robots and controllers; of two with one name, the first."""
-    _import_own()
-    found: dict[str, Service] = {}
-    for service in _all(twin):
-        found.setdefault(service.name, service)
-    return tuple(found.values())
-
-
-def _all(twin: Twin) -> Iterator[Service]:
-    from drake_twin.services.entities import world_name
-    from drake_twin.services.parameters import parameter_services
-
-    world = world_name(twin)
-    for kind in _OF_TWIN:
-        yield Service(kind.name.format(world=world), kind.type, kind.node, _for_twin(kind, twin), kind.between_advances)
-    for plan in twin.plans:
-        namespace = plan.robot.topic_namespace
-        for kind in _OF_ROBOT:
-            names = f"{namespace}/{kind.name}", kind.type, f"{namespace}/{kind.node}"
-            yield Service(*names, _for_robot(kind, twin, plan.name))
-    yield from parameter_services(twin)
-
-
-def _for_twin(kind: _Kind, twin: Twin) -> Callable[[Any], Fields | Later]:
-    return lambda request: kind.answer(twin, request)
-
-
-def _for_robot(kind: _Kind, twin: Twin, robot: str) -> Callable[[Any], Fields | Later]:
-    return lambda request: kind.answer(twin, robot, request)
-
-
-@cache
-def _import_own() -> None:
-    import drake_twin.services as own
-
-    for module in pkgutil.iter_modules(own.__path__):
-        importlib.import_module(f"{own.__name__}.{module.name}")

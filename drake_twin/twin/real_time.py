@@ -4,14 +4,12 @@ import time as wall_clock
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import floor
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.schedule import step_at
-
-if TYPE_CHECKING:
-    from drake_twin.twin.twin import Twin
 
 _FRAME = 1 / 30  # s of wall time between two frames
 _SLICES = 7  # of a frame while other programs use the inbox: none longer than 5 ms
@@ -36,8 +34,40 @@ class Frames:
     lockstep: bool = False
 
 
+class Running(Protocol):
+    """What is run, which is `Twin`; its members are described there."""
+
+    inbox: Inbox
+    real_time_rate: float
+
+    @property
+    def frames(self) -> Frames:
+        """What each frame calls."""
+
+    @property
+    def paused(self) -> bool:
+        """Whether time stands still."""
+
+    @property
+    def step_count(self) -> int:
+        """The number of steps since the start."""
+
+    @property
+    def time_step(self) -> float:
+        """The physics step (s)."""
+
+    def pause(self) -> None:
+        """Let time stand still."""
+
+    def draw(self) -> None:
+        """Draw the present."""
+
+    def advance_to(self, time: float) -> float:
+        """Advance to a time (s)."""
+
+
 def run_in_real_time(
-    twin: "Twin", until: float | None, each_frame: Callable[[], bool | None], *, as_fast_as_possible: bool
+    twin: Running, until: float | None, each_frame: Callable[[], bool | None], *, as_fast_as_possible: bool
 ) -> None:
     """Run a twin frame by frame; `Twin.run` documents the arguments."""
     twin.frames.are_running = True
@@ -48,7 +78,7 @@ def run_in_real_time(
 
 
 def _run(
-    twin: "Twin", until: float | None, each_frame: Callable[[], bool | None], *, as_fast_as_possible: bool
+    twin: Running, until: float | None, each_frame: Callable[[], bool | None], *, as_fast_as_possible: bool
 ) -> None:
     frame_start = wall_clock.perf_counter()
     owed = 0.0  # simulation time that the wall clock has granted and no step has used yet (s)
@@ -71,7 +101,7 @@ def _run(
     twin.draw()
 
 
-def _wait_until(twin: "Twin", wall_time: float) -> None:
+def _wait_until(twin: Running, wall_time: float) -> None:
     """Wait; a twin that is paused does requests as they arrive, so that stepping it from outside takes no frame."""
     while (left := wall_time - wall_clock.perf_counter()) > 0:
         if twin.paused and twin.inbox.is_open:
@@ -81,7 +111,7 @@ def _wait_until(twin: "Twin", wall_time: float) -> None:
             wall_clock.sleep(left)
 
 
-def _begin_frame(twin: "Twin", until: float | None, each_frame: Callable[[], bool | None]) -> bool:
+def _begin_frame(twin: Running, until: float | None, each_frame: Callable[[], bool | None]) -> bool:
     """Call what each frame calls; return whether the run continues."""
     if twin.frames.lockstep:
         twin.pause()
@@ -93,11 +123,11 @@ def _begin_frame(twin: "Twin", until: float | None, each_frame: Callable[[], boo
     return not isinstance(answer, bool | np.bool_) or bool(answer)
 
 
-def _is_over(twin: "Twin", until: float | None) -> bool:
+def _is_over(twin: Running, until: float | None) -> bool:
     return until is not None and twin.step_count >= step_at(until, twin.time_step)
 
 
-def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
+def _advance_by(twin: Running, steps: int, until: float | None) -> None:
     """Advance by a number of steps, but not past the end."""
     target = twin.step_count + steps
     if until is not None:
@@ -106,7 +136,7 @@ def _advance_by(twin: "Twin", steps: int, until: float | None) -> None:
         twin.advance_to(target * twin.time_step)
 
 
-def _advance_for(twin: "Twin", wall_time: float, until: float | None) -> None:
+def _advance_for(twin: Running, wall_time: float, until: float | None) -> None:
     """Advance for about a span of wall time (s)."""
     start = wall_clock.perf_counter()
     while not twin.paused and not _is_over(twin, until):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass, field, is_dataclass, replace
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -20,14 +20,9 @@ from drake_twin.twin.saved_file import read_saved, write_saved
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.version_1 import converted_recording
 
-if TYPE_CHECKING:
-    from pydrake.geometry import Meshcat
-
-    from drake_twin.twin.twin import Twin
-
 _KIND, _VERSION = "recording", 2
 CONTROLLER_MANAGER, _CANCEL = "controller_manager", "cancel"
-_SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
+SERVICES = ("load_controller", "configure_controller", "unload_controller", "switch_controller")
 _METHODS = (
     "apply_wrench",
     "clear_emergency_stop",
@@ -186,13 +181,23 @@ class Recorder:
         return Recording(self.start, tuple(self._calls), self._time())
 
 
+class Recordable(Protocol):
+    """What has recorded methods, which is `Twin`.
+
+    Attributes:
+        recorder: Keeps its calls.
+    """
+
+    recorder: Recorder
+
+
 def recorded(method: _Method) -> _Method:
     """Decorate a method of `Twin` so that its calls are recorded, without their callbacks."""
     assert method.__name__ in _METHODS
     signature = inspect.signature(method)
 
     @functools.wraps(method)
-    def call(twin: "Twin", *arguments: Any, **named: Any) -> Any:
+    def call(twin: Recordable, *arguments: Any, **named: Any) -> Any:
         recorder = twin.recorder
         if recorder.start is None and not recorder.listeners:
             return method(twin, *arguments, **named)
@@ -215,52 +220,6 @@ def recorded(method: _Method) -> _Method:
         return result
 
     return call  # type: ignore[return-value]
-
-
-def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> "Twin":
-    """Repeat a recorded run, as fast as possible.
-
-    Args:
-        recording: The run.
-        meshcat: The page to draw on.
-
-    Returns:
-        The twin at the recording's end, in the same state to the last bit.
-
-    Raises:
-        InputError: If the files of its robots are missing.
-    """
-    from drake_twin.scenario.scenario_file import ScenarioFile
-    from drake_twin.twin.twin import Twin
-
-    twin = Twin(ScenarioFile(recording.start.scenario, "recording").scenario, meshcat)
-    twin.restore(recording.start)
-    for call in recording.calls:
-        if call.time > twin.time:
-            twin.advance_to(call.time)
-        _do(twin, call)
-    if recording.end > twin.time:
-        twin.advance_to(recording.end)
-    return twin
-
-
-def _do(twin: "Twin", call: Call) -> None:
-    """Repeat a call; a call that was refused then is refused now.
-
-    Raises:
-        InputError: If the call cannot be repeated.
-    """
-    try:
-        if call.name == CONTROLLER_MANAGER:
-            robot, method, *arguments = call.arguments
-            if method not in _SERVICES:
-                raise InputError(f"unknown service {method!r}")
-            getattr(twin.controller_manager(robot), method)(*arguments)
-        else:
-            getattr(twin, call.name)(*call.arguments, **call.named)
-    except (TwinError, TypeError, ValueError) as error:
-        if not call.is_refused:
-            raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be repeated: {error}") from None
 
 
 def _settled(value: Any) -> Any:

@@ -94,7 +94,7 @@ class SensorReading:
         owners = [*built.robots, *(model.name for model in built.sensing_models)]
         if self._robot not in owners:
             raise InputError(f"unknown robot {self._robot!r}", value=str(self._robot), valid=owners)
-        found = {
+        found: dict[str, SensorSystem] = {
             f"{sensor.setup.sensor.link or sensor.setup.sensor.joint}/{sensor.setup.sensor.name}": sensor
             for host in _hosts(built.diagram)
             for sensor in host.sensors

@@ -7,7 +7,7 @@ from browser import BROWSER_TESTS, browser, show
 from in_scene import item, look_at, place_of, tools
 from world_with_crate import CRATE_AT, rover_and_crate
 
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 
 pytestmark = BROWSER_TESTS
 

@@ -8,7 +8,7 @@ from two_hinges import hinges, velocities
 from drake_twin.builder.demo import demo_scenario
 from drake_twin.cockpit import protocol
 from drake_twin.cockpit.scene import Scene
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.twin.twin import Twin
 
 FORWARD, DRIVE = "forward_velocity_controller", "drive_controller"

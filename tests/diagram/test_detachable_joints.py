@@ -8,7 +8,8 @@ from drake_twin.diagram.cenic_constraints import cenic_has_constraints
 from drake_twin.errors import RunError
 from drake_twin.findings import Kind
 from drake_twin.scenario import Robot, World
-from drake_twin.twin.recording import Recording, replay
+from drake_twin.twin.recording import Recording
+from drake_twin.twin.replay import replay
 
 G = 9.8  # SDF's default
 

@@ -12,7 +12,7 @@ from wires.ros_client import while_running
 from wires.zenoh_peer import free_port
 
 from drake_twin.services.graph import connect
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.zenoh_wire import ZenohWire
 
 pytest.importorskip("zenoh")

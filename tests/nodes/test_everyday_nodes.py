@@ -7,7 +7,7 @@ from conftest import ROVER, rovers
 from node_runs import HEAD, script
 
 from drake_twin.builder.twin_builder import TwinBuilder
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 
 VELOCITY = "/robot_1/drive/cmd_vel_unstamped"
 

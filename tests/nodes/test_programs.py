@@ -291,7 +291,7 @@ print(os.path.exists(get_package_share_directory("wheel_msgs") + "/config/x.yaml
 
 
 def test_a_replay_needs_no_node(tmp_path):
-    from drake_twin.twin.recording import replay
+    from drake_twin.twin.replay import replay
 
     file = script(
         tmp_path,
@@ -316,7 +316,7 @@ class My(Node):
 
 def test_a_replay_does_what_a_node_has_asked_for(tmp_path, capsys):
     """Services: controllers are switched, and time is reset."""
-    from drake_twin.twin.recording import replay
+    from drake_twin.twin.replay import replay
 
     file = script(
         tmp_path,

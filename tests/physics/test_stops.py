@@ -10,7 +10,7 @@ from conftest import ROVER
 from scenes import ENGINES, G, Scene, every_engine, on_slope, plane, position
 
 from drake_twin import TwinBuilder
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 
 SPEED = 3.0  # rad/s, within every joint's limit but the demo arm's
 STOPS = ("emergency stop", "deactivation", "zero")

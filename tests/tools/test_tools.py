@@ -21,7 +21,7 @@ from drake_twin.messages.transform_tree import TransformTree
 from drake_twin.services.graph import connect
 from drake_twin.tools import control, param, service, tf_echo, topic
 from drake_twin.tools.topic import rate_text
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.zenoh_wire import ZenohWire
 
 pytest.importorskip("zenoh")

@@ -8,7 +8,7 @@ from world_with_crate import CRATE_AT, rover_and_crate
 from drake_twin import Recording, Snapshot, Twin, TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.scenario import World
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 
 BOX = """<robot name="box"><link name="base"><inertial><mass value="2"/>
   <inertia ixx="0.5" iyy="0.5" izz="0.5" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""

@@ -8,7 +8,7 @@ from world_with_crate import CRATE_AT, rover_and_crate
 from drake_twin import Recording, Twin
 from drake_twin.errors import InputError
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 
 COMMANDS = "/rover/forward_velocity_controller/commands"
 

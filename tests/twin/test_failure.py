@@ -10,7 +10,8 @@ from drake_twin import TwinBuilder
 from drake_twin.errors import RunError
 from drake_twin.run import main
 from drake_twin.scenario.scenario_file import scenario_to_yaml
-from drake_twin.twin.recording import Recording, replay
+from drake_twin.twin.recording import Recording
+from drake_twin.twin.replay import replay
 from drake_twin.twin.snapshot import Snapshot
 from drake_twin.twin.stepper import Stepper
 

@@ -14,7 +14,8 @@ from conftest import ARM, ROVER, rovers
 from drake_twin import messages
 from drake_twin.errors import CommandError, InputError
 from drake_twin.scenario import Robot
-from drake_twin.twin.recording import Recording, replay
+from drake_twin.twin.recording import Recording
+from drake_twin.twin.replay import replay
 
 
 def wheels(robot):
@@ -67,8 +68,7 @@ def test_a_minute_with_five_hundred_commands_five_spawns_and_two_pauses_in_anoth
     twin = a_lively_run(60.0, commands=500, spawns=5, pauses=2)
     twin.recording().save(tmp_path / "run.json")
     program = (
-        "import sys; from drake_twin.twin.recording import Recording, replay;"
-        "print(replay(Recording.load(sys.argv[1])).state_sha256())"
+        "import sys; from drake_twin import Recording, replay;print(replay(Recording.load(sys.argv[1])).state_sha256())"
     )
     command = [sys.executable, "-c", program, str(tmp_path / "run.json")]
     other = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()

@@ -14,7 +14,8 @@ from drake_twin.scenario import Robot
 
 WORKER = """
 import json, sys
-from drake_twin.twin.recording import Recording, replay
+from drake_twin.twin.recording import Recording
+from drake_twin.twin.replay import replay
 for file in json.load(sys.stdin):
     print(replay(Recording.load(file)).state_sha256(), flush=True)
 """

@@ -17,7 +17,7 @@ from drake_twin.errors import InputError
 from drake_twin.messages import float64_multi_array
 from drake_twin.messages.interface_types import serialize
 from drake_twin.services.graph import connect
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.dds_wire import DdsWire
 from drake_twin.wires.rmw_dds_format import GRAPH_TYPE, NodeEndpoints, endpoint_data, graph_message, topic_name
 from drake_twin.wires.ros_names import dds_type

@@ -14,7 +14,7 @@ from wires.ros_client import while_running
 from drake_twin.services.assets import Assets
 from drake_twin.services.graph import connect
 from drake_twin.twin.endpoints import PUBLISHED
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.foxglove_wire import FoxgloveWire
 
 pytest.importorskip("foxglove")

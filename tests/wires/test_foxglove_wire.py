@@ -23,7 +23,7 @@ from drake_twin.messages import float64_multi_array
 from drake_twin.messages.interface_types import deserialize, make, serialize
 from drake_twin.services.assets import Assets
 from drake_twin.services.graph import connect
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.foxglove_wire import FoxgloveWire
 
 pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")

@@ -12,7 +12,7 @@ from drake_twin.builder.twin_builder import TwinBuilder
 from drake_twin.messages import message
 from drake_twin.messages.interface_types import deserialize, make, serialize, type_hash
 from drake_twin.services.graph import connect
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.rmw_zenoh_format import attachment, topic_key
 from drake_twin.wires.zenoh_wire import ZenohWire
 

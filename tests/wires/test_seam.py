@@ -17,7 +17,7 @@ from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
 from drake_twin.messages.interface_types import make, serialize
 from drake_twin.systems.draft import Drafter
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
-from drake_twin.twin.recording import replay
+from drake_twin.twin.replay import replay
 from drake_twin.wires.seam import Seam
 
 JAZZY = get_typestore(Stores.ROS2_JAZZY)

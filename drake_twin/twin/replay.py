@@ -1,0 +1,54 @@
+"""A recorded run, repeated."""
+
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import InputError, TwinError
+from drake_twin.scenario.scenario_file import ScenarioFile
+from drake_twin.twin.recording import CONTROLLER_MANAGER, SERVICES, Call, Recording
+from drake_twin.twin.twin import Twin
+
+if TYPE_CHECKING:
+    from pydrake.geometry import Meshcat
+
+
+def replay(recording: Recording, meshcat: "Meshcat | None" = None) -> Twin:
+    """Repeat a recorded run, as fast as possible.
+
+    Args:
+        recording: The run.
+        meshcat: The page to draw on.
+
+    Returns:
+        The twin at the recording's end, in the same state to the last bit.
+
+    Raises:
+        InputError: If the files of its robots are missing.
+    """
+    twin = Twin(ScenarioFile(recording.start.scenario, "recording").scenario, meshcat)
+    twin.restore(recording.start)
+    for call in recording.calls:
+        if call.time > twin.time:
+            twin.advance_to(call.time)
+        _do(twin, call)
+    if recording.end > twin.time:
+        twin.advance_to(recording.end)
+    return twin
+
+
+def _do(twin: Twin, call: Call) -> None:
+    """Repeat a call; a call that was refused then is refused now.
+
+    Raises:
+        InputError: If the call cannot be repeated.
+    """
+    try:
+        if call.name == CONTROLLER_MANAGER:
+            robot, method, *arguments = call.arguments
+            if method not in SERVICES:
+                raise InputError(f"unknown service {method!r}")
+            getattr(twin.controller_manager(robot), method)(*arguments)
+        else:
+            getattr(twin, call.name)(*call.arguments, **call.named)
+    except (TwinError, TypeError, ValueError) as error:
+        if not call.is_refused:
+            raise InputError(f"{call.name} at {call.time:g} s of the recording cannot be repeated: {error}") from None
