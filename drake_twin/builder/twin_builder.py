@@ -6,14 +6,15 @@ import logging
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from drake_twin.description.package_index import absolute_path
 from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.requirements import imports_explained
-from drake_twin.scenario import DISCRETE, HYDROELASTIC, Command, NodeProgram, Robot, Scenario, StaticTransform, World
+from drake_twin.scenario import DISCRETE, Command, NodeProgram, Robot, Scenario, StaticTransform, World
+from drake_twin.scenario.robot_options import RobotOptions, address, robot_of, takes_robot_options, text
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
@@ -66,7 +67,7 @@ class TwinBuilder:
         self._contact_approximation = contact_approximation
         self._world = world or World()
         if self._world.file is not None:
-            self._world = replace(self._world, file=_address(self._world.file))
+            self._world = replace(self._world, file=address(self._world.file))
         self._package_paths: list[str] = []
         self._robots: list[Robot] = []
         self._static_transforms: list[StaticTransform] = []
@@ -81,48 +82,20 @@ class TwinBuilder:
         self._package_paths.append(absolute_path(folder))
         return self
 
-    def robot(
-        self,
-        name: str,
-        model: str | Path,
-        *,
-        xyz: Iterable[float] = (0.0, 0.0, 0.0),
-        rpy: Iterable[float] = (0.0, 0.0, 0.0),
-        controllers: str | Path | Iterable[str | Path] = (),
-        active_controllers: Iterable[str] | None = None,
-        inactive_controllers: Iterable[str] = (),
-        xacro_args: Mapping[str, object] | None = None,
-        namespace: str | None = None,
-        frame_prefix: str | None = None,
-        initial_positions: Mapping[str, float] | None = None,
-        self_collision: bool | None = None,
-        collision: str = "hull",
-        contact: str = HYDROELASTIC,
-        remappings: Mapping[str, str] | None = None,
-        without_repairs: Iterable[str] = (),
-    ) -> TwinBuilder:
-        """Add a robot; see `drake_twin.scenario.Robot` for the arguments."""
-        files = [controllers] if isinstance(controllers, str | Path) else list(controllers)
-        self._robots.append(
-            Robot(
-                name=name,
-                model=_address(model),
-                xacro_args={key: _xacro_text(value) for key, value in (xacro_args or {}).items()},
-                xyz=_vector3(xyz, f"xyz of robot {name!r}"),
-                rpy=_vector3(rpy, f"rpy of robot {name!r}"),
-                namespace=namespace,
-                frame_prefix=frame_prefix,
-                controllers=tuple(_address(file) for file in files),
-                active_controllers=None if active_controllers is None else tuple(active_controllers),
-                inactive_controllers=tuple(inactive_controllers),
-                initial_positions={key: float(value) for key, value in (initial_positions or {}).items()},
-                self_collision=self_collision,
-                collision=collision,
-                contact=contact,
-                remappings=dict(remappings or {}),
-                without_repairs=tuple(without_repairs),
-            )
-        )
+    @takes_robot_options
+    def robot(self, name: str, model: str | Path, **options: Unpack[RobotOptions]) -> TwinBuilder:
+        """Add a robot.
+
+        Args:
+            name: Its name in the twin.
+            model: Its file.
+            **options: The other fields of `drake_twin.scenario.Robot`: lists for tuples, paths for addresses, and for
+                one parameters file no list.
+
+        Raises:
+            InputError: If a value is of another kind.
+        """
+        self._robots.append(robot_of(name, model, options))
         return self
 
     def controller(
@@ -175,7 +148,7 @@ class TwinBuilder:
         """
         from drake_twin.builder.launch_file import launch_description_scenario, launch_file_scenario
 
-        given = {name: _xacro_text(value) for name, value in arguments.items()}
+        given = {name: text(value) for name, value in arguments.items()}
         if isinstance(what, str | Path):
             launched = launch_file_scenario(what, given, self._package_paths)
         else:
@@ -323,15 +296,6 @@ class TwinBuilder:
         twin = Twin(self.scenario(), meshcat, self._plans, self._extensions)
         start_nodes(twin)
         return twin
-
-
-def _address(file: str | Path) -> str:
-    """Return a file's address as in a scenario: an address unchanged, a path made absolute."""
-    return str(file) if "://" in str(file) else absolute_path(file)
-
-
-def _xacro_text(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _vector3(values: Iterable[float], what: str) -> Vector3:

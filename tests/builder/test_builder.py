@@ -1,3 +1,8 @@
+import inspect
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
 import pytest
 from conftest import ROVER
 
@@ -62,6 +67,69 @@ def test_one_parameters_file_serves_robots_of_any_name():
 def test_a_place_that_is_not_three_numbers_is_refused(xyz):
     with pytest.raises(InputError, match=r"xyz of robot 'a': .* is not three numbers"):
         TwinBuilder().robot("a", ROVER, xyz=xyz)
+
+
+OTHERS = {  # a value for each field of `Robot` that is not its default, as a program may give it, and in the scenario
+    "xacro_args": ({"n": 4, "sim": True}, {"n": "4", "sim": "true"}),
+    "xyz": (np.array([1, 2, 3]), (1.0, 2.0, 3.0)),
+    "rpy": ([0, 0, 1], (0.0, 0.0, 1.0)),
+    "namespace": ("fleet/a", "fleet/a"),
+    "frame_prefix": ("a_", "a_"),
+    "controllers": (Path("/c.yaml"), ("/c.yaml",)),
+    "active_controllers": (["one"], ("one",)),
+    "inactive_controllers": ("two", ("two",)),
+    "initial_positions": ({"j": 1}, {"j": 1.0}),
+    "self_collision": (False, False),
+    "collision": ("decomposition", "decomposition"),
+    "contact": ("point", "point"),
+    "remappings": ({"/a": "/b"}, {"/a": "/b"}),
+    "stamped_topics": (["cmd_vel"], ("cmd_vel",)),
+    "without_repairs": ({"inertia"}, ("inertia",)),
+    "added_controllers": ({"c": {"type": "my/C"}}, {"c": {"type": "my/C"}}),
+    "unconfigured_controllers": (["three"], ("three",)),
+    "bridged": ({"/gz": "/ros"}, {"/gz": "/ros"}),
+    "controller_parameters": ({"one": {"gains.j.p": 2.0}}, {"one": {"gains.j.p": 2.0}}),
+    "friction": (1, 1.0),
+    "joint_friction": ({"j": np.float64(0.5)}, {"j": 0.5}),
+    "command_delay": (0.01, 0.01),
+    "measurement_delay": (0.02, 0.02),
+    "noise": (0, 0.0),
+}
+
+
+def test_the_builder_takes_what_a_robot_has():
+    """By the names and defaults of its fields."""
+    assert list(OTHERS) == [item.name for item in fields(Robot)][2:]
+    given = {name: value for name, (value, _) in OTHERS.items()}
+    (robot,) = TwinBuilder().robot("a", ROVER, **given).scenario().robots
+    assert robot == Robot("a", ROVER, **{name: value for name, (_, value) in OTHERS.items()})
+    named = inspect.signature(TwinBuilder().robot).parameters
+    assert list(named) == [item.name for item in fields(Robot)]
+    assert {name: type(named[name].default) for name in ("xyz", "controllers", "noise", "friction")} == {
+        "xyz": tuple,
+        "controllers": tuple,
+        "noise": float,
+        "friction": type(None),
+    }
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "wanted"),
+    [
+        ("friction", "rough", "is not a number"),
+        ("remappings", "/a:=/b", "is not a mapping"),
+        ("active_controllers", 5, "is not a list of names"),
+        ("xyz", "123", "is not three numbers"),
+    ],
+)
+def test_an_option_of_another_kind_is_refused(option, value, wanted):
+    with pytest.raises(InputError, match=rf"{option} of robot 'a': .* {wanted}"):
+        TwinBuilder().robot("a", ROVER, **{option: value})
+
+
+def test_an_option_that_a_robot_lacks_is_a_wrong_call():
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        TwinBuilder().robot("a", ROVER, colour="red")
 
 
 def test_a_command_is_numbers_or_the_fields_of_any_message():

@@ -1,0 +1,138 @@
+"""A robot as a Python program gives it: lists and arrays for tuples, paths for files, numbers for texts."""
+
+import dataclasses
+import functools
+import inspect
+import types
+import typing
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, TypedDict, TypeVar
+
+from drake_twin.description.package_index import absolute_path
+from drake_twin.errors import InputError
+from drake_twin.scenario.scenario import Robot
+from drake_twin.scenario.typed_values import field_types
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+
+class RobotOptions(TypedDict, total=False):
+    """The fields of `Robot` but its name and model, each as a program may give it."""
+
+    xacro_args: Mapping[str, object] | None
+    xyz: Iterable[float]
+    rpy: Iterable[float]
+    namespace: str | None
+    frame_prefix: str | None
+    controllers: str | Path | Iterable[str | Path]
+    active_controllers: Iterable[str] | None
+    inactive_controllers: Iterable[str]
+    initial_positions: Mapping[str, float] | None
+    self_collision: bool | None
+    collision: str
+    contact: str
+    remappings: Mapping[str, str] | None
+    stamped_topics: Iterable[str]
+    without_repairs: Iterable[str]
+    added_controllers: Mapping[str, Mapping[str, Any]] | None
+    unconfigured_controllers: Iterable[str]
+    bridged: Mapping[str, str] | None
+    controller_parameters: Mapping[str, Mapping[str, Any]] | None
+    friction: float | None
+    joint_friction: Mapping[str, float] | None
+    command_delay: float
+    measurement_delay: float
+    noise: float
+
+
+def address(file: str | Path) -> str:
+    """Return a file's address as in a scenario: an address unchanged, a path made absolute."""
+    return str(file) if "://" in str(file) else absolute_path(file)
+
+
+def text(value: object) -> str:
+    """Return a value of an argument of xacro or of a launch file as its text."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def robot_of(name: str, model: str | Path, options: RobotOptions) -> Robot:
+    """Return the robot that a program describes.
+
+    Raises:
+        InputError: If a value cannot be used.
+    """
+    kinds = field_types(Robot)
+    values = {
+        option: converted(kinds[option], value, f"{option} of robot {name!r}") for option, value in options.items()
+    }
+    if "controllers" in values:
+        values["controllers"] = tuple(map(address, values["controllers"]))
+    given = {option: value for option, value in values.items() if value is not None}
+    return Robot(name, address(model), **given)
+
+
+def converted(kind: Any, value: Any, what: str) -> Any:
+    """Return a value as an annotated type wants it; None where the default is meant.
+
+    Args:
+        kind: The type of a field of plain data.
+        value: What a program gives.
+        what: What it is, for an error.
+
+    Raises:
+        InputError: If it cannot be converted.
+    """
+    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if value is None:
+        return None
+    if origin is types.UnionType:
+        return converted(next(item for item in arguments if item is not type(None)), value, what)
+    try:
+        if origin is tuple and arguments[-1] is Ellipsis:
+            items = [value] if isinstance(value, str | Path) else value
+            return tuple(converted(arguments[0], item, what) for item in items)
+        if origin is tuple:
+            numbers = () if isinstance(value, str) else tuple(map(float, value))
+            if len(numbers) != len(arguments):
+                raise ValueError
+            return numbers
+        if origin is Mapping:
+            return {str(key): converted(arguments[1], item, what) for key, item in dict(value).items()}
+        return float(value) if kind is float else text(value) if kind is str else value
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: {value!r} is not {_wanted(origin, kind)}") from None
+
+
+def _wanted(origin: Any, kind: Any) -> str:
+    if origin is tuple:
+        return "a list of names" if typing.get_args(kind)[-1] is Ellipsis else "three numbers"
+    return "a mapping" if origin is Mapping else "a number"
+
+
+def takes_robot_options(method: _Method) -> _Method:
+    """Let a method that takes `RobotOptions` be seen with the names and defaults of `Robot`'s fields, as by ``help``.
+
+    A wrong name is a TypeError, as where they were written out.
+    """
+    own = inspect.signature(method)
+    before = [item for item in own.parameters.values() if item.kind is not inspect.Parameter.VAR_KEYWORD]
+    options = [
+        inspect.Parameter(
+            item.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=None if item.default is dataclasses.MISSING else item.default,
+            annotation=RobotOptions.__annotations__[item.name],
+        )
+        for item in dataclasses.fields(Robot)
+        if item.name in RobotOptions.__annotations__
+    ]
+    signature = own.replace(parameters=[*before, *options])
+
+    @functools.wraps(method)
+    def call(*arguments: Any, **named: Any) -> Any:
+        signature.bind(*arguments, **named)
+        return method(*arguments, **named)
+
+    call.__signature__ = signature  # type: ignore[attr-defined]
+    return call  # type: ignore[return-value]
