@@ -94,7 +94,15 @@ def run_tests(package: Path, tests: Sequence[str], time_limit: float = TIME_LIMI
         MutantError: If pytest could not run the tests.
     """
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0"]
-    command += ["-c", str(ROOT / "pyproject.toml"), "--rootdir", str(ROOT), *(str(ROOT / test) for test in tests)]
+    command += [
+        "-m",
+        "not slow",
+        "-c",
+        str(ROOT / "pyproject.toml"),
+        "--rootdir",
+        str(ROOT),
+        *(str(ROOT / test) for test in tests),
+    ]
     process = subprocess.Popen(
         command,
         cwd=package.parent,

@@ -163,6 +163,11 @@ class _Places(ast.NodeVisitor):
     def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
         """Leave texts alone: what a sentence says is not what this asks."""
 
+    def visit_ClassDef(self, node: ast.ClassDef) -> None:
+        """Leave decorators alone: a dataclass that is frozen does nothing else."""
+        for part in node.body:
+            self.visit(part)
+
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
         for part in (*node.args.defaults, *(item for item in node.args.kw_defaults if item is not None), *node.body):
             self.visit(part)
