@@ -58,3 +58,24 @@ def test_bytes_and_characters_are_numbers():
     for kind in ("Byte", "Char"):
         with pytest.raises(ValueError, match=r"data: 256 is not a "):
             messages.message(f"std_msgs/msg/{kind}", {"data": 256})
+
+
+def test_a_message_of_another_type_is_refused_and_one_of_its_own_is_copied():
+    types = messages.type_store().types
+    vector = types["geometry_msgs/msg/Vector3"](1.0, 2.0, 3.0)
+    twist = messages.message("geometry_msgs/msg/Twist", {"linear": vector})
+    assert twist.linear == vector
+    assert twist.linear is not vector
+    point = types["geometry_msgs/msg/Point"](1.0, 2.0, 3.0)
+    wanted = r"linear: this is a geometry_msgs/msg/Point, but a geometry_msgs/msg/Vector3 is needed"
+    with pytest.raises(ValueError, match=wanted):
+        messages.message("geometry_msgs/msg/Twist", {"linear": point})
+
+
+def test_fields_that_are_left_out_are_zero_or_empty():
+    """As rosidl initializes them."""
+    parameter = messages.message("rcl_interfaces/msg/ParameterValue", {})
+    assert (parameter.bool_value, parameter.integer_value, parameter.double_value) == (False, 0, 0.0)
+    assert (parameter.string_value, list(parameter.string_array_value)) == ("", [])
+    assert isinstance(parameter.bool_value, bool)
+    assert messages.message("sensor_msgs/msg/Imu", {}).orientation_covariance.tolist() == [0.0] * 9

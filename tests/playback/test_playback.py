@@ -124,6 +124,54 @@ def test_time_controls(tmp_path, played, caplog):
         player.do(protocol.SetRate(0.0))
 
 
+def test_a_bag_that_is_looked_at_again_shows_the_same(tmp_path, played):
+    """Of a joint that the messages stop to name, and in a frame that is known late, nothing stays from a later time."""
+
+    def messages():
+        yield from cart_messages()
+        yield "/tf", TRANSFORMS, 2.5, transforms(("world", "map", (0, 0, 7), (0, 0, 0, 1), 2.5))
+
+    player, twin = played(write(tmp_path / "bag", messages()))
+    player.advance_to(0.0)
+    first = twin.entity_state("cart").position, twin.entity_state("cart::mast").position
+    player.do(protocol.Look(2.5))
+    assert twin.entity_state("cart").position[2] == pytest.approx(7.5)
+    player.do(protocol.Look(0.0))
+    again = twin.entity_state("cart").position, twin.entity_state("cart::mast").position
+    np.testing.assert_allclose(again, first, atol=1e-12)
+
+
+def test_a_pause_of_the_end_begins_anew_and_one_before_goes_on(tmp_path, played):
+    player, _ = played(write(tmp_path / "bag", cart_messages()))
+    player.do(protocol.Play())
+    player.proceed(0.5)
+    middle = player.time
+    assert 0.0 < middle < 2.0
+    player.do(protocol.Pause())
+    player.do(protocol.Play())
+    assert player.time == middle
+
+
+def test_a_topic_for_all_robots_moves_each_of_them(tmp_path, played):
+    """Two carts in namespaces, and the joint states of both on one topic of neither."""
+
+    def messages():
+        for name in ("one", "two"):
+            text = CART.replace('"cart"', f'"{name}"').replace('"lift"', f'"{name}_lift"')
+            text = text.replace('"base"', f'"{name}_base"').replace('"mast"', f'"{name}_mast"')
+            yield f"/{name}/robot_description", TEXT, 0.0, make(TEXT, {"data": text})
+        yield "/all/joint_states", STATES, 0.5, joints(one_lift=0.25, two_lift=0.5)
+
+    player, twin = played(write(tmp_path / "bag", messages()))
+    player.advance_to(0.5)
+    heights = [
+        twin.entity_state(f"{name}::{name}_mast").position[2] - twin.entity_state(name).position[2]
+        for name in ("one", "two")
+    ]
+    assert heights == pytest.approx([0.25, 0.5])
+    assert player.unplaced == [("one", "one_base"), ("two", "two_base")]
+
+
 def test_what_is_not_understood_is_said_once(tmp_path, played, caplog):
     def messages():
         yield from cart_messages()
