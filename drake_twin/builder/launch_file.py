@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from drake_twin.builder.robot_file import PlannedScenario, height_on_ground
+from drake_twin.builder.robot_file import PlannedScenario
 from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
+from drake_twin.diagram.footprint import height_on_ground
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, merged
 from drake_twin.from_launch.launched_entities import LaunchedEntities, LaunchedFrame, RobotHint, launched_entities

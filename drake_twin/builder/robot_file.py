@@ -7,13 +7,11 @@ from pathlib import Path
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import robot_name_in_file
 from drake_twin.description.xacro_file import xacro_arguments
-from drake_twin.diagram.footprint import Footprint, footprint
+from drake_twin.diagram.footprint import Footprint, footprint, height_on_ground
 from drake_twin.planning.robot_plan import RobotPlan, plan_robot
 from drake_twin.scenario import Robot, Scenario, name_in_twin
 
 _NAMING_ARGUMENTS = ("robot_name", "prefix", "namespace")
-
-_CLEARANCE = 1e-4  # height above the ground at which robots start (m): none penetrates it or falls visibly
 
 
 def robot_file_scenario(
@@ -79,11 +77,6 @@ def planned_robots(
     placed = [replace(robot, xyz=(0.0, round(index * spacing, 6), height)) for index, robot in enumerate(robots)]
     scenario = Scenario(robots=tuple(placed), time_step=time_step, package_paths=tuple(package_paths))
     return PlannedScenario(scenario, (replace(plan, robot=placed[0]),))
-
-
-def height_on_ground(plan: RobotPlan) -> float:
-    """Return the height of the root link of a robot that stands on the ground (m); zero for a fixed robot."""
-    return 0.0 if plan.model.is_fixed else round(_CLEARANCE - footprint(plan).lower[2], 6)
 
 
 def _own_name(file: Path, xacro_args: Mapping[str, str], packages: PackageIndex) -> str:

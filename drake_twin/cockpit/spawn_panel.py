@@ -18,14 +18,13 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import Vector3
 from drake_twin.description.robot_model import is_xacro_text, read_robot_file
 from drake_twin.description.xacro_file import xacro_arguments
-from drake_twin.diagram.footprint import footprint
+from drake_twin.diagram.footprint import height_on_ground
 from drake_twin.errors import InputError, TwinError
 from drake_twin.planning.robot_plan import plan_robot
 from drake_twin.scenario import Robot
 from drake_twin.twin.twin import Twin
 
 _PATIENCE = 60  # snapshots, about 4 s, for which a dialog is given data without asking again
-_CLEARANCE = 0.001  # m above the ground
 _REPEATS = 4  # snapshots with the same picture: a slow browser skips some
 
 
@@ -204,12 +203,13 @@ class SpawnPanel:
     def _end(self, trial: XacroTrial | None, request: Spawn, robot: Robot) -> None:
         if trial is not None and trial.problem is not None:
             raise InputError(trial.problem)
+        plan = None
         if request.stands:
             plan = plan_robot(robot, self._packages())
-            if not plan.model.is_fixed:
-                x, y, z = robot.xyz
-                robot = replace(robot, xyz=(x, y, round(z + _CLEARANCE - footprint(plan).lower[2], 6)))
-        self._twin.spawn(robot)
+            x, y, z = robot.xyz
+            robot = replace(robot, xyz=(x, y, z + height_on_ground(plan)))
+            plan = replace(plan, robot=robot)
+        self._twin.spawn(robot, plan=plan)
         self._outcome = {"key": request.key, "status": "done", "message": ""}
 
     def _try(self, do: Callable[[], None], key: str) -> None:

@@ -22,6 +22,7 @@ from drake_twin.diagram.plant import add_plant
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import POINT, Scenario, World
 
+_CLEARANCE = 1e-4  # height above the ground at which robots start (m): none penetrates it or falls visibly
 _DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
 
 
@@ -31,6 +32,11 @@ class Footprint:
 
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
+
+
+def height_on_ground(plan: RobotPlan) -> float:
+    """Return the height of the root link of a robot that stands on the ground (m); zero for a fixed robot."""
+    return 0.0 if plan.model.is_fixed else round(_CLEARANCE - footprint(plan).lower[2], 6)
 
 
 def footprint(plan: RobotPlan) -> Footprint:

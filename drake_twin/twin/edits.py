@@ -7,6 +7,7 @@ from typing import Any
 
 from drake_twin.errors import InputError
 from drake_twin.messages import shortened
+from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
 from drake_twin.twin.entities import finite_numbers, make_wrench, set_entity_state, set_joint_positions
 from drake_twin.twin.pull import PERIOD, make_pull
@@ -18,8 +19,8 @@ _log = logging.getLogger(__name__)
 _STILL = (0.0, 0.0, 0.0)
 
 
-def spawn(session: Session, robot: Robot) -> None:
-    """Add a robot.
+def spawn(session: Session, robot: Robot, plan: RobotPlan | None = None) -> None:
+    """Add a robot, whose plan may have been made before.
 
     Raises:
         InputError: If there is one of its name already, or its files cannot be used; nothing is changed then.
@@ -28,7 +29,8 @@ def spawn(session: Session, robot: Robot) -> None:
         raise InputError(f"{shortened(robot)} is not a Robot: make one with Robot(name, model)")
     if any(known.name == robot.name for known in session.scenario.robots):
         raise InputError(f"Entity [{robot.name}] already exists.")
-    session.rebuild(replace(session.scenario, robots=(*session.scenario.robots, robot)))
+    scenario = replace(session.scenario, robots=(*session.scenario.robots, robot))
+    session.rebuild(scenario, () if plan is None else (plan,))
     session.sunk |= {robot.name: ()} | session.find_sunk((robot.name,))
     for finding in session.sunk[robot.name]:
         _log.warning("%s", finding)

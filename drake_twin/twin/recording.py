@@ -43,6 +43,7 @@ _METHODS = (
     "silence",
     "spawn",
 )  # names of methods of `Twin`
+_NOT_KEPT = ("self", "on_result", "plan")  # arguments that do not decide what a call does to the state
 _Method = TypeVar("_Method", bound=Callable[..., Any])
 
 
@@ -204,12 +205,13 @@ def recorded(method: _Method) -> _Method:
         given = signature.bind(twin, *arguments, **named)
         if recorder.start is None:
             result = method(twin, *arguments, **named)
-            recorder.tell(method.__name__, tuple(given.arguments.values())[1:])
+            told = tuple(value for name, value in given.arguments.items() if name not in _NOT_KEPT)
+            recorder.tell(method.__name__, told)
             return result
         for name, value in given.arguments.items():
-            if name != "self":
+            if name not in _NOT_KEPT:
                 given.arguments[name] = _settled(value)
-        noted = {name: value for name, value in given.arguments.items() if name not in ("self", "on_result")}
+        noted = {name: value for name, value in given.arguments.items() if name not in _NOT_KEPT}
         index = recorder.keep(method.__name__, **noted)
         try:
             result = method(*given.args, **given.kwargs)

@@ -253,14 +253,18 @@ class Session:
         if scenario is not None and check is not None:
             self.check_commands(check)
 
-    def rebuild(self, scenario: Scenario) -> None:
+    def rebuild(self, scenario: Scenario, plans: Iterable[RobotPlan] = ()) -> None:
         """Switch to the diagram of another scenario, and transfer all state that has a place in it.
+
+        Args:
+            scenario: The scenario.
+            plans: Plans of its robots that were made before, beside those of the present ones.
 
         Raises:
             InputError: If the scenario cannot be built; nothing is changed then.
         """
         old, scenario = self.physics, with_files_found(scenario)
-        physics = Physics(scenario, self._meshcat, old.built, extensions=self._extensions)
+        physics = Physics(scenario, self._meshcat, old.built, plans, self._extensions)
         state, before, known = self.state(), self.scenario.commands, dict(self.controls)
         self.scenario = self._given = scenario
         if scenario.time_step != self.clock.time_step:

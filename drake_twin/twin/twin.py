@@ -231,16 +231,17 @@ class Twin:
 
     @_outside_callbacks("spawn")
     @recorded
-    def spawn(self, robot: Robot) -> None:
+    def spawn(self, robot: Robot, *, plan: RobotPlan | None = None) -> None:
         """Add a robot to the world; all others keep their state.
 
         Args:
             robot: The robot, as a scenario has it. Its controllers are active at once.
+            plan: Its plan, if that was made before.
 
         Raises:
             InputError: If there is one of its name already, or its files cannot be used; nothing is changed then.
         """
-        spawn(self._session, robot)
+        spawn(self._session, robot, plan)
 
     @_outside_callbacks("delete")
     @recorded

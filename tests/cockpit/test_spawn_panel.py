@@ -15,6 +15,8 @@ from drake_twin.cockpit import protocol, spawn_panel
 from drake_twin.cockpit.robot_files import robot_files
 from drake_twin.cockpit.xacro_trial import XacroTrial
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.planning import plans
+from drake_twin.twin.replay import replay
 
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -61,6 +63,24 @@ def dialog(tmp_path):
     it = Dialog(rovers(1).build())
     yield it
     it.page.cockpit.close()
+
+
+def test_a_spawn_plans_its_robot_once_and_replays_to_the_same_state(tmp_path, dialog, monkeypatch):
+    planned = []
+    for module in (spawn_panel, plans):
+
+        def counting(robot, *arguments, original=module.plan_robot, **named):
+            planned.append(robot.name)
+            return original(robot, *arguments, **named)
+
+        monkeypatch.setattr(module, "plan_robot", counting)
+    twin = dialog.page.twin
+    twin.record()
+    dialog.spawn(ROVER)
+    assert dialog.outcome()["status"] == "done"
+    assert planned == ["new"]
+    twin.step(10)
+    assert replay(twin.recording()).state_sha256() == twin.state_sha256()
 
 
 def test_robot_files_are_those_that_name_a_robot_in_every_package_once(tmp_path):
