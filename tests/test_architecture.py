@@ -1,6 +1,7 @@
 """The rooms of drake_twin and which may import which: an arrow only ever points down this list."""
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -85,6 +86,15 @@ def room(module: str) -> str:
 def test_every_room_is_on_the_list():
     found = {path.stem for path in ROOT.iterdir() if path.suffix == ".py" or (path / "__init__.py").exists()}
     assert found - {"__init__"} == set(RANKS)
+
+
+def test_the_page_of_the_architecture_has_the_same_rooms_in_the_same_order():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| (`.*?`) \|", page.partition("| room |")[2].partition("## ")[0], flags=re.MULTILINE)
+    named = [re.findall(r"`([a-z_0-9]+)`", row) for row in table]
+    flat = [room for row in named for room in row]
+    assert flat == sorted(flat, key=lambda room: RANKS[room])
+    assert set(flat) == set(RANKS) - {"__main__"}
 
 
 def test_arrows_between_rooms_point_down():
