@@ -1,7 +1,7 @@
 """What became of each part of the files that a twin is built from, where it was not simply used."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import PurePath
@@ -30,6 +30,17 @@ class Weight(StrEnum):
     LOOKS = "looks"  # how they look, or what Gazebo's engine (DART) does not use either
 
 
+class Cause(StrEnum):
+    """What findings that are told in one line share, where it is not the end of their sentences or a repair."""
+
+    UNREAD = "unread"  # elements and attributes that nothing reads
+    CONTACT = "contact"  # how surfaces touch
+    MESH = "mesh"  # files of meshes
+    BRIDGE = "bridge"  # topics between Gazebo and ROS
+    PARAMETER = "parameter"  # of controllers, that they do not read
+    WINDOW = "window"
+
+
 @saved("Place")
 @dataclass(frozen=True)
 class Place:
@@ -46,8 +57,10 @@ class Place:
 _NOT_DONE = (Kind.FAILED, Kind.IGNORED, Kind.NOT_STARTED, Kind.REFUSED_BY_ROS)
 
 _MOST_LINES = 8  # in a sentence
-_MOST_THINGS = 6  # of one cause, in a sentence
+_MOST_MODELS = 4  # in a sentence
 _MOST_TOLD = 5  # lines of a run that does not ask for all findings
+_MOST_THINGS = 6  # of one cause, in such a line
+_MOST_SENTENCES = 3  # in such a line
 
 
 @saved("Finding")
@@ -64,6 +77,7 @@ class Finding:
         rule: The name of the repair.
         weight: What the thing is for.
         common: The end of ``what`` that others of its kind share: their beginnings are told in one line.
+        cause: What it shares with others whose sentences differ; empty where ``common`` or ``rule`` is all.
     """
 
     kind: Kind
@@ -74,14 +88,23 @@ class Finding:
     rule: str = ""
     weight: Weight = Weight.MOVES
     common: str = ""
+    cause: str = ""
 
     @classmethod
     def at(
-        cls, kind: Kind, what: str, place: Place, rule: str = "", *, weight: Weight = Weight.MOVES, common: str = ""
+        cls,
+        kind: Kind,
+        what: str,
+        place: Place,
+        rule: str = "",
+        *,
+        weight: Weight = Weight.MOVES,
+        common: str = "",
+        cause: str = "",
     ) -> "Finding":
         """Return a finding about one place."""
         lines = () if place.line is None else (place.line,)
-        return cls(kind, what, file=place.file, lines=lines, rule=rule, weight=weight, common=common)
+        return cls(kind, what, file=place.file, lines=lines, rule=rule, weight=weight, common=common, cause=cause)
 
     def __str__(self) -> str:
         return f"{self.robot}: {self.sentence}" if self.robot else self.sentence
@@ -89,11 +112,15 @@ class Finding:
     @property
     def sentence(self) -> str:
         """The finding without the robot's name."""
+        return self._placed + (f" [{self.rule}]" if self.kind is Kind.MENDED else "")
+
+    @property
+    def _placed(self) -> str:
         more = f" and {len(self.lines) - _MOST_LINES} more" if len(self.lines) > _MOST_LINES else ""
         numbers = ", ".join(map(str, self.lines[:_MOST_LINES])) + more
         where = (f"{PurePath(self.file).name}:{numbers}" if self.file else f"line {numbers}") if numbers else ""
         if self.kind is Kind.MENDED:
-            return (f"{where}: " if where else "") + f"{self.what} [{self.rule}]"
+            return (f"{where}: " if where else "") + self.what
         return self.what + (f" ({where})" if where else "")
 
     def as_plain(self) -> dict[str, Any]:
@@ -109,9 +136,28 @@ class Finding:
         }
 
 
-def at_places(kind: Kind, found: Iterable[tuple[str, Place]], *, weight: Weight = Weight.MOVES) -> Iterator[Finding]:
+def at_places(
+    kind: Kind, found: Iterable[tuple[str, Place]], *, weight: Weight = Weight.MOVES, common: str = "", cause: str = ""
+) -> Iterator[Finding]:
     """Group what was found at several places into findings: one for each file, with its lines."""
-    return merged(Finding.at(kind, what, place, weight=weight) for what, place in found)
+    return merged(Finding.at(kind, what, place, weight=weight, common=common, cause=cause) for what, place in found)
+
+
+def about_models(found: Mapping[Finding, Mapping[str, Place]]) -> Iterator[Finding]:
+    """Yield findings of models of a world, with the models' names and places.
+
+    Args:
+        found: Each finding, without a place, with the models that it is about and where these are.
+    """
+    for finding, models in found.items():
+        first = ", ".join(list(models)[:_MOST_MODELS])
+        more = f" and {len(models) - _MOST_MODELS} more" if len(models) > _MOST_MODELS else ""
+        yield from merged(
+            Finding.at(
+                finding.kind, f"{first}{more}: {finding.what}", place, weight=finding.weight, cause=finding.cause
+            )
+            for place in models.values()
+        )
 
 
 def merged(findings: Iterable[Finding]) -> Iterator[Finding]:
@@ -129,17 +175,20 @@ def texts(findings: Iterable[Finding], *kinds: Kind) -> tuple[str, ...]:
 
 
 def grouped(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
-    """Return kind and sentence of each finding: what is lost, then kind by kind; one about several robots once."""
+    """Return kind and sentence of each cause: what is lost first, then kind by kind.
+
+    What has one cause is one sentence, with all its things, robots, files and lines.
+    """
     kinds = list(Kind)
     ranked = sorted(findings, key=lambda finding: (finding.weight is not Weight.LOST, kinds.index(finding.kind)))
-    return _sentences(ranked)
+    return _sentences(ranked, everything=True)
 
 
 def most_telling(findings: Iterable[Finding]) -> list[str]:
     """Return a few lines of the findings, the weightiest first; the last one tells of the rest."""
     weights, kinds = list(Weight), list(Kind)
     ranked = sorted(findings, key=lambda finding: (weights.index(finding.weight), kinds.index(finding.kind)))
-    sentences = _sentences(_together(ranked))
+    sentences = _sentences(ranked, everything=False)
     told = len(sentences) if len(sentences) <= _MOST_TOLD else _MOST_TOLD - 1
     lines = [f"{kind}: {sentence}" for kind, sentence in sentences[:told]]
     if rest := sentences[told:]:
@@ -148,35 +197,41 @@ def most_telling(findings: Iterable[Finding]) -> list[str]:
     return lines
 
 
-def _together(findings: Iterable[Finding]) -> Iterator[Finding]:
-    """Join findings of one robot that have one cause: the same end of their sentences, or the same repair."""
-    groups: dict[object, list[Finding]] = {}
+def _sentences(findings: Iterable[Finding], *, everything: bool) -> list[tuple[Kind, str]]:
+    """Return kind and sentence of each cause, with the names of all robots that it is about."""
+    robots: dict[Finding, dict[str, None]] = {}
     for finding in findings:
-        cause = (finding.kind, finding.robot, finding.file, finding.common, finding.rule)
-        groups.setdefault(cause if finding.common or finding.rule else finding, []).append(finding)
-    for first, *others in groups.values():
-        if first.common and others:
-            things = [finding.what.removesuffix(first.common) for finding in (first, *others)]
-            more = f" and {len(things) - _MOST_THINGS} more" if len(things) > _MOST_THINGS else ""
-            what = f"{', '.join(things[:_MOST_THINGS])}{more}{first.common}"
-            lines = sorted({line for finding in (first, *others) for line in finding.lines})
-            yield replace(first, what=what, lines=tuple(lines))
-        elif others:
-            yield replace(first, what=f"{first.what}, and {len(others)} more of this repair")
-        else:
-            yield first
-
-
-def _sentences(findings: Iterable[Finding]) -> list[tuple[Kind, str]]:
-    """Return kind and sentence of each finding, with the names of all robots that it is about."""
-    about: dict[tuple[Kind, str], list[str]] = {}
-    for finding in findings:
-        robots = about.setdefault((finding.kind, finding.sentence), [])
-        if finding.robot and finding.robot not in robots:
-            robots.append(finding.robot)
+        bare = replace(finding, robot="", file=PurePath(finding.file).name)
+        robots.setdefault(bare, {}).setdefault(finding.robot)
+    groups: dict[tuple[tuple[str, ...], object], list[Finding]] = {}
+    for finding, names in robots.items():
+        cause = finding.cause or finding.common or finding.rule
+        key = (finding.kind, finding.weight is Weight.LOST, cause) if cause else finding.sentence
+        groups.setdefault((tuple(filter(None, names)), key), []).append(finding)
     return [
-        (kind, f"{', '.join(robots)}: {sentence}" if robots else sentence) for (kind, sentence), robots in about.items()
+        (group[0].kind, (f"{', '.join(names)}: " if names else "") + _joined(group, everything))
+        for (names, _), group in groups.items()
     ]
+
+
+def _joined(group: Sequence[Finding], everything: bool) -> str:
+    """Join findings of one cause: first those that end alike."""
+    alike: dict[object, list[Finding]] = {}
+    for finding in group:
+        alike.setdefault((finding.file, finding.common or finding.what), []).append(finding)
+    sentences = [_joined_alike(findings, everything) for findings in alike.values()]
+    told = len(sentences) if everything else _MOST_SENTENCES
+    more = [f"and {len(sentences) - told} more"] if len(sentences) > told else []
+    return "; ".join((*sentences[:told], *more)) + (f" [{group[0].rule}]" if group[0].rule else "")
+
+
+def _joined_alike(findings: Sequence[Finding], everything: bool) -> str:
+    first, common = findings[0], findings[0].common
+    things = list(dict.fromkeys(finding.what.removesuffix(common) for finding in findings))
+    told = len(things) if everything else _MOST_THINGS
+    more = f" and {len(things) - told} more" if len(things) > told else ""
+    lines = sorted({line for finding in findings for line in finding.lines})
+    return replace(first, what=f"{', '.join(things[:told])}{more}{common}", lines=tuple(lines))._placed
 
 
 def strict_text(lost: Iterable[Finding]) -> str:

@@ -46,13 +46,25 @@ def test_findings_of_one_cause_are_one_line_with_all_their_lines():
         for robot in ("a", "b")
         for line, tag in enumerate("xyz", 7)
     ]
-    repairs = [Finding(Kind.MENDED, f"<link {name}> has no mass", "a", "r.urdf", (3,), "massless") for name in "stu"]
-    other = Finding(Kind.MENDED, "<link v> has no shape", "a", "r.urdf", (4,), "shape")
+    repairs = [Finding(Kind.MENDED, f"<link {name}> has no mass", "a", "r.urdf", (3,), "massless") for name in "stuvw"]
+    other = Finding(Kind.MENDED, "<link x> has no shape", "a", "r.urdf", (4,), "shape")
+    each = [f"r.urdf:3: <link {name}> has no mass" for name in "stuvw"]
     assert most_telling([*parts, *repairs, other]) == [
         "ignored: a, b: <x>, <y>, <z> in <sensor> of sensor 's' (r.urdf:7, 8, 9)",
-        "mended: a: r.urdf:3: <link s> has no mass, and 2 more of this repair [massless]",
-        "mended: a: r.urdf:4: <link v> has no shape [shape]",
+        f"mended: a: {'; '.join(each[:3])}; and 2 more [massless]",
+        "mended: a: r.urdf:4: <link x> has no shape [shape]",
     ]
+    assert grouped([*repairs, other]) == [
+        (Kind.MENDED, f"a: {'; '.join(each)} [massless]"),
+        (Kind.MENDED, "a: r.urdf:4: <link x> has no shape [shape]"),
+    ]
+    of_another_file = replace(parts[0], what=f"<w>{common}", file="folder/q.urdf")
+    elsewhere = Finding(Kind.IGNORED, "<v>", "a", "r.urdf", (2,), cause="unread")
+    (line,) = most_telling([replace(item, robot="a", cause="unread") for item in (*parts, of_another_file, elsewhere)])
+    assert line == (
+        "ignored: a: <x>, <y>, <z> in <sensor> of sensor 's' (r.urdf:7, 8, 9);"
+        " <w> in <sensor> of sensor 's' (q.urdf:7); <v> (r.urdf:2)"
+    )
     many = [replace(parts[0], what=f"<{number}>{common}") for number in range(9)]
     assert most_telling(many) == [
         "ignored: a: <0>, <1>, <2>, <3>, <4>, <5> and 3 more in <sensor> of sensor 's' (r.urdf:7)"
@@ -83,7 +95,7 @@ URDF = """\
   </link>
   <transmission name="t"><type>x</type></transmission>
   <gazebo reference="base"><kp>1e5</kp><slip1>0.1</slip1><patch_radius>1</patch_radius>
-    <collide_bitmask>1</collide_bitmask><collide_without_contact>1</collide_without_contact>
+    <collide_bitmask>2</collide_bitmask><collide_without_contact>1</collide_without_contact>
     <visual><cast_shadows>0</cast_shadows></visual></gazebo>
   <gazebo><plugin name="p" filename="libunknown.so"/></gazebo>
 </robot>"""

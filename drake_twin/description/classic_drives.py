@@ -52,6 +52,9 @@ def gazebo_ros_diff_drive(plugin: DrivePlugin) -> GazeboDrive:
     warnings = []
     if len({*separations}) > 1 or len({*diameters}) > 1:
         warnings.append("its pairs of wheels differ, but all are driven like the first")
+    plugin.skip("publish_wheel_tf", "false", "0")
+    plugin.skip("command_topic", "cmd_vel")  # the plugin of ROS 1 read these two
+    plugin.skip("odometry_topic", "odom")
     odometry = plugin.flag("publish_odom", False)
     source = plugin.text("odometry_source", "1")
     if source in _SOURCES:

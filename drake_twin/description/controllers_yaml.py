@@ -9,7 +9,7 @@ from typing import Any
 from drake_twin.description.source_file import check_regular
 from drake_twin.description.yaml_document import ValuePath, YamlDocument
 from drake_twin.errors import InputError, did_you_mean
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Cause, Finding, Kind, Place
 from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
@@ -167,7 +167,8 @@ def read_controllers(
                 types[name.removesuffix(".type")] = value
             elif (what := _unread(str(name), value)) is not None:
                 place = Place(str(document.file), document.line((*path, name)))
-                findings.append(Finding.at(Kind.WARNING, f"controller_manager: {what}", place))
+                told = f"controller_manager: {what}"
+                findings.append(Finding.at(Kind.WARNING, told, place, cause=Cause.PARAMETER))
     for name, found in nodes.items():
         for *_, parameters in found:
             if isinstance(parameters.get("type"), str):

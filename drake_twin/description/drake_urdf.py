@@ -30,7 +30,7 @@ from drake_twin.description.sdf_document import free_name, numbers_in
 from drake_twin.description.used_elements import is_known, weight_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Weight, merged
+from drake_twin.findings import Cause, Finding, Kind, Weight, merged
 
 # Drake takes a link called "world" for the world itself: the robot would lose its spawn pose, and a second one
 # would be spawned inside the first.
@@ -228,7 +228,9 @@ def _resolve_meshes(
                     _give_collision_shape(reader, shape, mesh, file, collision)
                     said = said_of_hull(file)
                     colliding[file] = None
-                findings += [Finding.at(Kind.WARNING, what, place, weight=weight_of(mesh)) for what in said]
+                findings += [
+                    Finding.at(Kind.WARNING, what, place, weight=weight_of(mesh), cause=Cause.MESH) for what in said
+                ]
                 meshes.append(file)
             except InputError as error:
                 if "missing_mesh" in without:
@@ -238,7 +240,9 @@ def _resolve_meshes(
                     what = f"the {shape.tag} mesh of link {link.get('name')!r} is left out: {str(error).rstrip('.')}"
                     mended(what, mesh, "missing_mesh")
                     link.remove(shape)
-    findings += [Finding(Kind.WARNING, what, weight=Weight.LOOKS) for what in said_of_hulls(colliding)]
+    findings += [
+        Finding(Kind.WARNING, what, weight=Weight.LOOKS, cause=Cause.MESH) for what in said_of_hulls(colliding)
+    ]
     return [*merged(findings)]
 
 
@@ -330,7 +334,12 @@ def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
 
 
 def _drop_what_drake_warns_of(reader: XmlReader) -> None:
-    """Remove dry friction in joints, which the plant models with an actuator of its own, and negative bounds."""
+    """Remove dry friction in joints, which the plant models with an actuator of its own, and negative bounds.
+
+    Also the ``type`` of links, which is no attribute of URDF: `unread_in_urdf` reports it.
+    """
+    for link in reader.root.iterfind("link"):
+        link.attrib.pop("type", "")
     for dynamics in reader.root.iterfind("joint/dynamics"):
         dynamics.attrib.pop("friction", "")
     for limit in reader.root.iterfind("joint/limit"):

@@ -115,13 +115,14 @@ def ros_topic(plugin: GazeboPlugin, topic: str) -> str:
         absolute = (name if name.startswith("/") else before_all + name for name in (one, other))
         return len(set(absolute)) == 1
 
-    for before, after in _remappings(plugin):
+    for before, after in plugin_remappings(plugin):
         if is_same(relative(before), topic):
             return relative(after)
     return topic
 
 
-def _remappings(plugin: GazeboPlugin) -> Iterator[tuple[str, str]]:
+def plugin_remappings(plugin: GazeboPlugin) -> Iterator[tuple[str, str]]:
+    """Yield the rules of a plugin's ``<ros>`` tag that rename topics, as written."""
     texts: Iterable[str] = [
         *plugin.elements.get("ros/remapping", ()),
         *(word for text in plugin.elements.get("ros/argument", ()) for word in _words_of(text)),
@@ -140,7 +141,7 @@ def _words_of(text: str) -> list[str]:
         return [text]
 
 
-_OF_ALL_PLUGINS = {"ros/namespace", "ros/remapping", "ros/argument"}
+_OF_ALL_PLUGINS = {"ros", "ros/namespace", "ros/remapping", "ros/argument"}
 
 
 class PluginReader:
@@ -171,6 +172,11 @@ class PluginReader:
         """Tell whether the plugin has an element of a name."""
         self._taken.add(tag)
         return tag in self.plugin.elements
+
+    def skip(self, tag: str, *defaults: str) -> None:
+        """Note an element as read where it holds what the twin does without it."""
+        if set(self.plugin.elements.get(tag, ())) <= set(defaults):
+            self._taken.add(tag)
 
     def texts(self, tag: str) -> tuple[str, ...]:
         """Read all elements of a name that are not empty."""

@@ -23,7 +23,7 @@ from math import isnan
 from typing import Any
 
 from drake_twin.description.controllers_yaml import ControllerParameters, nested
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind
 from drake_twin.values import yaml_number
 
 # Parameters of every node of ROS 2, and those that ros2_control itself reads for any controller.
@@ -106,7 +106,7 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
         if name not in fields and not (not path and name in _OF_EVERY_NODE):
             where = ".".join(map(str, (*path, name)))
             what = f"controller {controller.name}: unknown parameter {where!r}: it is ignored"
-            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name)))
+            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name), cause=Cause.PARAMETER))
     given = {}
     for name, item in fields.items():
         if name not in values:
@@ -119,7 +119,7 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
                 f"controller {controller.name}: {'.'.join(map(str, place))} is ignored: {item.metadata['not_of_files']}"
             )
             leaf = next(_leaves(values[name], place))
-            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*leaf)))
+            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*leaf), cause=Cause.PARAMETER))
             continue
         value = _read(_types(kind)[name], values[name], controller, place, warnings)
         if value == () and _is_required(item):
@@ -129,7 +129,7 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
         if "unsupported" in item.metadata and not _same(value, default):
             where = ".".join(map(str, (*path, name)))
             what = f"controller {controller.name}: {where} is ignored: {item.metadata['unsupported']}"
-            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name)))
+            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name), cause=Cause.PARAMETER))
         given[name] = value
     try:
         return kind(**given)

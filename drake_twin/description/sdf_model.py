@@ -4,7 +4,8 @@ Each rule is one function on the XML tree of the file that the model stands in, 
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from drake_twin.description.sdf_document import free_name, has_weight, is_within
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, Weight
+from drake_twin.findings import Cause, Finding, Kind, Weight
 from drake_twin.values import is_true
 
 # What Drake's parser is given of each element; of the rest there are findings.
@@ -52,20 +53,26 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     Returns:
         What was left out and what was changed, each once.
     """
-    unknown = Counter(_unknown_elements(model))
+    unknown = [
+        Finding(Kind.IGNORED, what, weight=weight, cause=Cause.UNREAD) for what, weight in _unknown_elements(model)
+    ]
     hold_by_links(model)
-    found: Counter[tuple[str, Weight]] = Counter()
+    found: list[Finding] = []
     for rule in (_frames_of_old_poses, _names, _joints, _inertias):
-        found.update((what, Weight.MOVES) for what in rule(model))
-    found.update(mend_shapes(model))
+        found += (Finding(Kind.WARNING, what) for what in rule(model))
+    found += (Finding(Kind.WARNING, what, weight=weight) for what, weight in mend_shapes(model))
     mend_planes(model)
-    found.update(mend_meshes(model, reader, find))
-    found.update((what, Weight.MOVES) for what in weld_caster_balls(model))
+    meshes = mend_meshes(model, reader, find)
+    found += (Finding(Kind.WARNING, what, weight=weight, cause=Cause.MESH) for what, weight in meshes)
+    found += (Finding(Kind.WARNING, what, cause=Cause.CONTACT) for what in weld_caster_balls(model))
     for nested in [*model.iter("model")][:0:-1]:  # the innermost first
         parent = nested.getparent()
         if parent is not None and nested.find("link") is None and nested.find("model") is None:
             parent.remove(nested)
-    return [*_counted(Kind.IGNORED, unknown), *_counted(Kind.WARNING, found)]
+    return [
+        replace(finding, what=finding.what + (f" ({count} times)" if count > 1 else ""))
+        for finding, count in Counter((*unknown, *found)).items()
+    ]
 
 
 def hold_by_links(model: etree._Element) -> None:
@@ -80,11 +87,6 @@ def hold_by_links(model: etree._Element) -> None:
                 pose.text = pose.text if (pose.text or "").split() else "0 0 0 0 0 0"
                 pose.set("relative_to", pose.get("relative_to") or joint)
                 frame.set("attached_to", children[joint])
-
-
-def _counted(kind: Kind, found: Mapping[tuple[str, Weight], int]) -> Iterator[Finding]:
-    for (what, weight), count in found.items():
-        yield Finding(kind, what + (f" ({count} times)" if count > 1 else ""), weight=weight)
 
 
 def falls(model: etree._Element) -> bool:

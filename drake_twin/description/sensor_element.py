@@ -9,7 +9,7 @@ from drake_twin.description.gazebo_plugins import plugin_kind, read_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Sensor
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, merged
+from drake_twin.findings import Cause, Finding, Kind, merged
 from drake_twin.values import is_true
 
 # What `drake_twin.description.sensors` reads, and what has no meaning here: sensors are always on and not drawn.
@@ -169,14 +169,15 @@ class SensorElement:
                 yield from self._unread_in(child)
             else:
                 place = self._reader.place(child)
-                yield Finding.at(Kind.IGNORED, f"<{child.tag}>{common}", place, common=common)
+                yield Finding.at(Kind.IGNORED, f"<{child.tag}>{common}", place, common=common, cause=Cause.UNREAD)
 
     def _unread_attributes(self, element: etree._Element) -> Iterator[Finding]:
         common = f" of <{element.tag}> of sensor {self.sensor.name!r}"
         for name in map(str, element.attrib):
             if name not in _ATTRIBUTES and not name.startswith("{"):
                 place = self._reader.place(element)
-                yield Finding.at(Kind.IGNORED, f"the attribute {name}{common}", place, common=common)
+                what = f"the attribute {name}{common}"
+                yield Finding.at(Kind.IGNORED, what, place, common=common, cause=Cause.UNREAD)
 
 
 def _name(path: str) -> str:

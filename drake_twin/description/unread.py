@@ -31,7 +31,7 @@ from drake_twin.description.used_elements import (
 )
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import did_you_mean
-from drake_twin.findings import Finding, Kind, merged
+from drake_twin.findings import Cause, Finding, Kind, merged
 
 _Unread: TypeAlias = tuple[etree._Element, str, str]  # what is not read, its name, and where it stands or why
 
@@ -77,7 +77,7 @@ def unread_in_world_model(model: etree._Element) -> Iterator[Finding]:
             above = element.getparent()
             is_reported = above is not None and above.tag in KEPT and not _is_attribute(thing)
             if not (is_reported or _has_no_effect(element, thing)):
-                yield Finding(Kind.IGNORED, thing + common, weight=weight_of(element))
+                yield Finding(Kind.IGNORED, thing + common, weight=weight_of(element), cause=Cause.UNREAD)
     for friction in model.iterfind(".//joint//dynamics/friction"):
         if number_in(friction) != 0.0:
             joint = next(friction.iterancestors("joint")).get("name", "")
@@ -105,7 +105,14 @@ def _is_attribute(thing: str) -> bool:
 
 def _findings(reader: XmlReader, unread: Iterable[_Unread]) -> Iterator[Finding]:
     return merged(
-        Finding.at(Kind.IGNORED, thing + common, reader.place(element), weight=weight_of(element), common=common)
+        Finding.at(
+            Kind.IGNORED,
+            thing + common,
+            reader.place(element),
+            weight=weight_of(element),
+            common=common,
+            cause=Cause.UNREAD,
+        )
         for element, thing, common in unread
     )
 

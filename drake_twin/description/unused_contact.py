@@ -11,7 +11,7 @@ from lxml import etree
 
 from drake_twin.description.fixed_joint_lumping import gazebo_collisions
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, Place, Weight, at_places
+from drake_twin.findings import Cause, Finding, Kind, Place, Weight, at_places
 
 _STIFFNESS = "stiffness and damping of contact follow from the masses"
 _ISOTROPY = "friction is the same in all directions"
@@ -146,17 +146,33 @@ def _together(reader: XmlReader, unused: Iterable[tuple[str, etree._Element, str
         whose = f" of {', '.join(links[:_MOST_NAMED])}{more}" if links else ""
         weight = Weight.LOOKS if _NOT_IN_DART.issuperset(names) else Weight.MOVES
         what = f"{', '.join(names)}{whose}: {effect}"
-        yield from at_places(Kind.WARNING, ((what, place) for place in places), weight=weight)
+        told = ((what, place) for place in places)
+        yield from at_places(Kind.WARNING, told, weight=weight, cause=Cause.CONTACT)
 
 
-def _found(elements: Iterable[etree._Element]) -> Iterator[tuple[etree._Element, str]]:
+def _has_no_effect(name: str, values: Sequence[float], elements: Iterable[etree._Element]) -> bool:
+    """Tell whether a parameter changes nothing in Gazebo either, for the others that stand beside it.
+
+    Masks with the lowest bit let shapes collide, for that bit is set wherever a mask is not another layer's. A
+    direction of friction needs two coefficients or a slip.
+    """
+    if name in ("collide_bitmask", "category_bitmask"):
+        return len(values) == 1 and values[0] % 2 == 1
+    if name != "fdir1":
+        return False
+    beside = {parameter(element): _values(element) for element in elements}
+    first, second = beside.get("mu1", beside.get("mu", (1.0,))), beside.get("mu2", (1.0,))
+    return first == second and not any(any(beside.get(slip, ())) for slip in ("slip1", "slip2"))
+
+
+def _found(elements: Sequence[etree._Element]) -> Iterator[tuple[etree._Element, str]]:
     """Yield the parameters of a surface that would have an effect in Gazebo, and what the twin does instead."""
     coefficients: dict[float, etree._Element] = {}
     for element in elements:
         name, values = parameter(element), _values(element)
         if name in _COEFFICIENTS and len(values) == 1:
             coefficients.setdefault(values[0], element)
-        elif name in _UNUSED and values != _UNUSED[name][0]:
+        elif name in _UNUSED and values != _UNUSED[name][0] and not _has_no_effect(name, values, elements):
             yield element, _UNUSED[name][1]
     smallest = min(coefficients, default=0.0)
     if smallest < _NEVER_THE_SMALLER:

@@ -206,7 +206,7 @@ REPORTED = _part()  # in a finding of its own
 ROS2_CONTROL = _part(
     "filename name",
     parameters=_TEXT,
-    ros=_part(namespace=_TEXT),
+    ros=_part(namespace=_TEXT, remapping=_TEXT),
     hold_joints=_TEXT,
     position_proportional_gain=_TEXT,
     robot_param=_TEXT,
@@ -224,6 +224,7 @@ SEVERAL = {
     *(("gpio", tag) for tag in ("command_interface", "state_interface")),
     *((tag, "param") for tag in ("hardware", "command_interface", "state_interface")),
     ("plugin", "parameters"),
+    ("ros", "remapping"),
 }
 
 

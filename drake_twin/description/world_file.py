@@ -31,7 +31,7 @@ from drake_twin.description.world_sensors import SensorsOfModel
 from drake_twin.description.xacro_file import expand_xacro
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place, at_places, merged
+from drake_twin.findings import Cause, Finding, Kind, Place, about_models, merged
 from drake_twin.values import is_true
 
 # SDF's default.
@@ -162,9 +162,6 @@ def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlRead
     return RobotText("world.sdf" if reader.file is None else reader.file.name, text)
 
 
-_MOST_NAMED = 4  # models in one finding
-
-
 class _World:
     """One world, while it is read."""
 
@@ -207,7 +204,7 @@ class _World:
                 *self._includes.not_found(self._reader.place(world)),
                 *self._includes.findings,
                 *self._findings,
-                *self._grouped(),
+                *about_models(self._mended),
             ),
             file=self._reader.file,
             surroundings=surroundings,
@@ -329,18 +326,10 @@ class _World:
                 self._includes.expand(child, self._reader, self._version, above)
                 yield child, self._version, child.find("pose"), self._reader.place(child), self._reader
 
-    def _grouped(self) -> Iterator[Finding]:
-        for finding, models in self._mended.items():
-            first = ", ".join(list(models)[:_MOST_NAMED])
-            more = f" and {len(models) - _MOST_NAMED} more" if len(models) > _MOST_NAMED else ""
-            what = f"{first}{more}: {finding.what}"
-            about = ((what, place) for place in models.values())
-            yield from at_places(finding.kind, about, weight=finding.weight)
-
     def _not_used(self) -> Iterator[Finding]:
         yield from merged(
-            Finding.at(kind, what, self._reader.place(element), weight=weight_of(element))
-            for kind in (Kind.WINDOW, Kind.IGNORED)
+            Finding.at(kind, what, self._reader.place(element), weight=weight_of(element), cause=cause)
+            for kind, cause in ((Kind.WINDOW, Cause.WINDOW), (Kind.IGNORED, Cause.UNREAD))
             for what, element in self._dropped(is_window=kind is Kind.WINDOW)
         )
 

@@ -40,6 +40,7 @@ STATIC, SOFT, HARD, POINTED = "static", "soft", "hard", "pointed"
 # number).
 _MOST_STATIC = 100
 _MOST_PLANES = 12  # Drake 1.51 crashes with more than 14 half spaces
+_NOTICEABLE = 1e-3  # of a coefficient of friction
 _ONE_FOR_ALL = -1.0  # the level of such shapes
 
 # The coefficient that the ground is registered with where its friction may change: with a ground rougher than all
@@ -146,7 +147,7 @@ def _inexact(common: float, static: Collection[float], moving: Collection[float]
         for friction in sorted(moving):
             own, wanted = towards(common, friction), min(partner, friction)
             acts = 2 * own * partner / (own + partner) if own + partner > 0 else 0.0
-            if abs(acts - wanted) > 1e-9:
+            if abs(acts - wanted) > _NOTICEABLE * wanted:
                 what = f"the friction of {friction:g} on shapes of {partner:g} acts as {acts:.3g} instead of {wanted:g}"
                 yield f"the world has too many shapes: {what}"
 

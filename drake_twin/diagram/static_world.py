@@ -93,7 +93,7 @@ def static_shapes(model: WorldModel, detail: float, warnings: list[str]) -> list
         RuntimeError: If Drake refuses the model.
     """
     root = etree.fromstring(model.text)
-    stand_ins = _put_stand_ins(root, detail, model.name, warnings)
+    stand_ins = _put_stand_ins(root, detail, warnings)
     plant, scene_graph = MultibodyPlant(0.001), SceneGraph()
     plant.RegisterAsSourceForSceneGraph(scene_graph)  # a diagram builder would hold both for good (drake#22515)
     Parser(plant).AddModelsFromString(etree.tostring(root, encoding="unicode"), "sdf")
@@ -229,7 +229,7 @@ def _shapes(
             )
 
 
-def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: list[str]) -> dict[str, _StandIn]:
+def _put_stand_ins(root: etree._Element, detail: float, warnings: list[str]) -> dict[str, _StandIn]:
     """Replace planes and meshes by small spheres; return the shapes behind each, by its new name."""
     found: dict[str, _StandIn] = {}
     for collision in [*root.iter("collision")]:
@@ -241,9 +241,9 @@ def _put_stand_ins(root: etree._Element, detail: float, model: str, warnings: li
             file, scale = _mesh_and_scale(mesh)
             try:
                 solids = solid_mesh(Path(file), detail / max(map(abs, scale))).solids(scale)
-                warnings += [f"{model}: {what}" for what in said_of_solids(Path(file))]
+                warnings += said_of_solids(Path(file))
             except InputError as error:
-                warnings.append(f"{model}: a collision shape is left out: {str(error).rstrip('.')}")
+                warnings.append(f"a collision shape is left out: {str(error).rstrip('.')}")
                 solids = []
             stand_in = _StandIn(own, solids=tuple(solids))
         else:

@@ -1,5 +1,6 @@
 """The world in the plant: gravity, ground, and the static and moving models of an SDF world."""
 
+from collections import defaultdict
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +21,7 @@ from drake_twin.diagram.static_world import (
     static_shapes,
 )
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind, Place, about_models
 from drake_twin.scenario import GROUND_FRICTION, Scenario, World
 
 _GRAVITY = (0.0, 0.0, -9.81)
@@ -99,15 +100,16 @@ def _add_models(
     if detail > 0:
         what = f"the world's meshes have too many faces for contact: their details are reduced to {detail:g} m"
         findings.append(Finding(Kind.WARNING, what, file=str(world_file.file or "")))
+    meshes: dict[Finding, dict[str, Place]] = defaultdict(dict)
     shapes: list[StaticShape] = []
     moving: dict[str, tuple[ModelInstanceIndex, ...]] = {}
     anchors: dict[str, dict[str, RigidTransform]] = {}
     for model in world_file.models:
-        warnings: list[str] = []
+        said: list[str] = []
         with captured_warnings() as messages:
             try:
                 if model.is_static:
-                    shapes += static_shapes(model, detail, warnings)
+                    shapes += static_shapes(model, detail, said)
                     anchors |= anchors_of(model)
                 else:
                     _try_out(model, plant.time_step())
@@ -116,8 +118,11 @@ def _add_models(
                 reason = without_literal(" ".join(str(error).split())) or "no reason given"
                 what = f"{model.name}: the model is left out, because Drake refuses it ({reason.rstrip('.')})"
                 findings.append(Finding.at(Kind.IGNORED, what, model.place))
-        warnings += dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages)
-        findings += [Finding.at(Kind.WARNING, warning, model.place) for warning in warnings]
+        for what in dict.fromkeys(said):
+            meshes[Finding(Kind.WARNING, what, cause=Cause.MESH)][model.name] = model.place
+        logged = dict.fromkeys(f"{model.name}: {without_literal(message)}" for message in messages)
+        findings += [Finding.at(Kind.WARNING, what, model.place) for what in logged]
+    findings += about_models(meshes)
     return shapes, moving, anchors
 
 

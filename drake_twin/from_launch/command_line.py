@@ -72,6 +72,7 @@ def command_line(
     lists: Collection[str] = (),
     verbatim: Collection[str] = (),
     defaults: Mapping[str, object] | None = None,
+    is_gflags: bool = False,
 ) -> CommandLine:
     """Parse a command line: ``-x 1``, ``--x 1``, ``--x=1`` and ``-x=1`` are the same.
 
@@ -82,6 +83,7 @@ def command_line(
         lists: Options that take all words up to the next option.
         verbatim: Options that take the next word as their value, even if it looks like an option.
         defaults: Values of options that are not given, for example from the node's parameters.
+        is_gflags: Whether gflags parses it, which takes dashes in a name for underscores.
     """
     options: dict[str, list[str]] = {}
     rest: list[str] = []
@@ -94,6 +96,7 @@ def command_line(
             rest.append(word)
             continue
         name, equals, value = word.lstrip("-").partition("=")
+        name = name.replace("-", "_") if is_gflags else name
         values = options.setdefault(name, [])
         if equals:
             values.append(value)

@@ -18,7 +18,7 @@ import yaml
 from drake_twin.description.package_index import PackageIndex, containing_package, workspace_of
 from drake_twin.description.world_file import WorldModel
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place, Weight, at_places
+from drake_twin.findings import Cause, Finding, Kind, Place, Weight, at_places
 from drake_twin.from_launch.bridges import BridgeLine, bridge_lines, is_bridge, renamed, stamped
 from drake_twin.from_launch.controller_managers import requests_by_robot
 from drake_twin.from_launch.launched_controllers import (
@@ -214,8 +214,11 @@ class _Sorter:
 
     def _drop(self, what: str, process: LaunchedProcess, kind: Kind = Kind.NOT_STARTED) -> None:
         """Add a finding for something that is not started, with its place in the launch file."""
-        weight = Weight.LOOKS if kind is Kind.WINDOW else Weight.MOVES
-        self._findings.append(Finding.at(kind, what, process.place, weight=weight))
+        if kind is Kind.WINDOW:
+            finding = Finding.at(kind, what, process.place, weight=Weight.LOOKS, cause=Cause.WINDOW)
+        else:
+            finding = Finding.at(kind, what, process.place, common=what.removeprefix(process.what))
+        self._findings.append(finding)
 
     def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:
         managers = requests_by_robot(found.robots, self._requests, self._findings, self._log)
@@ -245,7 +248,8 @@ class _Sorter:
                 what = (
                     "its links' <self_collide> has no effect, as in Gazebo Sim, which reads only that of an SDF model"
                 )
-                self._findings.append(Finding(Kind.WARNING, what, robot=name, file=launched.model))
+                finding = Finding(Kind.WARNING, what, name, launched.model, weight=Weight.LOOKS, cause=Cause.CONTACT)
+                self._findings.append(finding)
             pose = launched.pose
             robot = Robot(
                 name=name,

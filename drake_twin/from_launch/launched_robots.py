@@ -156,12 +156,13 @@ class LaunchedRobots:
             self._drop(f"{process.what}: {error}", process)
 
     def _spawned(self, process: LaunchedProcess) -> None:
-        line = command_line(process, flags=("allow_renaming", "unpause", "wait", "b"), defaults=parameters(process))
+        flags, is_gflags = ("allow_renaming", "unpause", "wait", "b"), process.package != "gazebo_ros"
+        line = command_line(process, flags=flags, defaults=parameters(process), is_gflags=is_gflags)
         for option in line.unknown(_SPAWNERS[process.package or "", process.executable]):
-            what = f"{process.what}: unknown option {option}"
+            common = f": unknown option of {process.what}"
             # `create` calls gflags' AllowCommandLineReparsing, which skips unknown options in silence.
-            kind = Kind.REFUSED_BY_ROS if process.package == "gazebo_ros" else Kind.IGNORED
-            self.findings.append(Finding.at(kind, what, process.place))
+            kind = Kind.IGNORED if is_gflags else Kind.REFUSED_BY_ROS
+            self.findings.append(Finding.at(kind, option + common, process.place, common=common))
         source, publisher = self._source(line, process)
         own_name = source.name if process.package != "gazebo_ros" else ""
         name = line.text("name", "entity") or own_name

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from drake_twin.description.gazebo_drive import of_model
 from drake_twin.description.robot_description import Sensor
 from drake_twin.errors import did_you_mean
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind
 from drake_twin.from_launch.bridges import BridgeLine
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import gazebo_default, is_same_topic, valid_topic
@@ -39,7 +39,7 @@ def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPl
         if not any(_is_of(sensor, plan, line.gz) for plan in plans for sensor in plan.description.sensors):
             common = ": no sensor publishes it in Gazebo"
             what = f"the bridge carries {line.gz} to {line.ros}{common}"
-            yield Finding.at(Kind.WARNING, what, line.place, common=common)
+            yield Finding.at(Kind.WARNING, what, line.place, common=common, cause=Cause.BRIDGE)
 
 
 def misspelt(lines: Sequence[BridgeLine], plans: Sequence[RobotPlan]) -> Iterator[Finding]:
@@ -55,7 +55,7 @@ def misspelt(lines: Sequence[BridgeLine], plans: Sequence[RobotPlan]) -> Iterato
     for line in (line for line in lines if line.gz not in drives):
         if hint := did_you_mean(line.gz, sorted(left), _CLOSE):
             what = f"the bridge carries {line.gz}, which nothing has in Gazebo{hint}"
-            yield Finding.at(Kind.WARNING, what, line.place)
+            yield Finding.at(Kind.WARNING, what, line.place, cause=Cause.BRIDGE)
 
 
 def _is_of(sensor: Sensor, plan: RobotPlan | ModelPlan, gz: str) -> bool:

@@ -14,7 +14,7 @@ from drake_twin.description.robot_description import (
     RobotDescription,
     StateInterface,
 )
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind
 
 
 def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list[GazeboDrive], list[Finding]]:
@@ -36,7 +36,10 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
         usable.append(drive)
         findings += [Finding.at(Kind.WARNING, f"{name}: {warning}", place) for warning in drive.warnings]
         common = f" of {name}"
-        findings += [Finding.at(Kind.IGNORED, f"<{tag}>{common}", place, common=common) for tag in drive.unread]
+        findings += [
+            Finding.at(Kind.IGNORED, f"<{tag}>{common}", place, common=common, cause=Cause.UNREAD)
+            for tag in drive.unread
+        ]
     return usable, findings
 
 

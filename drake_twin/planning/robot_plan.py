@@ -22,6 +22,7 @@ from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.plan_controllers import plan_controllers
+from drake_twin.planning.plugin_remappings import with_plugin_remappings
 from drake_twin.planning.sensor_plan import SensorPlan, plan_sensors
 from drake_twin.planning.servo_plan import hold_joints, plugin_servos, position_time_constant
 from drake_twin.scenario import Robot, ScenarioError
@@ -167,6 +168,7 @@ def plan_robot(
     warnings += _unused_interfaces(description)
     manager = _with_added(robot, path, _controller_manager(robot, path, own, packages, xacro_args))
     manager = _with_parameters(robot, path, manager)
+    robot = with_plugin_remappings(robot, own, [item.name for item in manager.controllers])
     controllers, controller_findings = plan_controllers(
         robot, path, description, manager, xacro_args.get("prefix", ""), drives
     )

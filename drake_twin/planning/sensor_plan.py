@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from drake_twin.description.robot_description import RobotDescription, Sensor
 from drake_twin.description.sensor_element import SensorElement
 from drake_twin.description.sensors import SENSOR_PLUGINS, sensor_text
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind
 from drake_twin.planning.frame_names import misspelt_frame
 from drake_twin.scenario import Robot
 from drake_twin.sensors.noise import SILENT, Noise
@@ -132,6 +132,7 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
     plans: list[SensorPlan] = []
     findings: list[Finding] = []
     taken: dict[str, str] = {}
+    of_hardware = {sensor.name for system in owner.description.systems for sensor in system.sensors}
     for sensor in owner.description.sensors:
         what = sensor_text(sensor.name, sensor.kind, sensor.link or sensor.joint, sensor.topic)
         is_plugin = sensor.text.startswith("<plugin")
@@ -160,9 +161,12 @@ def sensor_plans(owner: SensorOwner) -> tuple[tuple[SensorPlan, ...], tuple[Find
             if topic.topic is not None:
                 taken[topic.topic] = sensor.name
             kept.append(topic)
-        if owner.bridged is not None and kept and all(topic.topic is None for topic in kept):
+        is_heard = sensor.name in of_hardware or any(topic.topic is not None for topic in kept)
+        if owner.bridged is not None and kept and not is_heard:
             names = ", ".join(topic.in_gazebo for topic in kept)
-            findings.append(Finding.at(Kind.WARNING, f"{what}: no bridge carries {names} to ROS", sensor.place))
+            common = f": no bridge carries {names} to ROS"
+            finding = Finding.at(Kind.WARNING, what + common, sensor.place, common=common, cause=Cause.BRIDGE)
+            findings.append(finding)
         plans.append(replace(plan, topics=tuple(kept)))
     return tuple(plans), tuple(findings)
 

@@ -82,6 +82,19 @@ def test_classic_diff_drives_defaults():
     assert drive.true_odometry
 
 
+@pytest.mark.parametrize(
+    ("content", "unread"),
+    [
+        ("<ros/><command_topic>cmd_vel</command_topic><odometry_topic>odom</odometry_topic>", ()),
+        ("<publish_wheel_tf>false</publish_wheel_tf>", ()),
+        ("<publish_wheel_tf>1</publish_wheel_tf>", ("publish_wheel_tf",)),
+        ("<command_topic>drive</command_topic><ros><odd>1</odd></ros>", ("command_topic", "ros/odd")),
+    ],
+)
+def test_what_a_diff_drive_does_anyway_is_not_unread(content, unread):
+    assert set(drive_of(DIFF + content, "libgazebo_ros_diff_drive.so").unread) == set(unread)
+
+
 def test_a_wheels_acceleration_limits_the_base():
     drive = drive_of(DIFF + "<max_wheel_acceleration>0.5</max_wheel_acceleration>", "libgazebo_ros_diff_drive.so")
     radius = drive.controller.parameters["wheel_radius"]

@@ -39,7 +39,13 @@ def of_sdf(surface, **options):
         ("<mu1>0.5</mu1><mu2>0.1</mu2>", [f"mu1 of left: {SMALLER}"]),
         ("<kp>1e6</kp><kd>100</kd><minDepth>0.001</minDepth>", [f"kp, kd, min_depth of left: {STIFFNESS}"]),
         ("<kp>1e12</kp><kd>1.0</kd><fdir1>0 0 0</fdir1><slip1>0</slip1>", []),
-        ("<fdir1>1 0 0</fdir1>", [f"fdir1 of left: {ISOTROPY}"]),
+        ("<fdir1>1 0 0</fdir1>", []),  # of two equal coefficients the direction changes nothing
+        ("<mu1>0.8</mu1><mu2>0.8</mu2><fdir1>1 0 0</fdir1>", []),
+        ("<mu1>0.8</mu1><fdir1>1 0 0</fdir1>", [f"fdir1 of left: {ISOTROPY}"]),
+        (
+            "<fdir1>1 0 0</fdir1><slip1>0.1</slip1>",
+            [f"fdir1 of left: {ISOTROPY}", "slip1 of left: without effect: nothing slips below its limit of friction"],
+        ),
         ("<slip1>0.1</slip1>", ["slip1 of left: without effect: nothing slips below its limit of friction"]),
         ("<sensor name='s' type='imu'><plugin><kp>3</kp></plugin></sensor>", []),
         ("<kp>hard</kp>", [f"kp of left: {STIFFNESS}"]),
@@ -109,8 +115,9 @@ def test_coefficients_in_two_tags_are_those_of_one_link():
         ("<bounce><restitution_coefficient>0</restitution_coefficient></bounce>", []),
         ("<contact><ode><kp>1e5</kp><max_vel>0.1</max_vel></ode></contact>", [f"kp, max_vel of l: {STIFFNESS}"]),
         ("<contact><collide_bitmask>0xffff</collide_bitmask></contact>", []),
+        ("<contact><collide_bitmask>0x01</collide_bitmask></contact>", []),  # it meets 0xffff and its like
         (
-            "<contact><collide_bitmask>0x01</collide_bitmask></contact>",
+            "<contact><collide_bitmask>0x02</collide_bitmask></contact>",
             ["collide_bitmask of l: without effect: shapes of different models always collide"],
         ),
     ],

@@ -69,7 +69,7 @@ def test_an_option_that_the_spawner_of_an_entity_does_not_have_is_a_finding(tmp_
     file = write_hinge(tmp_path)
     launch = launched(tmp_path, publisher(file), node(*(word.format(file=file) for word in entity)))
     (finding,) = [item for item in launch.scenario.findings if "unknown option" in item.what]
-    assert finding.what == f"{entity[0]}/{entity[1]}: unknown option {option}"
+    assert finding.what == f"{option}: unknown option of {entity[0]}/{entity[1]}"
     kind = Kind.REFUSED_BY_ROS if entity[0] == "gazebo_ros" else Kind.IGNORED  # gflags skips it, argparse ends
     assert (finding.kind, bool(finding.lines)) == (kind, True)
 
@@ -229,6 +229,7 @@ def test_an_entity_that_exists_is_refused_as_gazebo_does(tmp_path):
     [
         (["-allow_renaming", "true"], ["hinge", "hinge_1"]),
         (["-allow_renaming"], ["hinge", "hinge_1"]),
+        (["--allow-renaming"], ["hinge", "hinge_1"]),  # gflags takes dashes for underscores
         (["-allow_renaming=false"], ["hinge"]),
     ],
 )

@@ -5,6 +5,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import InputError
 from drake_twin.planning.plans import plan_robots
 from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.topics import controller_topic, robot_topic
 from drake_twin.scenario import Robot, Scenario, ScenarioError
 
 PACKAGES = PackageIndex()
@@ -213,6 +214,19 @@ def test_link_names_that_carry_the_robots_name_need_no_frame_prefix():
     assert plan_robot(Robot("robot_1", ROVER), PACKAGES).frame_prefix == ""
     assert plan_robot(Robot("robot_1", ARM), PACKAGES).frame_prefix == "robot_1/"
     assert plan_robot(Robot("robot_1", ARM, frame_prefix="x_"), PACKAGES).frame_prefix == "x_"
+
+
+def test_the_ros2_control_plugin_renames_topics_of_all_controllers(cart):
+    rules = ("one/commands:=~/speed", "/r/joint_states:=wheels", "~/other:=/other")
+    remappings = "".join(f"<remapping>{rule}</remapping>" for rule in rules)
+    plugin = f"<plugin name='gz_ros2_control::GazeboSimROS2ControlPlugin' filename='p'><ros>{remappings}</ros></plugin>"
+    file = TWO_WHEELS.replace("</robot>", f"<gazebo>{plugin}</gazebo></robot>")
+    plan = cart(file=file, namespace="r", remappings={"/r/joint_states": "/states"})
+    (controller,) = plan.controllers
+    assert controller_topic(plan, controller, "commands") == "/r/one/speed"
+    assert robot_topic(plan, "joint_states") == "/states"  # the scenario has the last word
+    assert plan.robot.remapped("/r/one/other") == "/other"
+    assert [finding.what for finding in plan.findings if "remapping" in finding.what] == []
 
 
 def test_a_missing_robot_file_is_said_at_its_place_in_the_scenario():

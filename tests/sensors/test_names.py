@@ -292,6 +292,15 @@ def test_gz_topic_names_are_expanded_where_the_bridge_is_told_so(tmp_path):
         assert set(table(Twin(spawned(tmp_path, HUSARION, "r", bridge)))) == set(expected)
 
 
+def test_a_sensor_of_ros2_control_needs_no_bridge(tmp_path):
+    bridge = node("ros_gz_bridge", "parameter_bridge", "/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock")
+    states = "".join(f"<state_interface name='orientation.{axis}'/>" for axis in "xyzw")
+    control = f"<ros2_control name='c' type='system'><sensor name='imu'>{states}</sensor></ros2_control></robot>"
+    twin = Twin(spawned(tmp_path, HUSARION.replace("</robot>", control), "panther", bridge))
+    (about,) = [text for text in twin.warnings if "no bridge carries" in text]
+    assert "sensor 'gps'" in about
+
+
 def test_a_bridge_without_sensors_leaves_them_in_gazebo(tmp_path):
     bridge = node("ros_gz_bridge", "parameter_bridge", "/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock")
     twin = Twin(spawned(tmp_path, TURTLEBOT3, "burger", bridge))
