@@ -37,10 +37,10 @@ _BALL = 0.005
 # How stiff a ball in a corner is at least (1/s²), and relative to `UPRIGHT` times the height ÷ width² of the slimmest
 # face, so that its yielding lets the body tip by 0.25 % too early. With more, little is left for the face: on a slope
 # of 0.95 of the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver
-# regularizes the friction of a point the more, the more that point bears. So there are two balls in each corner.
+# regularizes the friction of a point the more, the more that point bears. So what is slim has two balls in each corner.
+# Compact things have one, twice as stiff: a ball on the ground costs as much time as two facets.
 CORNER_STIFFNESS = 2e4  # of each ball
 _SLIM = 10.0
-_BALLS = 2
 
 _FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
 _MOST_LOOSE = 40  # shapes with corners; a plant takes time and memory with the square of its shapes' number
@@ -101,8 +101,10 @@ def _corners(shape: ContactShape) -> Iterator[ContactShape]:
     smallest, _, largest = sorted(np.ptp(points, axis=0).tolist())
     radius = _BALL * smallest
     inside = points - radius * signs if isinstance(form, Box) else _moved_inside(points, radius)
-    stiffness = max(CORNER_STIFFNESS, _SLIM * UPRIGHT * largest / smallest**2)
-    for number, point in enumerate(np.repeat(inside, _BALLS, axis=0)):
+    stiffness = _SLIM * UPRIGHT * largest / smallest**2
+    balls = 2 if stiffness > CORNER_STIFFNESS else 1
+    stiffness = max(stiffness, CORNER_STIFFNESS * 2 / balls)
+    for number, point in enumerate(np.repeat(inside, balls, axis=0)):
         part = _point(shape, f"corner{number}", Sphere(radius), point.tolist(), stiffness)
         yield replace(part, is_corner=True)
 

@@ -47,6 +47,22 @@ def test_a_loose_box_has_balls_in_its_corners_that_touch_its_sides(tmp_path):
     assert places == {tuple(np.round(place, 12).tolist()) for place in expected}
 
 
+@pytest.mark.parametrize(("size", "balls"), [("0.4 0.4 0.4", 1), ("0.35 0.3 0.2", 1), ("0.02 0.02 0.4", 2)])
+def test_a_compact_box_stands_on_one_ball_a_corner_and_a_slim_one_on_two(tmp_path, size, balls):
+    """Its facets and balls together are no more than the 64 facets of a box that had no balls."""
+    urdf = BODY.format(shape=f'<box size="{size}"/>')
+    (tmp_path / "box.urdf").write_text(urdf)
+    twin = TwinBuilder().robot("box", tmp_path / "box.urdf", xyz=(0, 0, float(size.split()[2]) / 2)).build()
+    twin.advance_to(0.3)
+    contacts = twin.plant.get_contact_results_output_port().Eval(twin.plant.GetMyContextFromRoot(twin.context))
+    facets = sum(
+        contacts.hydroelastic_contact_info(index).contact_surface().num_faces()
+        for index in range(contacts.num_hydroelastic_contacts())
+    )
+    assert contacts.num_point_pair_contacts() == 4 * balls
+    assert facets + 4 * balls <= 64
+
+
 def test_the_balls_of_a_hull_are_inside_and_near_its_corners(tmp_path):
     WEDGE.export(tmp_path / "wedge.stl")
     twin = things(tmp_path, f'<mesh filename="file://{tmp_path}/wedge.stl"/>')
