@@ -6,10 +6,10 @@ from pathlib import Path
 
 from drake_twin.cli.node_options import add_node_option
 from drake_twin.cli.plugins import add_plugin
-from drake_twin.cli.wire_options import add_wires, check_wires
 from drake_twin.errors import InputError
 from drake_twin.program import ArgumentParser, add_keep_going, add_strict, add_version
 from drake_twin.scenario import LONGEST_TIME
+from drake_twin.wires.registry import wire_kinds
 
 _DESCRIPTION = """\
 Runs any number of robots in one Drake simulation, with a page in the browser that shows and steers them.
@@ -48,7 +48,8 @@ def parser() -> ArgumentParser:
     _add_sensors(parser.add_argument_group("sensors"))
     _add_page(parser.add_argument_group("page"))
     ros = parser.add_argument_group("ROS 2")
-    add_wires(ros)
+    for kind in wire_kinds():
+        kind.add_options(ros)
     add_node_option(ros)
     _add_launch_files(parser.add_argument_group("launch files"))
     _add_state(parser.add_argument_group("state"))
@@ -180,7 +181,8 @@ def check(options: argparse.Namespace) -> None:
         if file is not None and not _is_writable(file):
             raise InputError(f"--{name.replace('_', '-')} {file}: no file can be written there")
     _check_viewer(options)
-    check_wires(options)
+    for kind in wire_kinds():
+        kind.check(options)
     if options.save_html is not None and options.watch:
         raise InputError("--save-html records one run: it cannot be combined with --watch")
     if options.end_with_recording and (options.replay is None or options.duration is not None):

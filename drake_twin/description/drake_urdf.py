@@ -334,7 +334,7 @@ def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
 
 
 def _drop_what_drake_warns_of(reader: XmlReader) -> None:
-    """Remove dry friction in joints, which the plant models with an actuator of its own, and negative bounds.
+    The ``type`` of links, too: an attribute that URDF lacks, and `unread_in_urdf` reports it.
 
     Also the ``type`` of links, which is no attribute of URDF: `unread_in_urdf` reports it.
     """

@@ -1,0 +1,99 @@
+"""The ROS 2 graph, over Zenoh or DDS."""
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from drake_twin.errors import InputError
+from drake_twin.program import say
+from drake_twin.wires.registry import Asset, WireKind, wire_kind
+
+if TYPE_CHECKING:
+    from drake_twin.twin.twin import Twin
+    from drake_twin.wires.wire import Wire
+
+_TRANSPORTS = ("zenoh", "dds")
+_OF_ZENOH = ("ros_port", "ros_router", "lockstep")
+_PORT = 7447
+
+
+@wire_kind
+class RosKind(WireKind):
+    """``--ros NAME``."""
+
+    name = "ros"
+
+    def add_options(self, group: argparse._ArgumentGroup) -> None:
+        """Add its options."""
+        group.add_argument(
+            "--ros",
+            choices=_TRANSPORTS,
+            metavar="NAME",
+            help="put the twin on the ROS 2 graph, over zenoh (topics, services, actions) or dds (topics)",
+        )
+        group.add_argument(
+            "--ros-host",
+            metavar="ADDRESS",
+            help="the address to be a Zenoh router on, where none runs on this machine, or of DDS's network interface"
+            " (default: 127.0.0.1)",
+        )
+        group.add_argument("--ros-port", type=int, metavar="PORT", help=f"the router's port (default: {_PORT})")
+        group.add_argument("--ros-router", metavar="HOST", help="connect to the Zenoh router on HOST or HOST:PORT")
+        group.add_argument(
+            "--lockstep",
+            action="store_true",
+            help="advance only when the services StepSimulation or SimulateSteps say so",
+        )
+
+    def check(self, options: argparse.Namespace) -> None:
+        """Check its options."""
+        unused = {None: ("ros_host", *_OF_ZENOH), "dds": _OF_ZENOH}.get(options.ros, ())
+        for name in unused:
+            if getattr(options, name):
+                graph = "the ROS 2 graph" if options.ros is None else "the ROS 2 graph over Zenoh"
+                raise InputError(f"--{name.replace('_', '-')} is about {graph}: it needs --ros zenoh")
+        if options.ros_port is not None and not 1024 <= options.ros_port <= 65535:
+            raise InputError(f"--ros-port {options.ros_port}: the router's port must be from 1024 to 65535")
+        if options.ros_router is not None and options.ros_host is not None:
+            raise InputError("--ros-router connects to a router, and --ros-host makes the twin one: give one of them")
+        if options.ros is not None:
+            from drake_twin.wires.ros_names import domain_of_environment
+
+            domain_of_environment()
+
+    def is_wanted(self, options: argparse.Namespace) -> bool:
+        """Tell whether the options ask for it."""
+        return options.ros is not None
+
+    def open(self, options: argparse.Namespace, asset: Asset, *, is_first: bool) -> "Wire":
+        """Open it, and say where."""
+        return (_open_dds if options.ros == "dds" else _open_zenoh)(options, is_first)
+
+    def connected(self, options: argparse.Namespace, twin: "Twin") -> None:
+        """Let time wait for requests of steps, if that is asked for."""
+        twin.frames.lockstep = options.lockstep
+
+
+def _open_zenoh(options: argparse.Namespace, is_first: bool) -> "Wire":
+    from drake_twin.wires.zenoh_wire import ZenohWire
+
+    host, port = options.ros_host or "127.0.0.1", options.ros_port or _PORT
+    wire = ZenohWire(host=host, port=port, router=options.ros_router)
+    if is_first:
+        say(f"ros: domain {wire.domain} over Zenoh (RMW_IMPLEMENTATION=rmw_zenoh_cpp), {wire.place}")
+        _say_that_it_is_open("port")
+    return wire
+
+
+def _open_dds(options: argparse.Namespace, is_first: bool) -> "Wire":
+    from drake_twin.wires.dds_wire import LOOPBACK, DdsWire
+
+    wire = DdsWire(host=options.ros_host or LOOPBACK)
+    if is_first:
+        say(f"ros: domain {wire.domain} over DDS, {wire.place}: topics only, services and actions are Zenoh's")
+        _say_that_it_is_open("participant")
+    return wire
+
+
+def _say_that_it_is_open(what: str) -> None:
+    say(f"ros: this protocol has no token: every program that reaches the {what} commands the robots", sys.stderr)
