@@ -94,6 +94,13 @@ DEVIATIONS = tuple(
         ),
         ("forward controllers", "time-out", "none", "optional `command_timeout`; 0, the default, is for ever", _SAFER),
         (
+            "drives",
+            "`max_jerk: 0.0`",
+            "the speed never leaves 0",
+            "no jerk limit, with a warning",
+            "in Humble, no jerk limit applies without `has_jerk_limits`",
+        ),
+        (
             "forward controllers",
             "a velocity command of zero",
             "the joint creeps under its load",

@@ -21,7 +21,7 @@ from drake_twin.controllers.drive_controller import (
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
-from drake_twin.controllers.speed_limits import LimitsX, LimitsZ
+from drake_twin.controllers.speed_limits import LimitsX, LimitsZ, zero_jerk_limits
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value
@@ -161,6 +161,7 @@ class DiffDriveController(DriveController):
         parameters: DiffDriveParameters = setup.parameters
         self._drive = parameters.kinematics()
         self._limiters = (parameters.linear.x.limiter(), parameters.angular.z.limiter())
+        self.warnings += tuple(zero_jerk_limits(parameters))
         wheels = (*parameters.left_wheel_names, *parameters.right_wheel_names)
         self._odometry_wheels = tuple(state_joint(wheel, setup.layout.velocities) for wheel in wheels)
         self._declare_command("cmd_vel", stamped=parameters.use_stamped_vel, timeout=parameters.cmd_vel_timeout)

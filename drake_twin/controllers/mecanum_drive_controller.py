@@ -21,7 +21,7 @@ from drake_twin.controllers.drive_controller import (
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
 from drake_twin.controllers.registry import controller
-from drake_twin.controllers.speed_limits import LimitsXY, LimitsZ
+from drake_twin.controllers.speed_limits import LimitsXY, LimitsZ, zero_jerk_limits
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value
@@ -302,6 +302,7 @@ class MecanumDriveController(DriveController):
         )
         limits = (parameters.linear.x, parameters.linear.y, parameters.angular.z)
         self._limiters = tuple(each.limiter() for each in limits)
+        self.warnings += tuple(zero_jerk_limits(parameters))
         self._odometry_wheels = parameters.state_joints(setup.layout.velocities)
         self._declare_command(
             parameters.command_topic, stamped=parameters.use_stamped_vel, timeout=parameters.reference_timeout

@@ -1,13 +1,16 @@
 """Limits of a commanded speed, as parameters of drives."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
 from math import nan
+from typing import Any
 
 from drake_twin.control.speed_limiter import SpeedLimiter
 from drake_twin.description.parameters import ParameterError
 
 _AT_LEAST_ZERO = {"lower": 0.0}
 _AT_MOST_ZERO = {"upper": 0.0}
+_AXES = ("x", "y", "z")
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,14 @@ class SpeedLimits:
         except ValueError as error:
             raise ParameterError(str(error)) from None
 
+    @property
+    def never_moves(self) -> bool:
+        """Whether both jerk limits are 0, with which ROS 2 Jazzy's speed never leaves 0.
+
+        They are files of Humble, whose controllers apply no jerk limit without ``has_jerk_limits``.
+        """
+        return self.max_jerk == 0.0 and not self.min_jerk < 0.0
+
     def limiter(self) -> SpeedLimiter:
         """Return the limiter that applies these limits."""
         limits: dict[str, float] = {}
@@ -63,9 +74,21 @@ class SpeedLimits:
                 "max_deceleration": self.max_deceleration,
                 "max_deceleration_reverse": self.max_deceleration_reverse,
             }
-        if self.has_jerk_limits:
+        if self.has_jerk_limits and not self.never_moves:
             limits |= {"min_jerk": self.min_jerk, "max_jerk": self.max_jerk}
         return SpeedLimiter(**limits)
+
+
+def zero_jerk_limits(parameters: Any) -> Iterator[str]:
+    """Yield a warning for each jerk limit of a drive's parameters that is not applied because it is 0."""
+    for limits in fields(parameters):
+        for axis in _AXES:
+            speed = getattr(getattr(parameters, limits.name), axis, None)
+            if isinstance(speed, SpeedLimits) and speed.has_jerk_limits and speed.never_moves:
+                yield (
+                    f"{limits.name}.{axis}.max_jerk is 0, with which it never moves in ROS 2 Jazzy: no jerk limit is"
+                    " applied, as in Humble without has_jerk_limits"
+                )
 
 
 @dataclass(frozen=True)

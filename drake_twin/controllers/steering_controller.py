@@ -15,7 +15,7 @@ from drake_twin.controllers.base_controller import ControllerSetup
 from drake_twin.controllers.drive_controller import DriveController, DriveMemory, check_covariances, state_joint
 from drake_twin.controllers.interface import Interface
 from drake_twin.controllers.periodic_controller import Update
-from drake_twin.controllers.speed_limits import LimitsX, LimitsZ
+from drake_twin.controllers.speed_limits import LimitsX, LimitsZ, zero_jerk_limits
 from drake_twin.description.parameters import ParameterError
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.systems.no_message import set_value
@@ -177,6 +177,7 @@ class SteeringController(DriveController):
         parameters: SteeringParameters = setup.parameters
         self._drive = replace(parameters.kinematics(), largest_angle=parameters.largest_steering_angle)
         self._limiters = (parameters.linear.x.limiter(), parameters.angular.z.limiter())
+        self.warnings += tuple(zero_jerk_limits(parameters))
         self._odometry_wheels, self._steering_joints = (
             tuple(
                 state_joint(name, setup.layout.velocities)

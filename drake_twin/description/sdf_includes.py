@@ -20,8 +20,9 @@ from drake_twin.values import is_true
 _MOST_INCLUDES = 10_000
 _DEEPEST = 32
 
-_SCOPED = ("link", "model", "frame", "joint")
-_OF_INCLUDE = ("uri", "name", "pose", "static", "placement_frame")
+_SCOPED = ("link", "model", "frame", "joint")  # what has a pose in the model's frame
+_MERGED = (*_SCOPED, "gripper", "plugin")  # what <include merge="true"> takes over, as libsdformat's parser does
+_OF_INCLUDE = ("uri", "name", "pose", "static", "placement_frame", "plugin")
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,7 @@ class SdfIncludes:
             raise reader.error(include, f"the world includes more than {_MOST_INCLUDES} models")
         for child in include:
             if isinstance(child.tag, str) and child.tag not in _OF_INCLUDE:
-                named = f" {child.get('name') or child.get('filename')}" if child.tag == "plugin" else ""
-                what = f"<{etree.QName(child).localname}>{named} in <include>"
+                what = f"<{etree.QName(child).localname}> in <include>"
                 self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(child)))
         address = (include.findtext("uri") or "").strip()
         if not address:
@@ -116,6 +116,9 @@ class SdfIncludes:
         self._make_addresses_absolute(model, file)
         self.expand(model, inner, version, (*above, file))
         _override(model, include)
+        for plugin in include.findall("plugin"):  # the model's own come first
+            self.documents[plugin] = reader
+            model.append(plugin)
         return IncludedModel(model, version, inner)
 
     def expand(
@@ -186,7 +189,7 @@ def _override(model: etree._Element, include: etree._Element) -> None:
 
 
 def _merge(model: etree._Element, include: etree._Element) -> None:
-    """Move the links of ``<include merge="true">`` into the including model."""
+    """Move what has a name in the model of ``<include merge="true">`` into the including model: links, plugins, …"""
     frame = f"_merged_{model.get('name', '')}_model_"
     into = include.getparent()
     assert into is not None
@@ -197,7 +200,10 @@ def _merge(model: etree._Element, include: etree._Element) -> None:
     if pose is not None:
         placed.append(deepcopy(pose))
     moved = [placed]
-    for child in [child for child in model if child.tag in _SCOPED]:
+    for child in [child for child in model if child.tag in _MERGED]:
+        moved.append(child)
+        if child.tag not in _SCOPED:
+            continue
         own = child.find("pose")
         if own is None and child.tag in ("link", "model"):
             own = etree.SubElement(child, "pose")
@@ -208,6 +214,5 @@ def _merge(model: etree._Element, include: etree._Element) -> None:
             for attribute in ("relative_to", "attached_to", "expressed_in"):
                 if element.get(attribute) == "__model__" and child.tag != "model":
                     element.set(attribute, frame)
-        moved.append(child)
     for offset, child in enumerate(moved):
         into.insert(at + offset, child)

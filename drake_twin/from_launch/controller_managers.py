@@ -1,6 +1,6 @@
 """The assignment of requests for controllers to robots' controller managers."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from drake_twin.findings import Finding, Kind
@@ -9,7 +9,11 @@ from drake_twin.from_launch.launched_robots import LaunchedRobot
 
 
 def requests_by_robot(
-    robots: Sequence[LaunchedRobot], requests: Sequence[ControllerRequest], findings: list[Finding], log: list[str]
+    robots: Sequence[LaunchedRobot],
+    requests: Sequence[ControllerRequest],
+    findings: list[Finding],
+    log: list[str],
+    absent: Collection[str] = (),
 ) -> dict[str, list[ControllerRequest]]:
     """Return the requests to each robot's controller manager, by the robot's name.
 
@@ -18,18 +22,21 @@ def requests_by_robot(
         requests: The requests of all spawners.
         findings: Is extended by a finding for each request to an unknown controller manager.
         log: Is extended by a line for each request that goes to a controller manager of another name.
+        absent: The controller managers that the launch file starts and the twin does not.
     """
     controlled = [robot for robot in robots if robot.controller_manager is not None]
     found: dict[str, list[ControllerRequest]] = {}
     for request in requests:
         owners = [robot for robot in controlled if robot.controller_manager == request.manager]
         namespace = request.manager.rpartition("/")[0]
-        # A manager of another name is meant if it is the only one.
-        owners = owners or [robot for robot in controlled if namespace.strip("/") == robot.name]
-        owners = owners or (controlled if len(controlled) == 1 else [])
+        if request.manager not in absent:  # a manager of another name is meant if it is the only one
+            owners = owners or [robot for robot in controlled if namespace.strip("/") == robot.name]
+            owners = owners or (controlled if len(controlled) == 1 else [])
         if not owners:
             known = ", ".join(str(robot.controller_manager) for robot in controlled) or "none"
             why = f"{request.process.what}: unknown {request.manager}; the launch file has {known}"
+            if request.manager in absent:
+                why = f"{request.process.what}: {request.manager} is not started"
             what = f"controller {request.name} ({why})"
             findings.append(Finding.at(Kind.NOT_STARTED, what, request.process.place))
             continue

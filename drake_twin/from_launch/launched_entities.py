@@ -221,7 +221,7 @@ class _Sorter:
         self._findings.append(finding)
 
     def _robots(self, found: LaunchedRobots) -> Iterator[RobotHint]:
-        managers = requests_by_robot(found.robots, self._requests, self._findings, self._log)
+        managers = requests_by_robot(found.robots, self._requests, self._findings, self._log, found.absent_managers)
         is_gazebo_sim = bool(self._worlds) and self._worlds[-1][0].simulator == "gz"
         namespaces: set[str] = set()
         links: set[str] = set()

@@ -107,6 +107,7 @@ class LaunchedRobots:
         robots: The robots, in the order of their start.
         findings: The findings of robots that cannot be started, each with the reason.
         warnings: The assumptions made.
+        absent_managers: The controller managers beside a simulator, which are not started.
     """
 
     def __init__(self, processes: Sequence[LaunchedProcess], packages: PackageIndex):
@@ -115,6 +116,7 @@ class LaunchedRobots:
         self.robots: list[LaunchedRobot] = []
         self.findings: list[Finding] = []
         self.warnings: list[str] = []
+        self.absent_managers: set[str] = set()
         for process in processes:
             if is_spawner(process):
                 self._try(self._spawned, process)
@@ -184,18 +186,20 @@ class LaunchedRobots:
     def _without_simulator(self, process: LaunchedProcess) -> None:
         """Add the robots of ros2_control_nodes, unless a simulator starts a robot."""
         source, publisher = self._described(process)
+        manager = absolute_name(process.name or "controller_manager", process.namespace)
+        beside = [repr(robot.name) for robot in self.robots if is_spawner(robot.process) and robot.controller_manager]
         if any(robot.publisher is publisher and publisher is not None for robot in self.robots):
-            what = f"{process.what} (the simulated robot has its own controller manager)"
+            self._drop(f"{process.what} (the simulated robot has its own controller manager)", process, Weight.MOVES)
+        elif beside:
+            self.absent_managers.add(manager)
+            what = f"{process.what} (its hardware is not in the simulator, which has {', '.join(beside)})"
             self._drop(what, process, Weight.MOVES)
-            return
-        files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
-        self._add(source.name, source, process, None, publisher, process.namespace)
-        self.robots[-1] = replace(
-            self.robots[-1],
-            namespace=process.namespace,
-            controller_manager=absolute_name(process.name or "controller_manager", process.namespace),
-            parameter_files=files,
-        )
+        else:
+            files = tuple(parameter_file(item) for item in process.parameters if not isinstance(item, Mapping))
+            self._add(source.name, source, process, None, publisher, process.namespace)
+            self.robots[-1] = replace(
+                self.robots[-1], namespace=process.namespace, controller_manager=manager, parameter_files=files
+            )
 
     def _displayed(self, process: LaunchedProcess) -> None:
         source = self._text_source(_description_of(process, self._packages), process.namespace)

@@ -144,6 +144,15 @@ def test_jerk_is_limited_over_the_last_two_updates():
     np.testing.assert_allclose(wheels[:, 0] * 0.1, [0.01, 0.03, 0.06, 0.10])  # 100 · 0.01² more each time
 
 
+def test_a_jerk_limit_of_zero_is_not_applied_and_said():
+    """ROS 2 Jazzy's limiter never lets the speed leave 0 with it; a file of Humble means no limit."""
+    dut = drive({"linear.x.max_jerk": 0.0, "linear.x.min_jerk": 0.0})
+    wheels = dut.commands_while(0.04, x=0.3)
+    assert wheels[-1, 0] * 0.1 == pytest.approx(0.3)
+    (warning,) = dut.controller.warnings
+    assert warning.startswith("linear.x.max_jerk is 0, with which it never moves in ROS 2 Jazzy")
+
+
 def test_has_limits_false_switches_limits_off_as_in_humble():
     limits = {
         "has_velocity_limits": False,

@@ -217,6 +217,19 @@ def test_an_error_in_an_included_model_names_its_own_file_and_line(tmp_path):
 
 def test_what_an_include_says_besides_is_a_finding(tmp_path):
     file = model_file(tmp_path, "crate", BOX) / "crate" / "model.sdf"
-    world = world_of(tmp_path, f'<include><uri>{file}</uri>\n<plugin name="drive" filename="d.so"/></include>')
+    world = world_of(tmp_path, f"<include><uri>{file}</uri>\n<self_collide>true</self_collide></include>")
     (finding,) = world.findings
-    assert (str(finding), finding.kind) == ("<plugin> drive in <include> (test.world:5)", Kind.IGNORED)
+    assert (str(finding), finding.kind) == ("<self_collide> in <include> (test.world:5)", Kind.IGNORED)
+
+
+@pytest.mark.parametrize("merge", ["", ' merge="true"'])
+def test_a_plugin_of_the_included_model_and_one_in_the_include_are_the_models(tmp_path, merge):
+    """As libsdformat's parser does: it copies plugins where it merges, and adds those that an include holds."""
+    plugin = '<plugin name="gz::sim::systems::DiffDrive" filename="gz-sim-diff-drive-system"><topic>{}</topic></plugin>'
+    model_file(tmp_path, "rover", BOX + plugin.format("own"))
+    include = f"<include{merge}><uri>model://rover</uri>{plugin.format('given')}</include>"
+    (model,) = world_of(tmp_path, f'<model name="a">{include}</model>' if merge else include).models
+    assert [topic.text for topic in etree.fromstring(model.robot.text).iterfind("model/plugin/topic")] == [
+        "own",
+        "given",
+    ]

@@ -330,6 +330,17 @@ def test_a_ros2_control_node_beside_a_simulator_is_not_started(tmp_path):
     assert "the simulated robot has its own controller manager" in reason
 
 
+def test_a_ros2_control_node_of_other_hardware_is_not_put_into_the_simulators_world(tmp_path):
+    """As a driver that runs beside Gazebo: its robot would stand in the simulated one, and hear its spawners."""
+    described = publisher(write(tmp_path / "real.urdf", hinge()), namespace="real")
+    driver = node("controller_manager", "ros2_control_node", namespace="real")
+    launch = launched_hinge(tmp_path, described, driver, spawner("velocity", namespace="real"))
+    assert [(name, robot.active_controllers) for name, robot in robots(launch).items()] == [("hinge", ())]
+    driver_reason, spawner_reason = not_started(launch.scenario)
+    assert "its hardware is not in the simulator, which has 'hinge'" in driver_reason
+    assert "/real/controller_manager is not started" in spawner_reason
+
+
 # --- only to look at
 
 

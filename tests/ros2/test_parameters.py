@@ -91,9 +91,10 @@ def test_a_value_of_the_wrong_type_is_refused(tmp_path, value, reason):
 def test_files_in_every_form(tmp_path):
     before = "import pathlib\nhere = os.path.dirname(__file__)"
     given = "[here + '/a.yaml', pathlib.Path(here) / 'a.yaml', PathJoinSubstitution([ThisLaunchFileDir(), 'a.yaml']),"
-    given += "[ThisLaunchFileDir(), '/a.yaml'], ParameterFile(here + '/a.yaml')]"
+    given += "[ThisLaunchFileDir(), '/a.yaml'], ParameterFile(here + '/a.yaml'), {here + '/a.yaml'},"
+    given += "(part for part in (here, '/a.yaml'))]"  # ROS takes any iterable of texts
     (tmp_path / "a.yaml").write_text("")
-    assert parameters(tmp_path, given, before) == (tmp_path / "a.yaml",) * 5
+    assert parameters(tmp_path, given, before) == (tmp_path / "a.yaml",) * 7
 
 
 def test_a_file_with_substitutions_comes_with_its_text(tmp_path):

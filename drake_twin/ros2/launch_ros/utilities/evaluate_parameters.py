@@ -35,8 +35,10 @@ def evaluate_parameters(
             yield {name: value}
         elif isinstance(entry, ParameterFile):
             yield entry.read(context)
-        elif isinstance(entry, str | bytes | os.PathLike | Substitution) or is_text(entry):
+        elif isinstance(entry, str | bytes | os.PathLike | Substitution):
             yield ParameterFile(entry).read(context)
+        elif isinstance(entry, Iterable) and is_text(parts := [*entry]):  # a set, too, as ROS takes any iterable
+            yield ParameterFile(parts).read(context)
         else:
             raise InputError(f"parameters holds files and mappings, and {entry!r} is of type {type(entry).__name__}")
 
