@@ -39,6 +39,8 @@ class Cause(StrEnum):
     BRIDGE = "bridge"  # topics between Gazebo and ROS
     PARAMETER = "parameter"  # of controllers, that they do not read
     WINDOW = "window"
+    PLUGIN = "plugin"  # what plugins of Gazebo do that the twin does otherwise
+    START = "start"  # positions at which joints start
 
 
 @saved("Place")
@@ -112,16 +114,8 @@ class Finding:
     @property
     def sentence(self) -> str:
         """The finding without the robot's name."""
-        return self._placed + (f" [{self.rule}]" if self.kind is Kind.MENDED else "")
-
-    @property
-    def _placed(self) -> str:
-        more = f" and {len(self.lines) - _MOST_LINES} more" if len(self.lines) > _MOST_LINES else ""
-        numbers = ", ".join(map(str, self.lines[:_MOST_LINES])) + more
-        where = (f"{PurePath(self.file).name}:{numbers}" if self.file else f"line {numbers}") if numbers else ""
-        if self.kind is Kind.MENDED:
-            return (f"{where}: " if where else "") + self.what
-        return self.what + (f" ({where})" if where else "")
+        placed = _placed(self.kind, self.what, _where(self.file, self.lines))
+        return placed + (f" [{self.rule}]" if self.kind is Kind.MENDED else "")
 
     def as_plain(self) -> dict[str, Any]:
         """Return the finding as plain data, for JSON."""
@@ -218,7 +212,7 @@ def _joined(group: Sequence[Finding], everything: bool) -> str:
     """Join findings of one cause: first those that end alike."""
     alike: dict[object, list[Finding]] = {}
     for finding in group:
-        alike.setdefault((finding.file, finding.common or finding.what), []).append(finding)
+        alike.setdefault(finding.common or finding.what, []).append(finding)
     sentences = [_joined_alike(findings, everything) for findings in alike.values()]
     told = len(sentences) if everything else _MOST_SENTENCES
     more = [f"and {len(sentences) - told} more"] if len(sentences) > told else []
@@ -230,8 +224,24 @@ def _joined_alike(findings: Sequence[Finding], everything: bool) -> str:
     things = list(dict.fromkeys(finding.what.removesuffix(common) for finding in findings))
     told = len(things) if everything else _MOST_THINGS
     more = f" and {len(things) - told} more" if len(things) > told else ""
-    lines = sorted({line for finding in findings for line in finding.lines})
-    return replace(first, what=f"{', '.join(things[:told])}{more}{common}", lines=tuple(lines))._placed
+    lines: dict[str, set[int]] = {}
+    for finding in findings:
+        lines.setdefault(finding.file, set()).update(finding.lines)
+    where = "; ".join(filter(None, (_where(file, sorted(numbers)) for file, numbers in lines.items())))
+    return _placed(first.kind, f"{', '.join(things[:told])}{more}{common}", where)
+
+
+def _where(file: str, lines: Sequence[int]) -> str:
+    """Return ``FILE:LINE, LINE``; nothing without lines."""
+    more = f" and {len(lines) - _MOST_LINES} more" if len(lines) > _MOST_LINES else ""
+    numbers = ", ".join(map(str, lines[:_MOST_LINES])) + more
+    return (f"{PurePath(file).name}:{numbers}" if file else f"line {numbers}") if numbers else ""
+
+
+def _placed(kind: Kind, what: str, where: str) -> str:
+    if not where:
+        return what
+    return f"{where}: {what}" if kind is Kind.MENDED else f"{what} ({where})"
 
 
 def strict_text(lost: Iterable[Finding]) -> str:

@@ -62,8 +62,7 @@ def test_findings_of_one_cause_are_one_line_with_all_their_lines():
     elsewhere = Finding(Kind.IGNORED, "<v>", "a", "r.urdf", (2,), cause="unread")
     (line,) = most_telling([replace(item, robot="a", cause="unread") for item in (*parts, of_another_file, elsewhere)])
     assert line == (
-        "ignored: a: <x>, <y>, <z> in <sensor> of sensor 's' (r.urdf:7, 8, 9);"
-        " <w> in <sensor> of sensor 's' (q.urdf:7); <v> (r.urdf:2)"
+        "ignored: a: <x>, <y>, <z>, <w> in <sensor> of sensor 's' (r.urdf:7, 8, 9; q.urdf:7); <v> (r.urdf:2)"
     )
     many = [replace(parts[0], what=f"<{number}>{common}") for number in range(9)]
     assert most_telling(many) == [

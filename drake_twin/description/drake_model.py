@@ -61,17 +61,25 @@ def describe_model(
     joints = tuple(_joints(plant, instance, efforts or {}))
     children = {joint.child for joint in joints}
     roots = [link for link in links if link not in children]
-    if len(roots) != 1:
+    if len(roots) != 1 and drake_format != "sdf":
         raise InputError(f"the links must form one tree, but {', '.join(roots)} have no parent", file=file)
-    root_pose = Pose()
+    poses = dict.fromkeys(roots, Pose())
     if plant.HasFrameNamed(MODEL_FRAME, instance):
         plant.Finalize()
         context = plant.CreateDefaultContext()
-        model, root = plant.GetFrameByName(MODEL_FRAME, instance), plant.GetBodyByName(roots[0], instance).body_frame()
-        X_MR = plant.CalcRelativeTransform(context, model, root)
-        root_pose = Pose() if X_MR.IsNearlyIdentity(_SAME) else _pose(X_MR)
+        model = plant.GetFrameByName(MODEL_FRAME, instance)
+        for link in roots:
+            X_ML = plant.CalcRelativeTransform(context, model, plant.GetBodyByName(link, instance).body_frame())
+            poses[link] = Pose() if X_ML.IsNearlyIdentity(_SAME) else _pose(X_ML)
     return RobotDescription(
-        name=name, links=links, joints=joints, systems=systems, text=text, file=file, root_pose=root_pose
+        name=name,
+        links=links,
+        joints=joints,
+        systems=systems,
+        text=text,
+        file=file,
+        root_pose=poses.pop(roots[0]),
+        loose_links=poses,
     )
 
 

@@ -107,8 +107,12 @@ def prepare_urdf(
     _give_mimic(reader, description)
     _drop_what_drake_warns_of(reader)
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
-    unmodelled = [joint.name for joint in rubbing if "joint_friction" in without or joint.mimic is not None]
-    findings += [Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
+    for why, unmodelled in (
+        ("without the repair joint_friction", [joint.name for joint in rubbing if "joint_friction" in without]),
+        ("a joint that follows another has its friction", [joint.name for joint in rubbing if joint.mimic is not None]),
+    ):
+        if unmodelled:
+            findings.append(Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}: {why}"))
     _rename_world_link(reader)
     return PreparedUrdf(
         etree.tostring(reader.root, encoding="unicode"),

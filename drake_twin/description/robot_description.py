@@ -267,6 +267,7 @@ class RobotDescription:
         base_joints: Joints that the twin adds between the world and the root link, so that the base can be commanded;
             they can be looked up by name like the robot's own, and are not among its ``joints``.
         root_pose: The pose of the root link in the model's frame, which is what is spawned; of SDF only.
+        loose_links: The other links that no joint holds, with their poses in the model's frame; of SDF only.
     """
 
     name: str
@@ -280,10 +281,11 @@ class RobotDescription:
     file: Path | None = None
     base_joints: tuple[Joint, ...] = ()
     root_pose: Pose = field(default_factory=Pose)
+    loose_links: Mapping[str, Pose] = field(default_factory=dict)
 
     @cached_property
     def root_link(self) -> str:
-        """The link that is not the child of any joint."""
+        """The first link that is not the child of any joint."""
         children = {joint.child for joint in self.joints}
         return next(link for link in self.links if link not in children)
 

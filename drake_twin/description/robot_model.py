@@ -144,13 +144,13 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
     from drake_twin.description.link_surface import sdf_surfaces
-    from drake_twin.description.sdf import joint_frictions, prepare_sdf
+    from drake_twin.description.sdf import joint_frictions, prepare_sdf, read_robot_sdf
     from drake_twin.description.sdf_values import with_place, wrong_numbers
     from drake_twin.description.sensors import sensors_in_sdf
 
     text, file, lost = included_model(text, file, packages)
-    prepared, is_fixed, own_name, findings = prepare_sdf(text, file, name, packages)
-    reader = XmlReader(text, file)
+    reader, moved = read_robot_sdf(text, file, packages)
+    prepared, is_fixed, own_name, findings = prepare_sdf(reader, name, packages)
     if reader.root.get("version") is None:
         raise reader.error(reader.root, "the attribute 'version' is missing")
     (model,) = reader.root.findall("model")
@@ -168,7 +168,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     description = replace(
         description,
         joints=tuple(joints),
-        sensors=tuple(sensors_in_sdf(text, file)),
+        sensors=tuple(sensors_in_sdf(reader)),
         plugins=plugins,
         surfaces=sdf_surfaces(model),
     )
@@ -180,7 +180,7 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
         "sdf",
         is_fixed,
         findings=(
-            *(*lost, *unused, *at_places(Kind.IGNORED, unbraked), *findings, *gravity.findings),
+            *(*lost, *moved, *unused, *at_places(Kind.IGNORED, unbraked), *findings, *gravity.findings),
             *(*unread_in_sdf(reader), *wrong_flags(reader, model), *wrong_numbers(reader, model)),
         ),
         falls=gravity.falls,

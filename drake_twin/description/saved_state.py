@@ -8,7 +8,7 @@ from lxml import etree
 from drake_twin.description.gazebo_plugins import is_of_gazebo_sim
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Cause, Finding, Kind
 
 if TYPE_CHECKING:
     from pydrake.math import RigidTransform
@@ -58,7 +58,8 @@ class SavedState:
         yield from self._again
         place = self._reader.place(self._element)
         if not self._is_used:
-            yield Finding.at(Kind.IGNORED, "<state> of the world, which Gazebo Sim does not read", place)
+            what = "<state> of the world, which Gazebo Sim does not read"
+            yield Finding.at(Kind.IGNORED, what, place, cause=Cause.UNREAD)
         elif self._moved:
             more = f" and {len(self._moved) - _MOST_NAMED} more" if len(self._moved) > _MOST_NAMED else ""
             who = f"{', '.join(self._moved[:_MOST_NAMED])}{more}"

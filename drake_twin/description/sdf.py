@@ -1,17 +1,21 @@
 """SDF robots, prepared for Drake's parser."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 from lxml import etree
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.sdf_addresses import SdfAddresses
+from drake_twin.description.sdf_document import sdf_version
+from drake_twin.description.sdf_includes import SdfIncludes
 from drake_twin.description.sdf_model import mend_model
+from drake_twin.description.sdf_nested import flatten_models
 from drake_twin.description.sdf_shapes import lay_slabs
 from drake_twin.description.xml_reader import XmlReader
-from drake_twin.findings import Finding, Kind, Place
+from drake_twin.findings import Finding, Kind, Place, Weight
 from drake_twin.values import is_true
 
 
@@ -31,8 +35,8 @@ class PreparedSdf(NamedTuple):
     findings: tuple[Finding, ...] = ()
 
 
-def prepare_sdf(text: str, file: Path, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
-    """Convert a model to the one that Drake is given, with the twin's name and meshes that Drake reads.
+def read_robot_sdf(text: str, file: Path, packages: PackageIndex) -> tuple[XmlReader, list[Finding]]:
+    """Read an SDF file of a robot, with the models that it includes and those inside it as parts of its one model.
 
     Raises:
         InputError: If the file is not an SDF file with one model.
@@ -42,10 +46,34 @@ def prepare_sdf(text: str, file: Path, model_name: str | None, packages: Package
     if reader.root.tag != "sdf" or len(models) != 1:
         what = "a world" if reader.root.find("world") is not None else f"{len(models)} models"
         raise reader.error(reader.root, f"a robot is an SDF file with one <model>, but this holds {what}")
-    (model,) = models
-    nested = model.find("model")
-    if nested is not None:
-        raise reader.error(nested, "a model inside a model is not supported")
+    return reader, [*_included(models[0], reader, packages), *flatten_models(models[0], reader)]
+
+
+def _included(model: etree._Element, reader: XmlReader, packages: PackageIndex) -> Iterator[Finding]:
+    """Replace a robot's own includes by their models."""
+    include = model.find(".//include")
+    if include is None:
+        return
+    own = {*model.iter(etree.Element)}
+    includes = SdfIncludes(packages)
+    place = reader.place(include)
+    includes.expand(model, reader, sdf_version(reader.root), () if reader.file is None else (reader.file,))
+    for element in model.iter(etree.Element):
+        if element not in own:
+            cast(Any, element).sourceline = 0  # of another file; the stubs give another type
+    found = (*includes.findings, *(includes.not_found(place) if includes.addresses.missing else ()))
+    yield from (replace(finding, weight=Weight.LOST) for finding in found)
+
+
+def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageIndex) -> PreparedSdf:
+    """Convert a robot's model to the one that Drake is given, with the twin's name and meshes that Drake reads.
+
+    Raises:
+        InputError: If a joint to the world is not fixed, or a value is invalid.
+    """
+    reader = reader.copy()
+    file = reader.file
+    (model,) = reader.root.findall("model")
     own_name = reader.text(model, "name")
     model.set("name", model_name or own_name)
     for plugin in model.findall("plugin"):

@@ -7,7 +7,6 @@ Name, place, pose, rate, topic and frame are read here; the rest of the element 
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import replace
-from pathlib import Path
 
 from lxml import etree
 
@@ -52,13 +51,12 @@ def sensors_in_urdf(reader: XmlReader) -> Iterator[Sensor]:
             yield from _of_plugin(reader, element, lumped, children)
 
 
-def sensors_in_sdf(text: str, file: Path) -> Iterator[Sensor]:
-    """Read the sensors of an SDF model's links and joints.
+def sensors_in_sdf(reader: XmlReader) -> Iterator[Sensor]:
+    """Read the sensors of the links and joints of an SDF document's models.
 
     Raises:
         InputError: If a value is invalid.
     """
-    reader = XmlReader(text, file)
     for model in reader.root.iterfind("model"):
         yield from sensors_in_model(model, lambda _: reader)
 

@@ -335,8 +335,13 @@ def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotP
     q = plant.GetDefaultPositions(instance)
     for name, position in plan.start_positions.items():
         q[layout.positions[name]] = position
-    if layout.base_position is not None:
-        pose = rigid_transform(plan.spawn_pose)
-        q[layout.base_position :][:4] = pose.rotation().ToQuaternion().wxyz()
-        q[layout.base_position :][4:7] = pose.translation()
+    free = {} if layout.base_position is None else {layout.base_position: plan.spawn_pose}
+    every = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).tolist()
+    for link, pose in plan.description.loose_links.items():
+        start = plant.GetBodyByName(drake_link_name(link), instance).floating_positions_start()
+        free[every.index(start)] = Pose(plan.robot.xyz, plan.robot.rpy).compose(pose)
+    for position, pose in free.items():
+        X_WB = rigid_transform(pose)
+        q[position:][:4] = X_WB.rotation().ToQuaternion().wxyz()
+        q[position:][4:7] = X_WB.translation()
     plant.SetDefaultPositions(instance, q)

@@ -19,6 +19,7 @@ from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Weight
 from drake_twin.from_launch.command_line import CommandLine, command_line
 from drake_twin.from_launch.launched_world import LaunchedWorld
+from drake_twin.from_launch.spawned_file import spawned_file
 from drake_twin.ros2.launched import LaunchedProcess, ParameterText, absolute_name
 from drake_twin.scenario import name_in_twin
 from drake_twin.values import is_true
@@ -322,15 +323,7 @@ class LaunchedRobots:
         self.findings.append(Finding.at(Kind.NOT_STARTED, what, process.place, weight=weight))
 
     def _file_source(self, file: str, process: LaunchedProcess) -> _Source:
-        if file.startswith(("http://", "https://")):
-            raise InputError(f"{file}: files are not downloaded", file=process.place.file, line=process.place.line)
-        try:
-            path = self._packages.resolve(file, process.place.file)
-            text = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"cannot read the file ({error})", file=file) from None
-        if path.is_dir():
-            raise InputError("it is a folder, not a robot file", file=path)
+        text, path = spawned_file(file, process, self._packages)
         return _read(str(path), *included_model(text, path, self._packages)[:2])
 
     def _text_source(self, text: str, what: str) -> _Source:

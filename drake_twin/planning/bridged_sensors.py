@@ -37,8 +37,8 @@ def unpublished(lines: Iterable[BridgeLine], plans: Sequence[RobotPlan | ModelPl
         if not line.is_to_ros or line.ros_type not in _OF_SENSORS:
             continue
         if not any(_is_of(sensor, plan, line.gz) for plan in plans for sensor in plan.description.sensors):
-            common = ": no sensor publishes it in Gazebo"
-            what = f"the bridge carries {line.gz} to {line.ros}{common}"
+            common = ": the bridge carries it, but no sensor publishes it in Gazebo"
+            what = f"{line.gz} to {line.ros}{common}"
             yield Finding.at(Kind.WARNING, what, line.place, common=common, cause=Cause.BRIDGE)
 
 

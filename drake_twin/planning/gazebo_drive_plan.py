@@ -34,7 +34,9 @@ def usable_drives(drives: Sequence[GazeboDrive], fixed_base: bool) -> tuple[list
         if drive.controller.type == ROLLER_WHEELS and (fixed_base or any(map(_is_planar_move, usable))):
             continue
         usable.append(drive)
-        findings += [Finding.at(Kind.WARNING, f"{name}: {warning}", place) for warning in drive.warnings]
+        findings += [
+            Finding.at(Kind.WARNING, f"{name}: {warning}", place, cause=Cause.PLUGIN) for warning in drive.warnings
+        ]
         common = f" of {name}"
         findings += [
             Finding.at(Kind.IGNORED, f"<{tag}>{common}", place, common=common, cause=Cause.UNREAD)

@@ -178,7 +178,7 @@ def test_joint_friction_is_left_to_the_plant_and_damping_stays():
 def test_joint_friction_counts_as_ignored_only_when_it_is_left_out():
     body = links("base", "arm") + joint(inside="<dynamics friction='0.1'/>")
     assert ignored(body) == []
-    assert ignored(body, without=["joint_friction"]) == ["friction of joint elbow"]
+    assert ignored(body, without=["joint_friction"]) == ["friction of joint elbow: without the repair joint_friction"]
     assert ignored(body.replace("0.1", "0.0"), without=["joint_friction"]) == []
 
 

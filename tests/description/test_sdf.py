@@ -13,7 +13,7 @@ from drake_twin.description.model_frames import model_frames
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.robot_model import load_robot_model
-from drake_twin.description.sdf import prepare_sdf
+from drake_twin.description.sdf import PreparedSdf, prepare_sdf, read_robot_sdf
 from drake_twin.errors import InputError
 
 ARM = '<link name="base"/><link name="arm"/>'
@@ -26,8 +26,12 @@ def sdf(body: str) -> str:
     return f'<sdf version="1.9">\n<model name="own">{body}</model>\n</sdf>'
 
 
+def prepared_of(text: str, file: Path, name: str | None, packages: PackageIndex) -> PreparedSdf:
+    return prepare_sdf(read_robot_sdf(text, file, packages)[0], name, packages)
+
+
 def prepare(body: str, file: Path = Path("arm.sdf"), *folders: Path) -> tuple[str, bool]:
-    text, is_fixed, *_ = prepare_sdf(sdf(body), file, "robot_1", PackageIndex(folders, {}))
+    text, is_fixed, *_ = prepared_of(sdf(body), file, "robot_1", PackageIndex(folders, {}))
     return text, is_fixed
 
 
@@ -43,7 +47,7 @@ def refusal(call, *arguments) -> str:
 
 @pytest.mark.parametrize(("name", "expected"), [("robot_1", "robot_1"), (None, "own")])
 def test_the_model_takes_the_name_in_the_twin_and_its_own_one_by_default(name, expected):
-    text, _, own_name, _ = prepare_sdf(sdf(ARM), Path("arm.sdf"), name, PackageIndex((), {}))
+    text, _, own_name, _ = prepared_of(sdf(ARM), Path("arm.sdf"), name, PackageIndex((), {}))
     assert etree.fromstring(text).find("model").get("name") == expected
     assert own_name == "own"
 
@@ -71,20 +75,15 @@ def test_another_joint_to_the_world_is_refused():
 
 
 def test_a_world_file_is_refused():
-    text = refusal(prepare_sdf, '<sdf version="1.9"><world name="w"/></sdf>', Path("w.sdf"), "r", PackageIndex((), {}))
+    text = refusal(prepared_of, '<sdf version="1.9"><world name="w"/></sdf>', Path("w.sdf"), "r", PackageIndex((), {}))
     assert text == "w.sdf:1: <sdf>: a robot is an SDF file with one <model>, but this holds a world."
 
 
 @pytest.mark.parametrize("count", [0, 2])
 def test_any_other_number_of_models_is_refused(count):
     models = '<model name="m"/>' * count
-    text = refusal(prepare_sdf, f"<sdf>{models}</sdf>", Path("m.sdf"), "r", PackageIndex((), {}))
+    text = refusal(prepared_of, f"<sdf>{models}</sdf>", Path("m.sdf"), "r", PackageIndex((), {}))
     assert f"but this holds {count} models" in text
-
-
-def test_a_model_inside_a_model_is_refused():
-    text = refusal(prepare, '\n<link name="base"/><model name="inner"/>')
-    assert text == 'arm.sdf:3: <model name="inner">: a model inside a model is not supported.'
 
 
 def test_plugins_are_left_out():
@@ -108,7 +107,7 @@ def test_meshes_become_files_that_drake_reads(tmp_path, monkeypatch, folder):
 def test_a_link_goes_without_a_mesh_that_is_missing(tmp_path):
     mesh = '<visual name="v"><geometry><mesh><uri>gone.stl</uri></mesh></geometry></visual>'
     model = f'<sdf version="1.9"><model name="own"><link name="base">{mesh}</link></model></sdf>'
-    prepared = prepare_sdf(model, tmp_path / "arm.sdf", None, PackageIndex((), {}))
+    prepared = prepared_of(model, tmp_path / "arm.sdf", None, PackageIndex((), {}))
     assert "visual" not in prepared.text
     (warning,) = map(str, prepared.findings)
     assert f"{tmp_path}/gone.stl" in warning
@@ -122,7 +121,7 @@ def test_a_mesh_of_the_models_neighbour_is_found_and_a_missing_model_is_said(tmp
     visual = '<visual name="{0}"><geometry><mesh><uri>model://{0}/part.stl</uri></mesh></geometry></visual>'
     link = f'<link name="base">{visual.format("common")}{visual.format("gone")}</link>'
     model = f'<sdf version="1.9"><model name="own">{link}</model></sdf>'
-    prepared = prepare_sdf(model, tmp_path / "models/robot/model.sdf", None, PackageIndex((), {}))
+    prepared = prepared_of(model, tmp_path / "models/robot/model.sdf", None, PackageIndex((), {}))
     assert prepared.text.count("<visual") == 1
     (warning,) = map(str, prepared.findings)
     assert "the meshes of gone are left out" in warning
@@ -168,8 +167,12 @@ def test_a_joint_frame_apart_from_its_child_is_read_from_both_sides():
     assert joint.child_origin.xyz == pytest.approx((0.0, 0.0, -0.5))
 
 
-def test_links_that_form_several_trees_are_refused_by_name():
-    assert refusal(describe, ARM) == "arm.sdf: the links must form one tree, but base, arm have no parent."
+def test_the_first_of_several_trees_is_the_robots_base():
+    description = describe(ARM.replace('<link name="arm"/>', '<link name="arm"><pose>1 2 3 0 0 0</pose></link>'))
+    assert (description.root_link, {name: pose.xyz for name, pose in description.loose_links.items()}) == (
+        "base",
+        {"arm": (1, 2, 3)},
+    )
 
 
 def test_the_loose_links_of_a_static_model_stay_where_they_are():
@@ -230,7 +233,7 @@ def test_a_mesh_of_someone_elses_machine_is_found_in_the_package_its_folders_are
     file.write_bytes(trimesh.creation.box().export(file_type="stl"))
     address = "/home/someone/ws/src/rover/meshes/part.stl"
     body = f'<link name="base"><visual name="v"><geometry><mesh><uri>{address}</uri></mesh></geometry></visual></link>'
-    text, *_, findings = prepare_sdf(sdf(body), tmp_path / "own.sdf", None, PackageIndex([tmp_path], {}))
+    text, *_, findings = prepared_of(sdf(body), tmp_path / "own.sdf", None, PackageIndex([tmp_path], {}))
     assert etree.fromstring(text).find(".//visual") is not None
     assert [finding.what for finding in findings] == [f"mesh {address!r} is not on this machine: {file} is used"]
 

@@ -8,6 +8,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import HardwareSensor, Pose, Sensor
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.sensors import sensors_in_sdf
+from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 
 BODY = """
@@ -87,7 +88,7 @@ def test_a_plugin_of_gazebo_classic_may_be_a_sensor_by_itself():
 def test_a_pose_in_an_sdf_may_be_in_degrees_and_relative_to_a_frame():
     text = """<sdf version="1.9"><model name="m"><link name="base"><sensor name="imu" type="imu">
       <pose degrees="true" relative_to="mast">0 0 1 0 0 90</pose></sensor></link></model></sdf>"""
-    (sensor,) = sensors_in_sdf(text, Path("m.sdf"))
+    (sensor,) = sensors_in_sdf(XmlReader(text, Path("m.sdf")))
     assert sensor.pose.rpy == pytest.approx((0, 0, pi / 2))
     assert sensor.pose_frame == "mast"
 
@@ -122,7 +123,7 @@ def test_sensors_of_an_sdf_model_belong_to_its_links_and_joints():
     text = """<sdf version="1.9"><model name="m"><link name="base"><sensor name="imu" type="imu">
       <pose>0 0 1 0 0 0</pose></sensor><sensor name="eye" type="camera"/></link>
       <joint name="flange" type="fixed"><sensor name="fts" type="force_torque"/></joint></model></sdf>"""
-    imu_sensor, eye, fts = sensors_in_sdf(text, Path("m.sdf"))
+    imu_sensor, eye, fts = sensors_in_sdf(XmlReader(text, Path("m.sdf")))
     assert imu_sensor == Sensor("imu", "imu", link="base", gazebo_link="base", pose=Pose((0.0, 0.0, 1.0)))
     assert eye == Sensor("eye", "camera", link="base", gazebo_link="base")
     assert fts == Sensor("fts", "force_torque", joint="flange")

@@ -238,6 +238,22 @@ def test_an_entity_that_exists_is_renamed_where_that_is_allowed(tmp_path, argume
     assert list(robots(launched_hinge(tmp_path, entity))) == names
 
 
+@pytest.mark.parametrize("given", ["box", "box/", "{folder}/models/box", "model://box"])
+def test_create_takes_a_models_name_or_folder(tmp_path, monkeypatch, given):
+    monkeypatch.setenv("GZ_SIM_RESOURCE_PATH", str(tmp_path / "models"))
+    write(tmp_path / "models/box/model.config", "<model><sdf version='1.9'>box.sdf</sdf></model>")
+    write(tmp_path / "models/box/box.sdf", "<sdf version='1.9'><model name='box'><link name='l'/></model></sdf>")
+    launch = launched(tmp_path, create("-file", given.format(folder=tmp_path), "-name", "b"))
+    (robot,) = launch.scenario.robots
+    assert Path(robot.model) == tmp_path / "models/box/box.sdf"
+
+
+def test_spawn_entity_opens_a_file_only(tmp_path):
+    write(tmp_path / "models/box/model.sdf", "<sdf version='1.9'><model name='box'><link name='l'/></model></sdf>")
+    with pytest.raises(InputError, match="it is a folder, not a robot file"):
+        launched(tmp_path, node("gazebo_ros", "spawn_entity.py", "-entity", "b", "-file", str(tmp_path / "models/box")))
+
+
 def test_spawning_one_model_twice_through_launch_files_is_refused_too(tmp_path):
     file = write_hinge(tmp_path)
     include = (

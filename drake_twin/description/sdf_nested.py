@@ -1,0 +1,165 @@
+"""Models inside a model of SDF: joints between them, and robots that consist of several."""
+
+from collections.abc import Iterator, Mapping
+from copy import deepcopy
+
+from lxml import etree
+
+from drake_twin.description.sdf_defaults import asks_for_nothing
+from drake_twin.description.sdf_document import free_name, modernize
+from drake_twin.description.xml_reader import XmlReader
+from drake_twin.findings import Finding, Kind, at_places
+
+_REFERENCES = ("relative_to", "attached_to", "expressed_in")
+
+
+def join_across_models(model: etree._Element) -> Iterator[str]:
+    """Move each joint that holds a link of a model around its own there.
+
+    Gazebo classic searches for a joint's links from the joint's model outwards, and files such as RMF's lifts, whose
+    doors slide along the cabin, count on it. Gazebo Sim resolves names inside the model only, and makes no such joint.
+
+    Args:
+        model: The outermost model.
+
+    Yields:
+        What was changed.
+    """
+    for nested in [*model.iter("model")][:0:-1]:  # the innermost first
+        for joint in nested.findall("joint"):
+            ends = [end for end in (joint.find("parent"), joint.find("child")) if end is not None]
+            absent = [end for end in ends if not _is_in_scope(end.text, nested)]
+            found = _around(nested, [(end.text or "").strip() for end in absent]) if absent else None
+            if found is None:
+                continue
+            above, path = found
+            modernize(joint)
+            inside = [end for end in ends if end not in absent and (end.text or "").strip() != "world"]
+            for end in inside:
+                end.text = f"{path}::{(end.text or '').strip()}"
+            _prefix(joint, f"{path}::")
+            names = ", ".join(repr((end.text or "").strip()) for end in absent)
+            yield (
+                f"joint {joint.get('name', '')} of the model {path} inside it holds {names} of the model around, as in"
+                " Gazebo classic; Gazebo Sim makes no such joint"
+            )
+            joint.set("name", free_name(f"{path.replace('::', '_')}_{joint.get('name', '')}", _names(above)))
+            above.append(joint)
+
+
+def _is_in_scope(text: str | None, model: etree._Element) -> bool:
+    name = (text or "").strip()
+    return "::" in name or name in ("", "world", "__model__") or name in _names(model)
+
+
+def _names(model: etree._Element) -> set[str]:
+    return {child.get("name", "") for tag in ("link", "joint", "frame", "model") for child in model.findall(tag)}
+
+
+def _around(nested: etree._Element, names: list[str]) -> tuple[etree._Element, str] | None:
+    """Return the nearest model around one that has all names, and the path from there."""
+    path = nested.get("name", "")
+    above = nested.getparent()
+    while above is not None and above.tag == "model":
+        if _names(above).issuperset(names):
+            return above, path
+        path = f"{above.get('name', '')}::{path}"
+        above = above.getparent()
+    return None
+
+
+def _prefix(element: etree._Element, prefix: str) -> None:
+    """Put a model's path before the frames that an element and what is in it name."""
+    for each in element.iter(etree.Element):
+        for attribute in _REFERENCES:
+            if (name := each.get(attribute)) and name != "world":
+                each.set(attribute, prefix + name)
+
+
+def flatten_models(model: etree._Element, reader: XmlReader) -> Iterator[Finding]:
+    """Move what the models inside a robot's model hold into it, under names such as ``arm_elbow``.
+
+    Names such as ``arm::elbow`` in the robot, its plugins included, follow.
+
+    Args:
+        model: The robot's model.
+        reader: The document it stands in.
+
+    Yields:
+        What was changed and what was left out.
+
+    Raises:
+        InputError: If a model inside has a ``placement_frame``.
+    """
+    yield from (Finding.at(Kind.WARNING, what, reader.place(model)) for what in join_across_models(model))
+    lost: list[etree._Element] = []
+    _flatten(model, reader, lost)
+    yield from at_places(
+        Kind.IGNORED, ((f"<{each.tag}> of a model inside the robot's", reader.place(each)) for each in lost)
+    )
+
+
+def _flatten(model: etree._Element, reader: XmlReader, lost: list[etree._Element]) -> dict[str, str]:
+    """Dissolve the models inside a model; return scoped name → name in the model."""
+    scoped: dict[str, str] = {}
+    for nested in model.findall("model"):
+        if nested.get("placement_frame"):
+            raise reader.error(nested, "the placement_frame of a model inside a robot is not supported")
+        modernize(nested)
+        inner = _flatten(nested, reader, lost)
+        own, taken = nested.get("name", ""), _names(model)
+        names: dict[str, str] = {}
+        for name in (*_names(nested), "__model__"):
+            names[name] = free_name(f"{own}_{name.strip('_') if name == '__model__' else name}", taken)
+            taken.add(names[name])
+        _rename(nested, names)
+        scoped |= {f"{own}::{name}": new for name, new in names.items()}
+        scoped |= {f"{own}::{name}": names[middle] for name, middle in inner.items() if middle in names}
+        scoped[own] = names["__model__"]
+        _move(nested, model, names["__model__"], lost)
+    _rename(model, scoped)
+    return scoped
+
+
+def _move(nested: etree._Element, model: etree._Element, frame: str, lost: list[etree._Element]) -> None:
+    placed = etree.SubElement(model, "frame", name=frame)
+    self_collide = nested.find("self_collide")
+    for child in list(nested):
+        if child.tag == "pose":
+            placed.append(child)
+        elif child.tag in ("link", "frame", "joint", "plugin"):
+            model.append(child)
+            if child.tag == "frame" and not child.get("attached_to"):
+                child.set("attached_to", frame)
+            if child.tag == "link":
+                _place(child, frame)
+            if child.tag == "link" and self_collide is not None and child.find("self_collide") is None:
+                child.append(deepcopy(self_collide))
+        elif child is not self_collide and isinstance(child.tag, str) and not asks_for_nothing(child):
+            lost.append(child)
+    model.remove(nested)
+
+
+def _place(link: etree._Element, frame: str) -> None:
+    pose = link.find("pose")
+    if pose is None:
+        pose = etree.SubElement(link, "pose")
+        pose.text = "0 0 0 0 0 0"
+    if not pose.get("relative_to"):
+        pose.set("relative_to", frame)
+
+
+def _rename(model: etree._Element, names: Mapping[str, str]) -> None:
+    """Rename a model's own parts, and each reference to one; the texts of plugins are such where they are names."""
+    for child in model:
+        if child.tag in ("link", "joint", "frame") and child.get("name") in names:
+            child.set("name", names[child.get("name", "")])
+    for element in model.iter(etree.Element):
+        for attribute in _REFERENCES:
+            if element.get(attribute) in names:
+                element.set(attribute, names[element.get(attribute, "")])
+        text = (element.text or "").strip()
+        if text in names and (
+            element.tag in ("parent", "child") or next(element.iterancestors("plugin"), None) is not None
+        ):
+            element.text = names[text]
