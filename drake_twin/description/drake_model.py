@@ -65,7 +65,10 @@ def describe_model(
         raise InputError(f"the links must form one tree, but {', '.join(roots)} have no parent", file=file)
     root_pose = Pose()
     if plant.HasFrameNamed(MODEL_FRAME, instance):
-        plant.Finalize()
+        try:
+            plant.Finalize()
+        except RuntimeError as error:  # such as joints that form a loop
+            raise InputError(f"Drake cannot simulate this robot: {' '.join(str(error).split())}", file=file) from None
         context = plant.CreateDefaultContext()
         model, root = plant.GetFrameByName(MODEL_FRAME, instance), plant.GetBodyByName(roots[0], instance).body_frame()
         X_MR = plant.CalcRelativeTransform(context, model, root)

@@ -149,6 +149,27 @@ class SdfIncludes:
                 found.element.set("name", free_name(found.element.get("name", ""), taken))
                 parent.replace(include, found.element)
 
+    def merged(
+        self, include: etree._Element, reader: XmlReader, version: tuple[int, ...], above: tuple[Path, ...]
+    ) -> str:
+        """Return the text of what an ``<include merge="true">`` brings; nothing, with a finding, if it is not found.
+
+        Args:
+            include: The element, which stays as it is.
+            reader: The document it stands in.
+            version: That document's version of SDF.
+            above: The files that led here.
+        """
+        found = self.model(include, reader, above)
+        if found is None:
+            return ""
+        if found.version < (1, 7) <= version:
+            modernize(found.element)
+        into = etree.Element("model")
+        into.append(deepcopy(include))
+        _merge(found.element, into[0])
+        return "".join(etree.tostring(element, encoding="unicode", with_tail=False) for element in into)
+
     def not_found(self, place: Place) -> Iterator[Finding]:
         """Yield a finding of all models and packages that were not found in the same folders.
 
@@ -197,7 +218,7 @@ def _merge(model: etree._Element, include: etree._Element) -> None:
     if pose is not None:
         placed.append(deepcopy(pose))
     moved = [placed]
-    for child in [child for child in model if child.tag in _SCOPED]:
+    for child in [child for child in model if child.tag in (*_SCOPED, "plugin")]:
         own = child.find("pose")
         if own is None and child.tag in ("link", "model"):
             own = etree.SubElement(child, "pose")
