@@ -65,7 +65,10 @@ def describe_model(
         raise InputError(f"the links must form one tree, but {', '.join(roots)} have no parent", file=file)
     poses = dict.fromkeys(roots, Pose())
     if plant.HasFrameNamed(MODEL_FRAME, instance):
-        plant.Finalize()
+        try:
+            plant.Finalize()
+        except RuntimeError as error:  # such as joints that form a loop
+            raise InputError(f"Drake cannot simulate this robot: {' '.join(str(error).split())}", file=file) from None
         context = plant.CreateDefaultContext()
         model = plant.GetFrameByName(MODEL_FRAME, instance)
         for link in roots:

@@ -2,12 +2,8 @@
 
 import re
 from collections.abc import Collection, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
-
-from lxml import etree
 
 from drake_twin.description.drake_urdf import DRAKE_RULES, drake_link_name, prepare_urdf
 from drake_twin.description.flags import wrong_flags
@@ -26,7 +22,7 @@ from drake_twin.description.urdf_values import check_values
 from drake_twin.description.xacro_file import expand_xacro, places_of_expanded
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, Place, Weight, at_places
+from drake_twin.findings import Finding, Kind, Place, at_places
 
 _EXPANDED = "<!-- drake_twin: expanded -->"
 
@@ -143,6 +139,7 @@ def robot_name_in_file(file: Path, packages: PackageIndex, xacro_args: Mapping[s
 
 def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -> RobotModel:
     from drake_twin.description.drake_model import describe_model
+    from drake_twin.description.included_model import included_model
     from drake_twin.description.link_surface import sdf_surfaces
     from drake_twin.description.sdf import joint_frictions, prepare_sdf, read_robot_sdf
     from drake_twin.description.sdf_values import with_place, wrong_numbers
@@ -184,48 +181,6 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
             *(*unread_in_sdf(reader), *wrong_flags(reader, model), *wrong_numbers(reader, model)),
         ),
         falls=gravity.falls,
-    )
-
-
-class ModelText(NamedTuple):
-    """An SDF file's text, the file that it comes from, and what of the file that includes it is not used."""
-
-    text: str
-    file: Path
-    findings: tuple[Finding, ...] = ()
-
-
-def included_model(text: str, file: Path, packages: PackageIndex) -> ModelText:
-    """Return the model that an SDF file consists of, where it is only an ``<include>``; its plugins are the model's.
-
-    Raises:
-        InputError: If the model is not found.
-    """
-    if "<include" not in text:
-        return ModelText(text, file)
-    reader = XmlReader(text, file)
-    includes = reader.root.findall("include")
-    if reader.root.tag != "sdf" or len(includes) != 1 or reader.root.find("model") is not None:
-        return ModelText(text, file)
-    from drake_twin.description.sdf_includes import SdfIncludes
-
-    addresses = SdfIncludes(packages)
-    found = addresses.model(includes[0], reader, (file,))
-    if found is None:
-        missing = [
-            f"{name}: searched {each.searched}. {each.advice}" for name, each in addresses.addresses.missing.items()
-        ]
-        reasons = missing or [finding.what for finding in addresses.findings]
-        raise reader.error(includes[0], f"the model is not included: {'; '.join(reasons)}")
-    root = etree.Element("sdf", version=".".join(map(str, found.version)))
-    root.append(found.element)
-    found.element.extend(deepcopy(includes[0].findall("plugin")))
-    lost = [finding for finding in addresses.findings if not finding.what.startswith("<plugin>")]
-    lost += addresses.not_found(reader.place(includes[0])) if addresses.asked else ()
-    return ModelText(
-        etree.tostring(root, encoding="unicode"),
-        found.reader.file or file,
-        tuple(replace(finding, weight=Weight.LOST) for finding in lost),
     )
 
 

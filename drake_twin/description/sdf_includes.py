@@ -152,6 +152,27 @@ class SdfIncludes:
                 found.element.set("name", free_name(found.element.get("name", ""), taken))
                 parent.replace(include, found.element)
 
+    def merged(
+        self, include: etree._Element, reader: XmlReader, version: tuple[int, ...], above: tuple[Path, ...]
+    ) -> str:
+        """Return the text of what an ``<include merge="true">`` brings; nothing, with a finding, if it is not found.
+
+        Args:
+            include: The element, which stays as it is.
+            reader: The document it stands in.
+            version: That document's version of SDF.
+            above: The files that led here.
+        """
+        found = self.model(include, reader, above)
+        if found is None:
+            return ""
+        if found.version < (1, 7) <= version:
+            modernize(found.element)
+        into = etree.Element("model")
+        into.append(deepcopy(include))
+        _merge(found.element, into[0])
+        return "".join(etree.tostring(element, encoding="unicode", with_tail=False) for element in into)
+
     def not_found(self, place: Place) -> Iterator[Finding]:
         """Yield a finding of all models and packages that were not found in the same folders.
 

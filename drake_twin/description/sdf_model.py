@@ -16,7 +16,7 @@ from drake_twin.description.caster_balls import weld_caster_balls
 from drake_twin.description.possible_inertia import LEAST_MASS, possible_inertia
 from drake_twin.description.robot_description import NO_LIMIT
 from drake_twin.description.sdf_defaults import asks_for_nothing
-from drake_twin.description.sdf_document import free_name, has_weight, is_within_static, number_in
+from drake_twin.description.sdf_document import free_name, has_weight, is_within_static, number_in, sdf_version
 from drake_twin.description.sdf_nested import join_across_models
 from drake_twin.description.sdf_shapes import FindFile, mend_meshes, mend_planes, mend_shapes
 from drake_twin.description.used_elements import weight_of
@@ -57,6 +57,10 @@ def mend_model(model: etree._Element, reader: XmlReader, find: FindFile) -> list
     unknown = [
         Finding(Kind.IGNORED, what, weight=weight, cause=Cause.UNREAD) for what, weight in _unknown_elements(model)
     ]
+    if sdf_version(reader.root) >= (1, 7):  # Gazebo does not know it any more, Drake refuses it
+        for axis in [*model.iter("axis", "axis2")]:
+            for old in axis.findall("use_parent_model_frame"):
+                axis.remove(old)
     hold_by_links(model)
     found: list[Finding] = []
     for rule in (_frames_of_old_poses, _names, join_across_models, _joints, _inertias):

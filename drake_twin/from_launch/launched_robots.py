@@ -9,10 +9,10 @@ from typing import Any
 from lxml import etree
 
 from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.included_model import included_model
 from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import GazeboPlugin, Pose
-from drake_twin.description.robot_model import included_model
 from drake_twin.description.source_file import read_xml
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError

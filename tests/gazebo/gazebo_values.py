@@ -29,7 +29,10 @@ def compile_reader(folder):
 def gazebo_models(reader, file, folders=()):
     """Return the models that libsdformat reads from a file, and what it says on its error output."""
     command = [str(reader), str(file), *map(str, folders)]
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=60)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=60)
+    except subprocess.TimeoutExpired:
+        return [], "it needs more than 60 s"
     if done.returncode != 0:
         return [], done.stderr
     return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")], done.stderr

@@ -1,11 +1,11 @@
 """Wheels roll without slip and turn a base at the rate of its kinematics, however their cylinders are written."""
 
-from math import atan2
+from math import atan, atan2, cos, radians, sin
 
 import numpy as np
 import pytest
 from bases import BASE, RADIUS, TRACK, four_wheels, two_wheels
-from scenes import Scene, every_engine, plane, position, static_box, static_mesh
+from scenes import G, Scene, every_engine, on_slope, plane, position, static_box, static_mesh
 
 COMMANDS = "/base/forward_velocity_controller/commands"
 SPEED = 3.0  # rad/s
@@ -76,3 +76,21 @@ def test_four_wheels_that_do_not_steer_skid_as_coulomb_friction_has_it(figure, t
     # Each wheel slides along the force that brakes it; the torques about the centre balance: b² / (a² + b²).
     skid = figure("skid steer: rate ÷ b²/(a² + b²)", rate / (TRACK**2 / (BASE**2 + TRACK**2)))
     assert skid == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("engine", ["1ms", "cenic"])
+@pytest.mark.parametrize(("degrees", "friction"), [(0, 0.05), (0, 0.1), (0, 0.2), (41.5, 0.9), (42.5, 0.9)])
+def test_wheels_that_spin_push_with_friction_times_weight(figure, tmp_path, engine, degrees, friction):
+    """On level ground and up a slope, on either side of the angle of friction, which is 41.99° for 0.9."""
+    tilt = radians(degrees)
+    scene = Scene(tmp_path, engine, plane(tilt, friction))
+    twin = scene.add("base", four_wheels(), on_slope(tilt, z=RADIUS), (0, tilt, 0)).build()
+    twin.publish(COMMANDS, [45.0] * 4)  # backwards, which is up
+    twin.advance_to(0.4)
+    speeds = [twin.entity_state("base").linear @ np.array([-cos(tilt), 0.0, sin(tilt)])]
+    twin.advance_to(1.4)
+    speeds.append(twin.entity_state("base").linear @ np.array([-cos(tilt), 0.0, sin(tilt)]))
+    expected = G * (friction * cos(tilt) - sin(tilt))
+    found = figure(f"spinning wheels at {degrees}°, µ {friction}: acceleration (m/s²)", speeds[1] - speeds[0])
+    assert found == pytest.approx(expected, abs=0.01 * G * friction)
+    assert (found > 0) == (tilt < atan(friction))
