@@ -2,11 +2,11 @@
 
 A discrete step takes a body's gyroscopic moment ω × I ω from its start. That is Euler's explicit method, in which what
 tumbles gains energy: a body of moments 1, 2 and 3 that turns about the middle axis at 20 rad/s a third of it in 10 s at
-1 ms, and at 10 ms it ends the run. The moments here are what is missing to the series of Euler's equations in the step,
-up to its third order: energy is kept within 1e-5 at 1 ms, and never gained. They vanish for a body at rest.
+1 ms, and at 10 ms it ends the run. The moments here are what a step lacks of the series of Euler's equations up to its
+third order: energy is kept within 1e-5 at 1 ms, and not gained at 10 ms. They vanish for a body at rest.
 
-The pose follows from the velocity at a step's end as if it were that of its middle, so that the angular momentum, within
-2e-4 of its length, is that of a velocity half a step before the pose.
+Drake's pose follows from the velocity at a step's end as if it were that of its middle. So the angular momentum that is
+kept is that of a velocity half a step before the pose.
 
 All systems are Drake's own: gyroscopes, an expression, and propellers without thrust. CENIC chooses its own steps, and
 has no such correction.

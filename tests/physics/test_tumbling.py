@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from pydrake.systems.framework import LeafSystem
-from pydrake.systems.primitives import ConstantValueSource
-from scenes import ENGINES, G, Scene, box, every_engine, position, sphere, thing, velocity
+from scenes import ENGINES, G, thing
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -77,9 +75,7 @@ def check_tumbling(figure, folder, engine, w, inertia=None, center=(0.0, 0.0, 0.
     momentum_error = max(errors) / np.linalg.norm(momentum)
     assert figure(f"{about}: error of angular momentum ÷ its length", momentum_error) < 2.5 * (h * speed) ** 2
     away = (attitude * euler(w, inertia, twin.time).inv()).magnitude()
-    assert (
-        figure(f"{about}: error of orientation (rad)", away) < (h * speed) ** 2 / 6 * speed * SECONDS + h * speed
-    )
+    assert figure(f"{about}: error of orientation (rad)", away) < (h * speed) ** 2 / 6 * speed * SECONDS + h * speed
 
 
 def about_axis(axis, speed):
