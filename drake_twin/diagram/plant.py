@@ -25,6 +25,7 @@ from drake_twin.diagram.contact import TouchingShape, give_contact
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.detachable_joints import JointInPlant, add_detachable_joints
 from drake_twin.diagram.joint_friction import FRICTION_SUFFIX, Brake, add_brake, can_have_brake, isolate_brakes
+from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.diagram.planar_base import add_planar_joints, limit_planar_efforts, planar_base
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
@@ -233,7 +234,9 @@ def _add_brakes(plant: MultibodyPlant, plan: RobotPlan, instance: ModelInstanceI
 def _parse(plant: MultibodyPlant, plan: RobotPlan) -> list[ModelInstanceIndex]:
     model, description = plan.model, plan.description
     if model.drake_format != "sdf":
-        return list(Parser(plant).AddModelsFromString(model.drake_text, model.drake_format))
+        is_lumped = model.drake_format == "urdf" and plant.time_step() == 0.0
+        text = with_lumped_masses(model.drake_text) if is_lumped else model.drake_text
+        return list(Parser(plant).AddModelsFromString(text, model.drake_format))
     try:
         return add_sdf_models(plant, model.drake_text)
     except InputError as error:

@@ -24,6 +24,7 @@ from drake_twin.description.world_file import WorldFile
 from drake_twin.diagram.contact import TouchingShape
 from drake_twin.diagram.detachable_joints import JointInPlant
 from drake_twin.diagram.frames import TF_ODOMETRY, add_frames, colliding_transforms
+from drake_twin.diagram.gyroscopic_moments import add_gyroscopic_moments
 from drake_twin.diagram.plant import PlantOfTwin, RobotInPlant, add_plant
 from drake_twin.diagram.release import release
 from drake_twin.diagram.robot_diagram import RobotDiagram, build_robot_diagram
@@ -246,6 +247,7 @@ def _build(
     _export_vectors(builder, parts, robots, topics)
     added = tuple(system for system in builder.GetMutableSystems() if system.get_name() not in own)
     _name_unnamed(added)
+    about_tumbling = tuple(add_gyroscopic_moments(builder, parts.plant))
     tell("building the diagram")
     diagram = builder.Build()
     diagram.set_name("twin")
@@ -276,6 +278,7 @@ def _build(
             *colliding_transforms(robots),
             *(() if world_file is None else world_file.findings),
             *parts.findings,
+            *about_tumbling,
         ),
     )
 

@@ -19,6 +19,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Sim
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
+from drake_twin.diagram.gyroscopic_moments import wrench_port
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
@@ -327,8 +328,9 @@ class Physics:
 
     def set_wrenches(self, wrenches: Sequence[Wrench | Pull]) -> None:
         """Apply these forces and torques to links, and no others."""
-        port = self.built.plant.get_applied_spatial_force_input_port()
-        if not wrenches and not port.HasValue(self.plant_context):
+        port = wrench_port(self.built.diagram, self.built.plant)
+        context = port.get_system().GetMyMutableContextFromRoot(self.context)
+        if not wrenches and not port.HasValue(context):
             return  # an unused port costs nothing
         forces = []
         for wrench in wrenches:
@@ -337,7 +339,7 @@ class Physics:
             force.p_BoBq_B = np.array(wrench.at)
             force.F_Bq_W = SpatialForce(tau=np.array(wrench.torque), f=np.array(wrench.force))
             forces.append(force)
-        port.FixValue(self.plant_context, forces)
+        port.FixValue(context, forces)
 
     @property
     def is_discarded(self) -> bool:
