@@ -150,9 +150,10 @@ class ShapeReader:
             shape = Convex(shape.source(), shape.scale3())
         wheel = None if is_static else self._wheels.wheel(body, shape, X_BG)
         if wheel is not None:
-            shape, X_BG = wheel
+            shape, X_BG = wheel.shape, wheel.X_BE
         own = fsum(item.default_mass() for item in self._plant.GetBodiesWeldedTo(body))
         total = own if model is None else self._masses[model.name]
+        moves = total if wheel is not None and wheel.is_roller else own
         group = None
         if model is not None:
             collides = model.colliding is None or body.name() in model.colliding
@@ -171,8 +172,8 @@ class ShapeReader:
             is_wheel=wheel is not None,
             is_loose=not is_static and model is not None and self._is_one_body(model, body),
             # A link may have to bear the whole model, but must not be too stiff for its own mass: the geometric mean of
-            # both.
-            mass=sqrt(max(own, _LEAST_MASS) * max(total, own, _LEAST_MASS)),
+            # both. Rollers always bear it, and would sink in by half a millimeter.
+            mass=sqrt(max(moves, _LEAST_MASS) * max(total, own, _LEAST_MASS)),
             own_mass=own,
         )
 
