@@ -5,7 +5,7 @@ from types import SimpleNamespace as Message
 import pytest
 from conftest import ROVER, rovers
 
-from drake_twin.services import services_of
+from drake_twin.services import parameters, services_of
 
 RESULT = {"result": 1, "error_message": ""}
 BOX = """<robot name="box"><link name="base_link">
@@ -123,6 +123,52 @@ def test_parameters_of_a_controller(twin):
     assert answer(twin, f"{node}/get_parameter_types", names=["joints", "x"]) == {"types": [9, 0]}
     described = answer(twin, f"{node}/describe_parameters", names=["joints", "x"])["descriptors"]
     assert described[0] == {"name": "joints", "type": 9, "read_only": True}
+
+
+@pytest.mark.parametrize(
+    ("prefixes", "depth", "names", "found"),
+    [  # as rclcpp's NodeParameters::list_parameters: the depth counts what is below the prefix, with a dot between
+        ([], 0, ["use_sim_time", "gains.j.p", "gains.j.i", "gains2", "gains"], ["gains.j"]),
+        ([], 1, ["use_sim_time", "gains2", "gains"], []),
+        (["gains"], 0, ["gains.j.p", "gains.j.i", "gains"], ["gains.j"]),
+        (["gains"], 1, ["gains"], []),
+        (["gains.j"], 1, ["gains.j.p", "gains.j.i"], ["gains.j"]),
+        (["other"], 0, [], []),
+    ],
+)
+def test_parameters_are_listed_below_prefixes(prefixes, depth, names, found):
+    known = {"use_sim_time": True, "gains.j.p": 1.0, "gains.j.i": 2.0, "gains2": 3, "gains": 4}
+    listed = parameters._list_parameters(known, Message(prefixes=prefixes, depth=depth))["result"]
+    assert listed == {"names": names, "prefixes": found}
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "field"),
+    [  # rcl_interfaces/msg/ParameterType and ParameterValue
+        (True, 1, "bool_value"),
+        (3, 2, "integer_value"),
+        (0.5, 3, "double_value"),
+        ("text", 4, "string_value"),
+        ([True, False], 6, "bool_array_value"),
+        ([1, 2], 7, "integer_array_value"),
+        ([1.0, 2.0], 8, "double_array_value"),
+        ([1, 2.5], 8, "double_array_value"),
+        (["a"], 9, "string_array_value"),
+        ([], 0, None),
+        ([1, "a"], 0, None),
+        ({"a": 1}, 0, None),
+        (None, 0, None),
+    ],
+)
+def test_values_have_the_types_of_ros(value, kind, field):
+    expected = {"type": kind} if field is None else {"type": kind, field: value}
+    asked = Message(names=["it"])
+    assert parameters._get_parameters({"it": value}, asked) == {"values": [expected]}
+    assert parameters._get_parameter_types({"it": value}, asked) == {"types": [kind]}
+    if field is not None:
+        same = Message(parameters=[Message(name="it", value=Message(type=kind, **{field: value}))])
+        assert parameters._set_parameters({"it": value}, same)["results"] == [{"successful": True, "reason": ""}]
+        assert not parameters._set_parameters({"other": value}, same)["results"][0]["successful"]
 
 
 def test_parameters_are_set_only_to_what_they_are(twin):

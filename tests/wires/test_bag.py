@@ -43,6 +43,7 @@ def test_two_readers_find_the_same_messages(tmp_path):
     positions = written(tmp_path / "bag")
     with AnyReader([tmp_path / "bag"]) as reader:
         counts = {topic: info.msgcount for topic, info in reader.topics.items()}
+        offered = {item.topic: item.ext.offered_qos_profiles[0] for item in reader.connections}
         stamps, values = [], []
         for connection, time, data in reader.messages():
             if connection.topic == STATES:
@@ -50,6 +51,8 @@ def test_two_readers_find_the_same_messages(tmp_path):
                 values.append(list(reader.deserialize(data, connection.msgtype).position))
     assert stamps == [10_000_000 * index for index in range(100)]
     assert values == positions
+    kept = {topic: (offered[topic].depth, offered[topic].durability.name) for topic in ("/tf", "/tf_static")}
+    assert kept == {"/tf": (10, "VOLATILE"), "/tf_static": (1, "TRANSIENT_LOCAL")}  # what ros2 bag play offers again
     assert counts["/clock"] == 100
     assert counts["/tf"] == 20
     assert counts["/robot_1/robot_description"] == 1
