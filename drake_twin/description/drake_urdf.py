@@ -108,7 +108,8 @@ def prepare_urdf(
     _drop_what_drake_warns_of(reader)
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
     unmodelled = [joint.name for joint in rubbing if "joint_friction" in without or joint.mimic is not None]
-    findings += [Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}")] if unmodelled else []
+    why = "" if "joint_friction" in without else ": it follows another joint, whose friction counts"
+    findings += [Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}{why}")] if unmodelled else []
     _rename_world_link(reader)
     return PreparedUrdf(
         etree.tostring(reader.root, encoding="unicode"),

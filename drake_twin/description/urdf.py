@@ -237,8 +237,9 @@ def skip_wrong_bounds(reader: XmlReader) -> Iterator[Finding]:
             try:
                 parse_number(text)
             except ValueError as error:
-                what = f"{name} of a command interface is {text!r}, which is {error}: the interface has no such bound"
-                yield Finding.at(Kind.IGNORED, what, reader.place(param))
+                why = f", which is {error}: the interface has no such bound"
+                what = f"{name} of a command interface is {text!r}{why}"
+                yield Finding.at(Kind.IGNORED, what, reader.place(param), common=why)
                 interface.remove(param)
 
 
