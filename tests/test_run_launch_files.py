@@ -147,7 +147,7 @@ def test_a_simulator_that_starts_paused_runs_all_the_same_without_a_page(tmp_pat
     file = tmp_path / "paused.launch.py"
     file.write_text(LAUNCH_ARM.read_text().replace(" -v 4 -r empty.sdf ", "empty.sdf"))
     assert summary_of(tmp_path, file, "--duration", 0.1)["sim_time"] == pytest.approx(0.1)
-    said = "launch: the simulator starts paused there (gz without -r): it runs all the same\n"
+    said = "launch: the simulator starts paused there (gz without -r, gzserver with --pause): it runs all the same\n"
     assert capsys.readouterr().err == said
 
 

@@ -29,7 +29,7 @@ def announce(twin: "Twin", target: Target, options: argparse.Namespace) -> None:
         raise InputError(f"--strict: {strict_text(lost)}, see above")
     if target.paused:
         what = "it runs all the same" if options.headless else "press Play"
-        say(f"launch: the simulator starts paused there (gz without -r): {what}", sys.stderr)
+        say(f"launch: the simulator starts paused there (gz without -r, gzserver with --pause): {what}", sys.stderr)
     if target.recording is not None:
         then = "the run ends with it" if options.end_with_recording else "the run continues from there"
         say(f"replay: the recording ends at {target.recording.end:.3f} s: {then}", sys.stderr)

@@ -13,6 +13,7 @@ DRAKE_RAISES = (RuntimeError, ValueError, IndexError, OverflowError, MemoryError
 _NOT_FOR_USERS = (
     "half spaces are not currently supported for deformable contact",  # the twin has no deformable bodies
     "Actuation (via non-zero effort limits) for ",  # only commanded joints have an actuator
+    "The attribute 'type' found in a 'link' tag",  # a finding says it, with its line
     "Meshcat listening for connections",  # the program prints its page's address
 )
 

@@ -86,8 +86,12 @@ class SdfIncludes:
             self.asked.setdefault(error.package, []).append(reader.place(include))
             return None
         except NotIncludedError as reason:
-            what = f"{address} is not included: {reason}"
-            self.findings.append(Finding.at(Kind.IGNORED, what, reader.place(include)))
+            why = f" is not included: {reason}"
+            absent = (
+                f": {address.removeprefix('file://')}: "  # the address is the file: models that lack it are one line
+            )
+            why = why.replace(absent, ": ", 1)
+            self.findings.append(Finding.at(Kind.IGNORED, address + why, reader.place(include), common=why))
             return None
 
     def _model(

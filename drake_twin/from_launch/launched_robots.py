@@ -220,7 +220,7 @@ class LaunchedRobots:
         given_namespace: str,
     ) -> None:
         control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
-        wanted = [plugin.namespace for plugin in (*control, *source.plugins) if plugin.namespace]
+        wanted = [plugin.namespace for plugin in control or source.plugins if plugin.namespace]
         namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
         taken = {name_in_twin(robot.name) for robot in self.robots}  # team/r and team_r have one name there

@@ -180,6 +180,9 @@ def test_joint_friction_counts_as_ignored_only_when_it_is_left_out():
     assert ignored(body) == []
     assert ignored(body, without=["joint_friction"]) == ["friction of joint elbow: without the repair joint_friction"]
     assert ignored(body.replace("0.1", "0.0"), without=["joint_friction"]) == []
+    follower = joint("wrist", "arm", "hand", "<dynamics friction='0.1'/><mimic joint='elbow'/>")
+    why = "it follows another joint, whose friction counts"
+    assert ignored(links("base", "arm", "hand") + joint() + follower) == [f"friction of joint wrist: {why}"]
 
 
 def test_what_is_ignored_does_not_reach_drake():

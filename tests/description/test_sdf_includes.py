@@ -4,7 +4,7 @@ from sdf_worlds import BOX, findings, model_file, refusal, world_of, write
 
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.world_file import read_world
-from drake_twin.findings import Kind
+from drake_twin.findings import Kind, most_telling
 
 
 def test_an_include_takes_name_pose_and_static_from_where_it_stands(tmp_path):
@@ -233,3 +233,12 @@ def test_a_plugin_of_the_included_model_and_one_in_the_include_are_the_models(tm
         "own",
         "given",
     ]
+
+
+def test_models_whose_files_are_missing_are_one_line(tmp_path):
+    body = "".join(f"\n<include><uri>file:///home/nobody/{name}</uri></include>" for name in ("wall", "door"))
+    (line,) = most_telling(world_of(tmp_path, body).findings)
+    assert line == (
+        "ignored: file:///home/nobody/wall, file:///home/nobody/door is not included: the file does not exist"
+        " (test.world:5, 6)"
+    )

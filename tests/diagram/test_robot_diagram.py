@@ -3,6 +3,7 @@ import pytest
 from conftest import ARM
 
 from drake_twin import TwinBuilder
+from drake_twin.findings import most_telling
 from drake_twin.scenario import World
 
 
@@ -92,3 +93,26 @@ def test_a_callback_of_a_result_that_is_refused_ends_nothing_but_itself(tmp_path
     twin.advance_to(0.5)
     assert twin.time == 0.5
     assert "the callback of the goal for c: a callback cannot reset" in caplog.text
+
+
+def test_an_attribute_of_a_link_that_nobody_reads_is_told_once(tmp_path):
+    """Drake's parser would say it, too, without its file."""
+    file = tmp_path / "block.urdf"
+    file.write_text(
+        '<robot name="block"><link name="world"/><link name="base" type="rigid"/>'
+        '<joint name="j" type="fixed"><parent link="world"/><child link="base"/></joint></robot>'
+    )
+    twin = TwinBuilder().robot("block", file).build()
+    assert [str(finding) for finding in twin.findings] == ["block: the attribute type of <link> (block.urdf:1)"]
+
+
+def test_an_unknown_parameter_of_several_controllers_is_one_line(tmp_path):
+    (tmp_path / "c.yaml").write_text(
+        "controller_manager: {ros__parameters: {one: {type: joint_state_broadcaster/JointStateBroadcaster},"
+        " other: {type: joint_state_broadcaster/JointStateBroadcaster}}}\n"
+        "one: {ros__parameters: {speed: 1}}\n"
+        "other: {ros__parameters: {speed: 2}}\n"
+    )
+    twin = TwinBuilder().robot("arm", ARM, controllers=tmp_path / "c.yaml").build()
+    what = "warning: arm: controller one, controller other: unknown parameter 'speed': it is ignored (c.yaml:2, 3)"
+    assert most_telling(twin.findings) == [what]

@@ -156,6 +156,14 @@ def test_the_plugins_namespace_is_the_robots(tmp_path):
     assert robot.remapped("/left/robot_description") == "/robot_description"  # of the publisher, which is outside
 
 
+def test_the_namespace_of_another_plugin_is_not_the_controller_managers(tmp_path):
+    """As that of a tool's plugin: gz_ros2_control has its own, or none."""
+    tool = '<plugin name="tool" filename="libtool.so"><ros><namespace>/tool</namespace></ros></plugin>'
+    file = write_hinge(tmp_path, extra=f"<gazebo>{tool}</gazebo>")
+    (robot,) = launched(tmp_path, create("-file", file), spawner("velocity")).scenario.robots
+    assert (robot.topic_namespace, robot.active_controllers) == ("", ("velocity",))
+
+
 def test_robot_namespaces_keep_two_of_one_description_apart(tmp_path):
     file = write_hinge(tmp_path)
     entities = [
