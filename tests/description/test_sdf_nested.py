@@ -68,12 +68,12 @@ def test_the_nearest_model_around_has_the_link(joint, expected):
     assert moved.find("pose").get("relative_to") == f"{path}::wing"
     assert moved.find("axis/xyz").get("expressed_in") == f"{path}::__model__"
     assert moved.get("name") == {"inner::deep": "inner_deep_j_0", "deep": "deep_j"}[path]
-    assert said[0].startswith(f"joint j of the model {path} inside it holds ")
+    assert said[0].startswith(f"j of the model {path} inside it: joined to ")
 
 
 def test_a_world_tells_of_such_a_joint(tmp_path):
     (text,) = [text for text in findings(world_of(tmp_path, LIFT)) if "slide" in text]
-    assert "lift: joint slide of the model door inside it holds 'platform' of the model around" in text
+    assert "lift: slide of the model door inside it: joined to 'platform' of the model around" in text
 
 
 BOX = "<collision name='c'><geometry><box><size>0.2 0.2 0.2</size></box></geometry></collision>"
