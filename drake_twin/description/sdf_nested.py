@@ -110,7 +110,7 @@ def _flatten(model: etree._Element, reader: XmlReader, lost: list[etree._Element
             raise reader.error(nested, "the placement_frame of a model inside a robot is not supported")
         modernize(nested)
         inner = _flatten(nested, reader, lost)
-        own, taken = nested.get("name", ""), _names(model)
+        own, taken = reader.text(nested, "name"), _names(model)
         names: dict[str, str] = {}
         for name in (*_names(nested), "__model__"):
             names[name] = free_name(f"{own}_{name.strip('_') if name == '__model__' else name}", taken)

@@ -168,3 +168,19 @@ def test_links_that_nothing_joins_are_free_bodies_of_one_robot(tmp_path):
     assert twin.state_sha256() == digest
     twin.reset()
     np.testing.assert_allclose(positions(twin, *names), start, atol=1e-12)
+
+
+def test_the_tree_that_is_fixed_to_the_world_is_the_robots_base(tmp_path):
+    links = "".join(
+        f"<link name='{name}'><pose>{x} 0 2 0 0 0</pose>{INERTIAL}</link>"
+        for name, x in {"a": 1, "b": 2, "c": 3}.items()
+    )
+    welds = "".join(
+        f"<joint name='{name}_weld' type='fixed'><parent>world</parent><child>{name}</child></joint>" for name in "ac"
+    )
+    file = robot_file(tmp_path, links + welds)
+    twin = TwinBuilder(0.001, world=World(ground=False)).robot("r", file, xyz=(0, 5, 0)).build()
+    twin.advance_to(0.5)
+    fallen = 0.5 * 9.81 * 0.5**2
+    expected = [(0, 5, -fallen), (1, 5, 2), (2, 5, 2 - fallen), (3, 5, 2)]
+    np.testing.assert_allclose(positions(twin, "base", *"abc"), expected, atol=3e-3)
