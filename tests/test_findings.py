@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+import trimesh
 
+from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_model import load_robot_model
 from drake_twin.description.world_file import read_world
 from drake_twin.findings import Finding, Kind, Weight, grouped, most_telling
-from drake_twin.scenario import Robot, Scenario
+from drake_twin.scenario import Robot, Scenario, World
 from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 
 
@@ -171,3 +174,26 @@ def test_a_scenario_keeps_weights_and_one_of_an_older_version_is_read():
     assert older != text
     known = tuple(replace(item, weight=Weight.MOVES) for item in findings)
     assert ScenarioFile(older, "s.yaml").scenario == replace(scenario, findings=known)
+
+
+def test_models_of_a_world_with_the_same_mesh_and_all_windows_are_one_line(tmp_path):
+    link = "<link name='l'><collision name='c'><geometry><mesh><uri>{}.stl</uri></mesh></geometry></collision></link>"
+    for name in ("desk", "lamp"):
+        box = trimesh.creation.box((1, 1, 1))
+        box.faces = np.vstack([box.faces, box.faces[:1, [0, 0, 1]]])  # a triangle without area
+        (tmp_path / f"{name}.stl").write_bytes(trimesh.exchange.stl.export_stl(box))
+    models = "".join(
+        f"<model name='m{number}'><static>1</static>{link.format(mesh)}</model>\n"
+        for number, mesh in enumerate(("desk", "desk", "lamp"))
+    )
+    (tmp_path / "w.sdf").write_text(f"<sdf version='1.9'><world name='w'><gui/>\n{models}</world></sdf>")
+    (tmp_path / "r.urdf").write_text("<robot name='r'><link name='world'/></robot>")
+    twin = TwinBuilder(world=World(file=str(tmp_path / "w.sdf"))).robot("r", tmp_path / "r.urdf").build()
+    what = "has 1 triangle without area: convex parts of it collide as solids, other faces as slabs"
+    assert grouped([*twin.findings, Finding(Kind.WINDOW, "rviz2", cause="window", file="a.py", lines=(3,))]) == [
+        (
+            Kind.WARNING,
+            f"m0, m1: collision mesh desk.stl {what} (w.sdf:2, 3); m2: collision mesh lamp.stl {what} (w.sdf:4)",
+        ),
+        (Kind.WINDOW, "<gui> of the world (w.sdf:1); rviz2 (a.py:3)"),
+    ]

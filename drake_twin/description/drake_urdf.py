@@ -340,7 +340,7 @@ def _give_mimic(reader: XmlReader, description: RobotDescription) -> None:
 def _drop_what_drake_warns_of(reader: XmlReader) -> None:
     """Remove dry friction in joints, which the plant models with an actuator of its own, and negative bounds.
 
-    Also the ``type`` of links, an attribute that URDF lacks: `unread_in_urdf` reports it.
+    Also the ``type`` of links, an attribute that `unread_in_urdf` reports.
     """
     for link in reader.root.iterfind("link"):
         link.attrib.pop("type", "")

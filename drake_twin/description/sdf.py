@@ -1,6 +1,6 @@
 """SDF robots, prepared for Drake's parser."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -83,14 +83,20 @@ def prepare_sdf(reader: XmlReader, model_name: str | None, packages: PackageInde
         is_fixed = is_fixed or is_true(static.text)
         model.remove(static)
     if is_fixed:
-        _weld_links(model)
+        _weld(model, _roots(model))  # none of its links moves
         lay_slabs(model)
+    held: list[str] = []
     for joint in model.findall("joint"):
         if (joint.findtext("parent") or "").strip() == "world":
             if joint.get("type") != "fixed":
                 raise reader.error(joint, "a joint to the world must be fixed")
-            is_fixed = True
+            held.append((joint.findtext("child") or "").strip())
             model.remove(joint)
+    if held and not is_fixed:
+        if len(_roots(model)) > 1:
+            _weld(model, held)
+            _put_first(model, held[0])
+        is_fixed = True
     for sensor in [*model.iter("sensor")]:  # they are read separately
         parent = sensor.getparent()
         assert parent is not None
@@ -121,11 +127,23 @@ def joint_frictions(reader: XmlReader, model: etree._Element) -> Iterator[tuple[
                 yield joint.get("name", ""), friction, reader.place(element)
 
 
-def _weld_links(model: etree._Element) -> None:
-    """Weld the links of a static model that no joint connects to its first, for none of them moves."""
+def _roots(model: etree._Element) -> list[str]:
+    """Return the links that no joint holds."""
     children = {(joint.findtext("child") or "").strip() for joint in model.findall("joint")}
-    roots = [name for link in model.findall("link") if (name := link.get("name", "")) not in children]
-    for name in roots[1:]:
-        joint = etree.SubElement(model, "joint", name=f"{name}_to_{roots[0]}", type="fixed")
-        etree.SubElement(joint, "parent").text = roots[0]
+    return [name for link in model.findall("link") if (name := link.get("name", "")) not in children]
+
+
+def _weld(model: etree._Element, links: Sequence[str]) -> None:
+    """Weld links to the first of them."""
+    for name in links[1:]:
+        joint = etree.SubElement(model, "joint", name=f"{name}_to_{links[0]}", type="fixed")
+        etree.SubElement(joint, "parent").text = links[0]
         etree.SubElement(joint, "child").text = name
+
+
+def _put_first(model: etree._Element, link: str) -> None:
+    """Make a link the model's first one, which is the base of a robot with several trees of links."""
+    every = model.findall("link")
+    first = next((each for each in every if each.get("name") == link), every[0])
+    if first is not every[0]:
+        every[0].addprevious(first)

@@ -25,6 +25,7 @@ def join_across_models(model: etree._Element) -> Iterator[str]:
     Yields:
         What was changed.
     """
+    moved: dict[tuple[str, str], list[str]] = {}
     for nested in [*model.iter("model")][:0:-1]:  # the innermost first
         for joint in nested.findall("joint"):
             ends = [end for end in (joint.find("parent"), joint.find("child")) if end is not None]
@@ -39,12 +40,14 @@ def join_across_models(model: etree._Element) -> Iterator[str]:
                 end.text = f"{path}::{(end.text or '').strip()}"
             _prefix(joint, f"{path}::")
             names = ", ".join(repr((end.text or "").strip()) for end in absent)
-            yield (
-                f"joint {joint.get('name', '')} of the model {path} inside it holds {names} of the model around, as in"
-                " Gazebo classic; Gazebo Sim makes no such joint"
-            )
+            moved.setdefault((path, names), []).append(joint.get("name", ""))
             joint.set("name", free_name(f"{path.replace('::', '_')}_{joint.get('name', '')}", _names(above)))
             above.append(joint)
+    for (path, names), joints in moved.items():
+        yield (
+            f"{', '.join(joints)} of the model {path} inside it: joined to {names} of the model around, as in Gazebo"
+            " classic; Gazebo Sim makes no such joint"
+        )
 
 
 def _is_in_scope(text: str | None, model: etree._Element) -> bool:
@@ -107,7 +110,7 @@ def _flatten(model: etree._Element, reader: XmlReader, lost: list[etree._Element
             raise reader.error(nested, "the placement_frame of a model inside a robot is not supported")
         modernize(nested)
         inner = _flatten(nested, reader, lost)
-        own, taken = nested.get("name", ""), _names(model)
+        own, taken = reader.text(nested, "name"), _names(model)
         names: dict[str, str] = {}
         for name in (*_names(nested), "__model__"):
             names[name] = free_name(f"{own}_{name.strip('_') if name == '__model__' else name}", taken)

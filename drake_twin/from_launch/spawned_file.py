@@ -23,7 +23,7 @@ def spawned_file(file: str, process: LaunchedProcess, packages: PackageIndex) ->
         The text and its file.
 
     Raises:
-        InputError: If the file does not exist, or cannot be read.
+        InputError: If the file does not exist or cannot be read.
     """
     is_remote = file.startswith(("http://", "https://"))
     problem = InputError(f"{file}: files are not downloaded", file=process.place.file, line=process.place.line)

@@ -121,13 +121,13 @@ def test_a_check_a_sweep_and_a_run_agree(tmp_path, capsys):
     assert check([str(file)]) == 2
     captured = capsys.readouterr()
     assert captured.out.endswith("verdict: runs, without what is lost\n")
-    assert f"{file}:2: <include> in <model>" in captured.err
+    assert f"{file}:2: these models and packages were not found: absent" in captured.err
     assert check([str(file), "--keep-going"]) == 0
     table = tmp_path / "table.csv"
     words = [str(file), "--duration", "0.01", "--workers", "1", "--out", str(table)]
     capsys.readouterr()
     assert sweep(words) == 2
-    assert f"{file}:2: <include> in <model>" in capsys.readouterr().err
+    assert f"{file}:2: these models and packages were not found: absent" in capsys.readouterr().err
     assert not table.exists()
     assert sweep([*words, "--keep-going"]) == 0
     assert table.exists()

@@ -4,6 +4,7 @@ import pytest
 from lxml import etree
 from prepared_urdf import BOX, DRAKE, ignored, in_drake, joint, links, prepare, refusal
 
+from drake_twin import TwinBuilder
 from drake_twin.description.drake_urdf import drake_link_name, prepare_urdf
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.urdf import describe_urdf
@@ -198,3 +199,11 @@ def test_the_document_that_was_read_is_not_changed():
     prepare_urdf(reader, description, "robot_1", PackageIndex((), {}))
     assert etree.tostring(reader.root) == before
     assert description.text == text
+
+
+def test_an_attribute_that_links_do_not_have_is_one_finding_of_the_twins_own(tmp_path):
+    file = tmp_path / "r.urdf"
+    file.write_text(f"<robot name='r'>{links('base').replace('<link ', '<link type=' + repr('laser') + ' ')}</robot>")
+    twin = TwinBuilder().robot("r", file).build()
+    about = [finding.what for finding in twin.findings if "type" in finding.what]
+    assert about == ["the attribute type of <link>"]

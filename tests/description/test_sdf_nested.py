@@ -68,12 +68,12 @@ def test_the_nearest_model_around_has_the_link(joint, expected):
     assert moved.find("pose").get("relative_to") == f"{path}::wing"
     assert moved.find("axis/xyz").get("expressed_in") == f"{path}::__model__"
     assert moved.get("name") == {"inner::deep": "inner_deep_j_0", "deep": "deep_j"}[path]
-    assert said[0].startswith(f"joint j of the model {path} inside it holds ")
+    assert said[0].startswith(f"j of the model {path} inside it: joined to ")
 
 
 def test_a_world_tells_of_such_a_joint(tmp_path):
     (text,) = [text for text in findings(world_of(tmp_path, LIFT)) if "slide" in text]
-    assert "lift: joint slide of the model door inside it holds 'platform' of the model around" in text
+    assert "lift: slide of the model door inside it: joined to 'platform' of the model around" in text
 
 
 BOX = "<collision name='c'><geometry><box><size>0.2 0.2 0.2</size></box></geometry></collision>"
@@ -168,3 +168,19 @@ def test_links_that_nothing_joins_are_free_bodies_of_one_robot(tmp_path):
     assert twin.state_sha256() == digest
     twin.reset()
     np.testing.assert_allclose(positions(twin, *names), start, atol=1e-12)
+
+
+def test_the_tree_that_is_fixed_to_the_world_is_the_robots_base(tmp_path):
+    links = "".join(
+        f"<link name='{name}'><pose>{x} 0 2 0 0 0</pose>{INERTIAL}</link>"
+        for name, x in {"a": 1, "b": 2, "c": 3}.items()
+    )
+    welds = "".join(
+        f"<joint name='{name}_weld' type='fixed'><parent>world</parent><child>{name}</child></joint>" for name in "ac"
+    )
+    file = robot_file(tmp_path, links + welds)
+    twin = TwinBuilder(0.001, world=World(ground=False)).robot("r", file, xyz=(0, 5, 0)).build()
+    twin.advance_to(0.5)
+    fallen = 0.5 * 9.81 * 0.5**2
+    expected = [(0, 5, -fallen), (1, 5, 2), (2, 5, 2 - fallen), (3, 5, 2)]
+    np.testing.assert_allclose(positions(twin, "base", *"abc"), expected, atol=3e-3)

@@ -275,3 +275,21 @@ def test_a_model_that_is_nowhere_ends_the_run_by_its_name(tmp_path):
     context.get_mutable_discrete_state_vector().SetAtIndex(index, np.nan)
     with pytest.raises(RunError, match=r"model 'crate' of the world is no longer at a finite position"):
         twin.advance_to(0.1)
+
+
+@pytest.mark.parametrize(("friction", "acts"), [(1e-4, None), (0.6, "0.402 instead of 0.6")])
+def test_friction_that_acts_otherwise_in_a_large_world_is_told_only_where_that_shows(tmp_path, friction, acts):
+    # Drake's pair has 2·a·b/(a + b): the robot's shape has the a that gives 0.6 with 50, and 0.402 with 0.6.
+    surface = "<surface><friction><ode><mu>{0}</mu><mu2>{0}</mu2></ode></friction></surface>"
+    box = "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry>{}</collision>"
+    models = "".join(
+        f"<model name='m{number}'><static>1</static><pose>{3 * number} 9 0 0 0 0</pose>"
+        f"<link name='l'>{box.format(surface.format(50 if number else 0.6))}</link></model>"
+        for number in range(102)
+    )
+    (tmp_path / "w.sdf").write_text(f"<sdf version='1.9'><world name='w'>{models}</world></sdf>")
+    robot = f"<model name='r'><link name='l'>{box.format(surface.format(friction))}</link></model>"
+    (tmp_path / "r.sdf").write_text(f"<sdf version='1.9'>{robot}</sdf>")
+    twin = TwinBuilder(world=World(file=str(tmp_path / "w.sdf"), ground=False)).robot("r", tmp_path / "r.sdf").build()
+    about = [text.partition(" acts as ")[2] for text in twin.warnings if "too many shapes" in text]
+    assert about == ([] if acts is None else [acts])
