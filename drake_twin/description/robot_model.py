@@ -14,7 +14,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.repairs import check_repair_names, repair_urdf
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.description.roller_wheels import roller_links
-from drake_twin.description.source_file import read_xml
+from drake_twin.description.source_file import read_xml, without_default_namespace
 from drake_twin.description.unread import unread_in_sdf, unread_in_urdf
 from drake_twin.description.unused_contact import unused_in_sdf, unused_in_urdf
 from drake_twin.description.urdf import describe_urdf, is_static_in_gazebo, skip_wrong_bounds
@@ -96,6 +96,7 @@ def load_robot_model(
     else:
         _refuse_arguments(arguments, file)
         places = places_of_expanded(text)
+    text = without_default_namespace(text)  # which other readers of it look at
     reader = XmlReader(text, file, places=places)
     check_values(reader)
     skipped = tuple(skip_wrong_bounds(reader))
@@ -142,14 +143,16 @@ def _load_sdf(text: str, file: Path, name: str | None, packages: PackageIndex) -
     from drake_twin.description.included_model import included_model
     from drake_twin.description.link_surface import sdf_surfaces
     from drake_twin.description.sdf import joint_frictions, prepare_sdf, read_robot_sdf
+    from drake_twin.description.sdf_document import check_version
     from drake_twin.description.sdf_values import with_place, wrong_numbers
     from drake_twin.description.sensors import sensors_in_sdf
 
-    text, file, lost = included_model(text, file, packages)
+    text, file, lost = included_model(without_default_namespace(text), file, packages)
     reader, moved = read_robot_sdf(text, file, packages)
     prepared, is_fixed, own_name, findings = prepare_sdf(reader, name, packages)
     if reader.root.get("version") is None:
         raise reader.error(reader.root, "the attribute 'version' is missing")
+    check_version(reader)
     (model,) = reader.root.findall("model")
     frictions = {name: (friction, place) for name, friction, place in joint_frictions(reader, model)}
     try:

@@ -60,8 +60,17 @@ class SavedState:
         if not self._is_used:
             what = "<state> of the world, which Gazebo Sim does not read"
             yield Finding.at(Kind.IGNORED, what, place, cause=Cause.UNREAD)
-        elif self._moved:
+            return
+        for model in self._element.iterfind("model[link]"):
+            if self._is_only_of_links(model):
+                what = f"the poses of the links of {model.get('name', '')} in <state>: it starts where its own pose is"
+                yield Finding.at(Kind.IGNORED, what, self._reader.place(model))
+        if self._moved:
             more = f" and {len(self._moved) - _MOST_NAMED} more" if len(self._moved) > _MOST_NAMED else ""
             who = f"{', '.join(self._moved[:_MOST_NAMED])}{more}"
             what = f"{who}: the start pose is that of <state>, as in Gazebo classic; Gazebo Sim does not read it"
             yield Finding.at(Kind.WARNING, what, place)
+
+    @staticmethod
+    def _is_only_of_links(model: etree._Element) -> bool:
+        return model.find("pose") is None and model.find("link/pose") is not None

@@ -10,6 +10,7 @@ from drake_twin.description.xml_reader import XmlReader
 from drake_twin.findings import Place
 from drake_twin.values import is_true, number_or_none
 
+_VERSION = re.compile(r"\d+(\.\d+)*")
 _PREFIX = re.compile(r"(?:</?|\s)([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*(?=[\s=/>])")
 
 
@@ -19,7 +20,7 @@ def read_sdf(text: str, file: Path | None, places: Sequence[Place] | None = None
     That is blank lines before the XML declaration, prefixes that nothing declares, and ``--`` inside a comment.
 
     Raises:
-        InputError: If it is not well-formed all the same.
+        InputError: If it is not well-formed all the same, or its version is not numbers.
     """
     text = re.sub(r"<!--.*?-->", lambda comment: "\n" * comment[0].count("\n"), text, flags=re.DOTALL)
     text = re.sub(r"(</?[A-Za-z_]\w*)::(?=\w)", r"\1:", text)
@@ -31,13 +32,26 @@ def read_sdf(text: str, file: Path | None, places: Sequence[Place] | None = None
     if unknown:
         declarations = "".join(f' xmlns:{prefix}="{prefix}"' for prefix in unknown)
         text = re.sub(r"<sdf\b", lambda tag: tag[0] + declarations, text, count=1)
-    return XmlReader(text, file, places=places)
+    reader = XmlReader(text, file, places=places)
+    check_version(reader)
+    return reader
+
+
+def check_version(reader: XmlReader) -> None:
+    """Check that the version of an SDF document is one.
+
+    Raises:
+        InputError: If it is not numbers.
+    """
+    version = reader.root.get("version")
+    if reader.root.tag == "sdf" and version is not None and _VERSION.fullmatch(version.strip()) is None:
+        raise reader.error(reader.root, f"the version is {version!r}, which is not numbers such as 1.9")
 
 
 def sdf_version(root: etree._Element) -> tuple[int, ...]:
     """Return the version of an SDF document as numbers; the newest where it gives none."""
     text = (root.get("version") or "").strip()
-    return tuple(int(part) for part in text.split(".")) if re.fullmatch(r"\d+(\.\d+)*", text) else (1, 11)
+    return tuple(int(part) for part in text.split(".")) if _VERSION.fullmatch(text) else (1, 11)
 
 
 def modernize(model: etree._Element) -> None:

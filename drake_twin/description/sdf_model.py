@@ -238,13 +238,15 @@ def _inertias(model: etree._Element) -> Iterator[str]:
         mass = 1.0 if mass_element is None else number_in(mass_element)
         inertia = inertial.find("inertia")
         if mass is None or not isfinite(mass) or mass <= 0:
+            given = mass
             for child in list(inertial):
                 if child.tag != "pose":
                     inertial.remove(child)
             etree.SubElement(inertial, "mass").text = f"{LEAST_MASS:g}"
             inertia, mass = etree.SubElement(inertial, "inertia"), LEAST_MASS
             _set_inertia(inertia, possible_inertia(mass, np.zeros((3, 3)))[0])
-            yield f"link {link.get('name', '')} moves, but has no mass: it weighs {LEAST_MASS:g} kg"
+            weight = f"its mass is {given:g}, below zero" if given is not None and given < 0 else "has no mass"
+            yield f"link {link.get('name', '')} moves, but {weight}: it weighs {LEAST_MASS:g} kg"
         elif inertia is not None:
             tensor = _inertia(inertia)
             if tensor is not None:

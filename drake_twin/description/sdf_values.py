@@ -6,7 +6,7 @@ from math import isnan
 
 from lxml import etree
 
-from drake_twin.description.xml_reader import XmlReader
+from drake_twin.description.xml_reader import XmlReader, described
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, at_places
 from drake_twin.values import needed, number_or_none
@@ -29,14 +29,21 @@ _OF_PARENT: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "axis2": {"xyz": _THREE},
     "material": {"diffuse": _COLOR, "ambient": _COLOR},
     "sensor": {"update_rate": _ONE},
-    # Of lights only where they are empty: `surroundings` reports other words.
+    # Of lights and sensors only where they are empty: those that read them report other words.
     "light": {"diffuse": _COLOR, "direction": _THREE, "intensity": _ONE},
     "attenuation": dict.fromkeys(("constant", "linear", "quadratic"), _ONE),
     "spot": {"outer_angle": _ONE},
+    "horizontal": dict.fromkeys(("samples", "resolution", "min_angle", "max_angle"), _ONE),
+    "vertical": dict.fromkeys(("samples", "min_angle", "max_angle"), _ONE),
+    "range": {"min": _ONE, "max": _ONE},
+    "camera": {"horizontal_fov": _ONE},
+    "image": {"width": _ONE, "height": _ONE},
+    "clip": {"near": _ONE, "far": _ONE},
 }
 _NEVER_NEGATIVE = ("mu", "mu2")
 _FAILED_CHECK = "Failure at "  # of Drake's own code, which does not tell what is wrong in the file
-_OF_LIGHTS = ("light", "attenuation", "spot")
+_UNREADABLE = "Error reading element <"
+_READ_ELSEWHERE = ("light", "attenuation", "spot", "horizontal", "vertical", "range", "camera", "image", "clip")
 
 
 def wrong_numbers(reader: XmlReader, root: etree._Element) -> list[Finding]:
@@ -48,7 +55,7 @@ def _wrong(root: etree._Element) -> Iterator[tuple[etree._Element, str]]:
     for parent in root.iter(*_OF_PARENT):
         for element in parent.iterchildren(etree.Element):
             counts, words = _OF_PARENT[str(parent.tag)].get(str(element.tag)), (element.text or "").split()
-            is_reported = bool(words) and parent.tag in _OF_LIGHTS
+            is_reported = bool(words) and parent.tag in _READ_ELSEWHERE
             why = None if counts is None or len(element) or is_reported else _why(words, *counts)
             if counts is not None and why is None and element.tag in _NEVER_NEGATIVE and float(words[0]) < 0:
                 why = "which cannot be negative"
@@ -72,8 +79,10 @@ def with_place(error: InputError, reader: XmlReader) -> InputError:
     if element is None or error.line is not None:
         return error
     place = reader.place(element)
-    is_told = element is wrong and _FAILED_CHECK in error.message
-    return InputError(why if is_told else error.message, file=place.file or error.file, line=place.line)
+    what = why if element is wrong and _FAILED_CHECK in error.message else error.message
+    if _UNREADABLE in error.message and not len(element):
+        what = f"{described(element)} is {' '.join((element.text or '').split())!r}, which SDF does not read there"
+    return InputError(what, file=place.file or error.file, line=place.line)
 
 
 def _named(message: str, root: etree._Element) -> etree._Element | None:

@@ -11,6 +11,9 @@ _MOST_BYTES = 1 << 30
 _DECLARATION = re.compile(r"""^\s*<\?xml\b[^>]*?(\sencoding\s*=\s*["']([\w.:-]+)["'])[^>]*\?>""")
 _PREFIX = re.compile(r"""</?([A-Za-z_][\w.-]*):|\s([A-Za-z_][\w.-]*):[A-Za-z_][\w.-]*\s*=\s*["']""")
 _OUTERMOST = re.compile(r"(?:\s|<\?.*?\?>|<!--.*?-->|<!\w[^>]*>)*<[A-Za-z_][\w.-]*(?=[\s/>])", re.DOTALL)
+_DEFAULT_NAMESPACE = re.compile(
+    r"""(<(?:robot|sdf)\b(?:"[^"]*"|'[^']*'|[^>"'])*?)\sxmlns\s*=\s*(?:"[^"]*"|'[^']*')""", re.DOTALL
+)
 _MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
@@ -32,6 +35,13 @@ def check_regular(file: Path) -> None:
         raise InputError("this is not a file, but a folder, a device or a pipe", file=file)
     if status.st_size > _MOST_BYTES:
         raise InputError(f"the file has {status.st_size / 1e9:.1f} GB; at most one gigabyte is read", file=file)
+
+
+def without_default_namespace(text: str) -> str:
+    """Remove a namespace that the outermost element gives all others, which urdfdom and libsdformat do not look at."""
+    if "xmlns" not in text:
+        return text
+    return _DEFAULT_NAMESPACE.sub(lambda tag: tag[1] + "\n" * (tag[0].count("\n") - tag[1].count("\n")), text, count=1)
 
 
 def read_xml(file: Path, what: str) -> str:

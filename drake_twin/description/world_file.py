@@ -16,6 +16,7 @@ from lxml import etree
 from drake_twin.description.built_in_worlds import built_in_world, find_world
 from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
 from drake_twin.description.package_index import PackageIndex
+from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
 from drake_twin.description.saved_state import SavedState
 from drake_twin.description.sdf_document import free_name, is_static, read_sdf, sdf_version
@@ -240,6 +241,8 @@ class _World:
         taken = {"world"}  # which SDF reserves
         copies = [(copy, name) for copy, name in self._copies.items() if copy not in self._without]
         poses = [self._pose(frames, model, pose) for model, _, pose, *_ in found]  # before a model is changed
+        for error in frames.unplaced() if all(X is not None for X in poses) else ():  # a model that is lost says so
+            self._findings.append(Finding.at(Kind.WARNING, error.message, Place(error.file or "", error.line)))
         for (model, version, _, place, reader), X_WM in zip(found, poses, strict=True):
             name = model.get("name", "")
             if X_WM is None:
@@ -348,7 +351,8 @@ class _World:
                 continue
             what = f"<{etree.QName(child).localname}>"
             if child.tag == "plugin":
-                if plugin_kind(GazeboPlugin(child.get("filename", ""), child.get("name", ""))) in DONE_HERE:
+                plugin = GazeboPlugin(child.get("filename", ""), child.get("name", ""))
+                if plugin_kind(plugin) in DONE_HERE or misspelt_plugin(plugin):  # `unread` says so
                     continue
                 what = f"the plugin {child.get('name') or child.get('filename') or '?'}"
             if is_window == (child.tag == "gui"):

@@ -1,5 +1,6 @@
 """The poses of a world's models, which may be relative to each other and to ``<frame>``s."""
 
+from collections.abc import Iterator
 from copy import deepcopy
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from drake_twin.description.sdf_document import free_name, modernize
 from drake_twin.description.sdf_model import hold_by_links
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
+from drake_twin.errors import InputError
 
 if TYPE_CHECKING:
     from pydrake.math import RigidTransform
@@ -35,9 +37,10 @@ class WorldFrames:
         self._poses = {model.get("name", ""): pose for model, pose, _ in models}
         self._readers = {model.get("name", ""): own for model, _, own in models}
         self._attached: dict[str, str] = {}
-        for frame in world.findall("frame"):
-            self._poses[frame.get("name", "")] = frame.find("pose")
-            self._attached[frame.get("name", "")] = frame.get("attached_to", "")
+        self._frames = {frame.get("name", ""): frame for frame in world.findall("frame")}
+        for name, frame in self._frames.items():
+            self._poses[name] = frame.find("pose")
+            self._attached[name] = frame.get("attached_to", "")
 
     def pose(self, model: etree._Element, pose: etree._Element | None) -> "RigidTransform":
         """Compute the pose of a model's frame in the world.
@@ -52,6 +55,22 @@ class WorldFrames:
         X_WP = self._pose(model, pose)
         placed = model.get("placement_frame", "")
         return X_WP @ self._frame_in(model, placed, model).inverse() if placed else X_WP
+
+    def unplaced(self) -> Iterator[InputError]:
+        """Yield why frames of the world have no pose; of those that are relative to each other the first one."""
+        told: set[str] = set()
+        for name, frame in self._frames.items():
+            try:
+                self._pose(frame, frame.find("pose"))
+            except InputError as error:
+                if not told & {name, self._relative_to(name)}:
+                    yield error
+                told.add(name)
+
+    def _relative_to(self, name: str) -> str:
+        pose = self._poses.get(name)
+        own = "" if pose is None else pose.get("relative_to", "")
+        return own or self._attached.get(name, "")
 
     def _pose(self, model: etree._Element, pose: etree._Element | None, seen: tuple[str, ...] = ()) -> "RigidTransform":
         """Compute what a ``<pose>`` says of a model or a frame of the world.
@@ -69,8 +88,7 @@ class WorldFrames:
         name = model.get("name", "")
         X = RigidTransform() if pose is None else transform_of(pose, self._reader_of(pose, name))
         to = "" if pose is None else pose.get("relative_to", "")
-        to = to or self._attached.get(name, "")
-        to, _, inside = to.partition("::")
+        to, _, inside = (to or self._attached.get(name, "")).partition("::")
         if to in ("", "world", "__root__"):
             return X
         if to in (*seen, name):
@@ -78,7 +96,7 @@ class WorldFrames:
         if to not in self._poses:
             what = f"its pose is relative to {to!r}, which does not exist"
             raise self._reader.error(model, what, valid=sorted({*self._poses} - {name}), value=to)
-        above = self._models.get(to, etree.Element("frame", name=to))
+        above = self._frames[to] if to in self._frames else self._models[to]
         X_WF = self._pose(above, self._poses[to], (*seen, name))
         placed = above.get("placement_frame", "")
         if placed:

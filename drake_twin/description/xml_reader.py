@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from lxml import etree
 
+from drake_twin.description.source_file import without_default_namespace
 from drake_twin.errors import InputError
 from drake_twin.findings import Place
 from drake_twin.values import needed, parse_number
@@ -40,7 +41,7 @@ class XmlReader:
         self.file = file
         self._places: list[Place] | None = None if places is None else list(dict.fromkeys(places))
         try:
-            self.root = etree.fromstring(text.encode(), _PARSER)
+            self.root = etree.fromstring(without_default_namespace(text).encode(), _PARSER)
         except etree.XMLSyntaxError as error:
             line = error.lineno if places is None else None
             raise InputError(f"this is not well-formed XML: {error.msg}", file=file, line=line) from None

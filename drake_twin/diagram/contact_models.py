@@ -1,7 +1,7 @@
 """The owners of shapes: robots and moving models of the world."""
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -18,7 +18,7 @@ class ContactModel:
         root_pose: The pose of its root body in the world at the start; None for the plant's default pose.
         colliding: The bodies that collide with others of the same model; None for all of them.
         friction: The coefficient of friction of all its shapes; None for those of its file.
-        is_folded: Whether Gazebo folds its links on fixed joints into one, as it does those of a URDF.
+        folded: Body → the body into which Gazebo folds it, for those of a URDF on fixed joints.
     """
 
     name: str
@@ -27,4 +27,4 @@ class ContactModel:
     root_pose: RigidTransform | None = None
     colliding: Collection[str] | None = ()
     friction: float | None = None
-    is_folded: bool = False
+    folded: Mapping[str, str] = field(default_factory=dict)

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 from pydrake.geometry import CollisionFilterDeclaration, GeometryId, GeometrySet, HalfSpace, RoleAssign, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import RigidBody
 
 from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
@@ -266,7 +267,7 @@ def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models
     manager = scene_graph.collision_filter_manager()
     for model in models:
         bodies = [plant.get_body(index) for instance in model.instances for index in plant.GetBodyIndices(instance)]
-        if model.is_folded and (model.colliding is None or model.colliding):
+        if model.folded and (model.colliding is None or model.colliding):
             for parents, children in _jointed(plant, model):
                 manager.Apply(CollisionFilterDeclaration().ExcludeBetween(parents, children))
         if model.colliding is None:
@@ -277,10 +278,16 @@ def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models
 
 
 def _jointed(plant: MultibodyPlant, model: ContactModel) -> Iterator[tuple[GeometrySet, GeometrySet]]:
-    """Yield the shapes on the two sides of each joint that moves, with those of all links that are fixed to them."""
+    """Yield the shapes on the two sides of each joint that moves, with those of all links that are folded into them."""
+
+    def link(body: RigidBody) -> str:
+        return model.folded.get(body.name(), body.name())
+
+    families: defaultdict[str, list[RigidBody]] = defaultdict(list)
+    for index in (index for instance in model.instances for index in plant.GetBodyIndices(instance)):
+        families[link(plant.get_body(index))].append(plant.get_body(index))
     for joint in map(plant.get_joint, plant.GetJointIndices()):
         if joint.model_instance() in model.instances and joint.num_velocities():
-            sides = (plant.GetBodiesWeldedTo(body) for body in (joint.parent_body(), joint.child_body()))
-            own = ([body for body in side if body.model_instance() in model.instances] for side in sides)
-            parents, children = map(plant.CollectRegisteredGeometries, own)
+            sides = (families[link(body)] for body in (joint.parent_body(), joint.child_body()))
+            parents, children = map(plant.CollectRegisteredGeometries, sides)
             yield parents, children

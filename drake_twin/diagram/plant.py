@@ -15,6 +15,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings, without_literal
 from drake_twin.description.drake_urdf import drake_link_name
+from drake_twin.description.fixed_joint_lumping import lumped_links
 from drake_twin.description.gazebo_drive import ROLLER_WHEELS
 from drake_twin.description.robot_description import Joint, Pose
 from drake_twin.description.sdf_values import with_place
@@ -272,11 +273,19 @@ def _contact_models(
             rigid_transform(plan.spawn_pose),
             _colliding_links(plan),
             plan.robot.friction,
-            is_folded=plan.model.drake_format == "urdf",
+            folded=_folded(plan),
         )
         for plan in plans
     ]
     return [*robots, *(ContactModel(name, every, world.contact) for name, every in world_models.items())]
+
+
+def _folded(plan: RobotPlan) -> dict[str, str]:
+    """Return body → the body into which Gazebo folds it."""
+    if plan.model.drake_format != "urdf":
+        return {}
+    folded = lumped_links(XmlReader(plan.description.text).root)
+    return {drake_link_name(link): drake_link_name(into) for link, into in folded.items()}
 
 
 def _colliding_links(plan: RobotPlan) -> set[str] | None:

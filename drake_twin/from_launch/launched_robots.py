@@ -167,12 +167,12 @@ class LaunchedRobots:
             kind = Kind.IGNORED if is_gflags else Kind.REFUSED_BY_ROS
             self.findings.append(Finding.at(kind, option + common, process.place, common=common))
         source, publisher = self._source(line, process)
-        own_name = source.name if process.package != "gazebo_ros" else ""
-        name = line.text("name", "entity") or own_name
+        is_classic = process.package == "gazebo_ros"
+        name = line.text("entity") if is_classic else line.text("name") or source.name
         if not name:
-            raise line.error("the entity has no name: give -entity")
+            raise line.error("the entity has no name: give -entity" if is_classic else "the entity has no name")
+        own_namespace = line.text("robot_namespace") if is_classic else None
         if any(robot.name == name for robot in self.robots):
-            own_namespace = line.text("robot_namespace")
             others = {robot.namespace.strip("/") for robot in self.robots if robot.name == name}
             apart = own_namespace is not None and own_namespace.strip("/") not in others
             if not apart and not line.flag("allow_renaming"):
@@ -181,8 +181,7 @@ class LaunchedRobots:
             (line.number("x"), line.number("y"), line.number("z")),
             (line.number("R"), line.number("P"), line.number("Y")),
         )
-        namespace = line.text("robot_namespace") or ""
-        self._add(name, source, process, pose, publisher, namespace)
+        self._add(name, source, process, pose, publisher, own_namespace or "")
 
     def _without_simulator(self, process: LaunchedProcess) -> None:
         """Add the robots of ros2_control_nodes, unless a simulator starts a robot."""

@@ -206,7 +206,7 @@ def _grid(part: SensorElement) -> ScanGrid:
             count = own.number("samples", samples, least=1)
             resolution = own.number("resolution", 1.0, least=1e-6)
             least, most = own.number("min_angle", 0.0), own.number("max_angle", 0.0)
-            if most < least:
+            if most < least and name == "vertical":  # the rays of a row go backwards then, as in Gazebo classic
                 raise own.error(f"max_angle {most:g} is below min_angle {least:g}", "max_angle")
             if name == "vertical" and not -pi / 2 <= least <= most <= pi / 2:
                 raise own.error("the angles of rows must be from -pi/2 to pi/2", "max_angle")

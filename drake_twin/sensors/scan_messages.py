@@ -138,7 +138,7 @@ def nearest_range(header: Any, grid: ScanGrid, ranges: np.ndarray, radiation: in
     return messages.Range(
         header=header,
         radiation_type=radiation,
-        field_of_view=max(grid.angle_max - grid.angle_min, grid.row_max - grid.row_min),
+        field_of_view=max(abs(grid.angle_max - grid.angle_min), grid.row_max - grid.row_min),
         min_range=grid.range_min,
         max_range=grid.range_max,
         range=float(min(ranges.min(), np.finfo(np.float32).max)),

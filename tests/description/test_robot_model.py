@@ -267,3 +267,50 @@ def test_an_sdf_file_is_told_by_its_outermost_tag_and_says_what_is_ignored(tmp_p
     assert [item.what for item in of(model, Kind.WARNING)] == [
         "without_repairs: inertia has no effect on a file that is not URDF"
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "suffix"),
+    [
+        (URDF.replace("<robot", "<robot\n xmlns='http://www.ros.org'"), "urdf"),
+        (XACRO.replace("<robot", '<robot xmlns="http://www.ros.org"'), "urdf.xacro"),
+        (SDF.replace("<sdf", '<sdf xmlns="http://sdformat.org/schemas/root.xsd"'), "sdf"),
+    ],
+)
+def test_a_namespace_of_all_elements_is_not_looked_at_as_in_gazebo(load, text, suffix):
+    assert load(text, suffix=suffix).description.links in (("base",), ("left_base",))
+
+
+@pytest.mark.parametrize("version", ["abc", "1.x", "", "1,9"])
+def test_a_version_of_sdf_that_is_no_number_is_refused_with_its_line(load, version):
+    with pytest.raises(InputError, match=rf"robot\.sdf:2: <sdf>: the version is '{version}'"):
+        load(f'<?xml version="1.0"?>\n{SDF.replace("1.9", version)}', suffix="sdf")
+
+
+def test_a_mass_below_zero_is_told_as_such(load):
+    text = SDF.replace("<link name=", "<link name='other'/><link name=").replace(
+        '"base"/>', '"base"><inertial><mass>-3</mass></inertial></link><joint name="j" type="fixed">'
+        "<parent>base</parent><child>other</child></joint>"
+    )  # fmt: skip
+    whats = [finding.what for finding in of(load(text, suffix="sdf"), Kind.WARNING)]
+    assert whats == ["link base moves, but its mass is -3, below zero: it weighs 0.001 kg"]
+
+
+@pytest.mark.parametrize("pose", ["1 2", "0 0 nan 0 0 0", "0 0 up 0 0 0"])
+def test_a_pose_that_is_not_six_numbers_is_told_with_its_value(load, pose):
+    text = SDF.replace("/></model>", f">\n<pose>{pose}</pose></link></model>")
+    with pytest.raises(InputError, match=rf"robot\.sdf:2: <pose> of <link name=\"base\"> is '{pose}'"):
+        load(text, suffix="sdf")
+
+
+@pytest.mark.parametrize(("tag", "given"), [("samples", "8"), ("max_angle", "1"), ("min", "0.1")])
+@pytest.mark.parametrize("suffix", ["urdf", "sdf"])
+def test_a_number_of_a_sensor_that_is_empty_is_a_finding(load, suffix, tag, given):
+    lidar = """<sensor name="s" type="gpu_lidar"><lidar><scan><horizontal><samples>8</samples>
+<min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>9</max></range></lidar>
+</sensor>""".replace(f"<{tag}>{given}</{tag}>", f"<{tag}></{tag}>")  # Gazebo: "Empty string used when setting …"
+    text = URDF.replace("</robot>", f'<gazebo reference="base">{lidar}</gazebo></robot>')
+    text = text if suffix == "urdf" else SDF.replace("/></model>", f">{lidar}</link></model>")
+    (what,) = [finding.what for finding in load(text, suffix=suffix).findings if finding.kind is Kind.WARNING]
+    assert f"<{tag}> of <" in what
+    assert what.endswith("is '', where one number is needed: Gazebo refuses it")

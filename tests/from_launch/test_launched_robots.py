@@ -74,6 +74,14 @@ def test_an_option_that_the_spawner_of_an_entity_does_not_have_is_a_finding(tmp_
     assert (finding.kind, bool(finding.lines)) == (kind, True)
 
 
+def test_what_create_does_not_know_names_and_moves_nothing(tmp_path):
+    file = write_hinge(tmp_path)
+    words = ("-topic", "robot_description", "-entity", "other", "-robot_namespace", "elsewhere")
+    launch = launched(tmp_path, publisher(file), create(*words))
+    (robot,) = launch.scenario.robots
+    assert (robot.name, robot.namespace) == ("hinge", "/")
+
+
 @pytest.mark.parametrize("shell", [False, True])
 @pytest.mark.parametrize("program", ["gz", "ign"])
 def test_a_call_of_gazebos_service_spawns_an_entity(tmp_path, program, shell):

@@ -67,12 +67,15 @@ def link_differences(
                 reason = "a shape that Drake cannot have, or whose mesh is missing, is left out" if twin["lost"] else ""
                 yield Difference("name", of, item["name"], sorted(ours), reason)
                 continue
+            if kind == "sensors" and own["type"] in NEWER:
+                yield Difference("sensor", of, item["type"], own["type"], "libsdformat 12 does not know this kind yet")
+                continue
             if not item.get("is_other"):  # the twin has a mesh's hull or the primitive that it is, and a plane's slab
                 yield from pose_difference(of, item["pose"], own["pose"])
             for name in ("type", "topic", "rate") if kind == "sensors" else ():
-                if item[name] != SYNONYMS.get(own[name], own[name]):
-                    reason = "libsdformat 12 does not know this kind yet" if own[name] in NEWER else ""
-                    yield Difference("sensor", f"{name} of {of}", item[name], own[name], reason)
+                value = SYNONYMS.get(own[name], own[name]) if name == "type" else own[name]
+                if item[name] != value:
+                    yield Difference("sensor", f"{name} of {of}", item[name], own[name])
             if kind == "collisions":
                 friction = max(0.0, min(item["mu"], item["mu2"]))
                 if not np.isclose(friction, own["mu"], rtol=1e-6, atol=1e-9):

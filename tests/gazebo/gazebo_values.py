@@ -45,6 +45,8 @@ def transform(numbers):
 
 def flattened(model, X_WO=None, prefix=""):
     """Yield a model and those in it as they stand in the world: links there, names ``OUTER::INNER``."""
+    if model["pose"] is None:  # it is relative to what is not there
+        return
     X_WM = (RigidTransform() if X_WO is None else X_WO) @ transform(model["pose"])
     name = f"{prefix}{model['name']}"
     yield name, X_WM, model

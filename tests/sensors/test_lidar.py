@@ -42,6 +42,15 @@ def test_a_wall_two_meters_ahead_is_at_two_meters(tmp_path):
     assert scan.header.frame_id == "box/box/s"
 
 
+def test_a_scan_from_left_to_right_goes_backwards_as_in_gazebo_classic(tmp_path):
+    """ANGLE = i · (max - min) / (samples - 1) + min of gazebo's MultiRayShape, for champ's lidar too."""
+    scan = "<samples>4</samples><min_angle>0.2</min_angle><max_angle>-0.1</max_angle>"
+    twin = twin_with(tmp_path, lidar(scan=scan), world=WALL.format(2.1, 0))
+    scan = heard(twin, "/box/scan")[-1]
+    assert (scan.angle_min, scan.angle_max, scan.angle_increment) == pytest.approx((0.2, -0.1, -0.1))
+    assert scan.ranges == pytest.approx(2.0 / np.cos([0.2, 0.1, 0.0, -0.1]), abs=1e-4)
+
+
 @pytest.mark.parametrize("kind", ["ray", "lidar"])
 def test_a_ray_sees_collision_shapes(tmp_path, kind):
     outside = "<min>0.3</min><max>3.5</max>"
@@ -210,7 +219,7 @@ def test_noise_is_within_the_ranges_and_leaves_infinity_alone(tmp_path):
     [
         ({"scan": "<samples>0</samples>"}, "samples is '0'"),
         ({"scan": "<samples>100000000</samples>"}, "rays are too many"),
-        ({"scan": "<samples>5</samples><min_angle>1</min_angle><max_angle>0</max_angle>"}, "below min_angle"),
+        ({"vertical": "<vertical><samples>2</samples><min_angle>1</min_angle></vertical>"}, "below min_angle"),
         ({"ranges": "<min>2</min><max>1</max>"}, "not above the least"),
         ({"ranges": "<min>-1</min><max>1</max>"}, "min is '-1'"),
         ({"more": "<noise><type>gaussian</type><stddev>-1</stddev></noise>"}, "stddev is '-1'"),

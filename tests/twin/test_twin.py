@@ -631,9 +631,15 @@ HEAVY = '<inertial><mass value="1"/><inertia ixx=".1" iyy=".1" izz=".1"/></inert
 SHAPE = '<collision><geometry><box size=".4 .4 .4"/></geometry></collision>'
 
 
-@pytest.mark.parametrize(("between", "height"), [(False, -18.6098), (True, 0.39968)])
-def test_what_is_fixed_to_two_links_with_a_joint_does_not_collide(tmp_path, between, height):
-    """The heights after 2 s are those of DART 6.12 behind gz-physics 5; Gazebo's reader folds the fixed links."""
+@pytest.mark.parametrize(
+    ("between", "kept", "height"),
+    [(False, "", -18.6098), (True, "", 0.39968), (False, "p", 0.39968), (False, "t", 0.39968)],
+)
+def test_what_is_fixed_to_two_links_with_a_joint_does_not_collide(tmp_path, between, kept, height):
+    """The heights after 2 s are those of DART 6.12 behind gz-physics 5; Gazebo's reader folds the fixed links.
+
+    Not those of a joint with ``<preserveFixedJoint>``.
+    """
     links = {"base": "", "plate": SHAPE, "arm": "", "tip": SHAPE, **({"m": ""} if between else {})}
     text = '<link name="world"/>' + "".join(
         f'<link name="{name}">{HEAVY}{shape}</link>' for name, shape in links.items()
@@ -641,6 +647,8 @@ def test_what_is_fixed_to_two_links_with_a_joint_does_not_collide(tmp_path, betw
     text += FIXED.format("w", "world", "base") + FIXED.format("p", "base", "plate") + FIXED.format("t", "arm", "tip")
     text += MOVED.format("x", "base", "m", "1 0 0", "0") if between else ""
     text += MOVED.format("z", "m" if between else "base", "arm", "0 0 1", "1")
+    if kept:
+        text += f'<gazebo reference="{kept}"><preserveFixedJoint>true</preserveFixedJoint></gazebo>'
     (tmp_path / "r.urdf").write_text(f'<robot name="r">{text}</robot>')
     builder = TwinBuilder(world=World(gravity=(0.0, 0.0, -9.8), ground=False))
     twin = builder.robot("r", tmp_path / "r.urdf", self_collision=True).build()
