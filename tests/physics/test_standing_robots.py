@@ -1,6 +1,7 @@
 """Robots that servos hold stand still: on legs whose feet weigh nothing, on a slope on wheels, and those of others."""
 
 import sysconfig
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from scenes import ENGINES, G, Scene, every_engine, farthest_from, on_slope, plane, position, velocity, world
 
-from drake_twin import TwinBuilder
+from drake_twin import InputError, Twin, TwinBuilder
 from drake_twin.diagram.lumped_masses import with_lumped_masses
 from drake_twin.scenario import World
 
@@ -158,3 +159,17 @@ def test_links_that_are_heavy_or_do_not_collide_keep_their_mass():
     assert inertia_in_drake(with_lumped_masses(heavy))[1] == [9.25, 2.0, 0.0, 0.1]
     untouched = LUMPS.replace("<collision/>", "")
     assert with_lumped_masses(untouched) == untouched
+
+
+def test_a_mass_that_is_lumped_cannot_be_varied_in_cenic(tmp_path):
+    file = tmp_path / "dog.urdf"
+    file.write_text(dog())
+
+    def built(engine, value):
+        scenario = TwinBuilder(**ENGINES[engine]).robot("dog", file).scenario()
+        return Twin(replace(scenario, values={f"dog.front_left_foot.{value}": 0.1}))
+
+    built("10ms", "mass")
+    with pytest.raises(InputError, match="counts the mass of the light link 'front_left_foot' as that of"):
+        built("cenic", "mass")
+    built("cenic", "payload")
