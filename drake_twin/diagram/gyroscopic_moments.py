@@ -23,10 +23,10 @@ from pydrake.multibody.plant import (
     Propeller,
     PropellerInfo,
 )
-from pydrake.multibody.tree import BodyIndex, RigidBody, SpatialInertia
+from pydrake.multibody.tree import BodyIndex
 from pydrake.symbolic import Expression, Variable
-from pydrake.systems.framework import Diagram, DiagramBuilder, InputPort
-from pydrake.systems.primitives import ConstantValueSource, Multiplexer, SymbolicVectorSystem
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort
+from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, Multiplexer, SymbolicVectorSystem
 from pydrake.systems.sensors import Gyroscope
 
 from drake_twin.findings import Finding, Kind
@@ -34,7 +34,7 @@ from drake_twin.findings import Finding, Kind
 # Moments of inertia are equal if they differ by less than this part.
 _EQUAL = 1e-3
 
-_FORCES = "tumbling/forces"
+_FORCES, _INERTIAS = "tumbling/forces", "tumbling/inertias"
 
 
 @dataclass(frozen=True)
@@ -72,20 +72,24 @@ def add_gyroscopic_moments(builder: DiagramBuilder, plant: MultibodyPlant) -> It
         what = "a system of yours is connected to the plant's port applied_spatial_force"
         yield Finding(Kind.WARNING, f"{what}: in the air {names} gain energy where they tumble")
         return
-    velocities = builder.AddNamedSystem("tumbling/velocities", Multiplexer([3] * len(bodies)))
+    count = len(bodies)
+    velocities = builder.AddNamedSystem("tumbling/velocities", Multiplexer([3] * count + [count]))
+    inertias = builder.AddNamedSystem(_INERTIAS, ConstantVectorSource(np.ones(count)))
+    builder.Connect(inertias.get_output_port(), velocities.get_input_port(count))
     for number, body in enumerate(bodies):
         X_BP = RigidTransform(body.R_BP, np.zeros(3))
         gyroscope = builder.AddNamedSystem(f"tumbling/gyroscope_{number}", Gyroscope(plant.get_body(body.index), X_BP))
         builder.Connect(plant.get_body_poses_output_port(), gyroscope.get_body_poses_input_port())
         builder.Connect(plant.get_body_spatial_velocities_output_port(), gyroscope.get_body_velocities_input_port())
         builder.Connect(gyroscope.get_measurement_output_port(), velocities.get_input_port(number))
-    w = np.array([Variable(f"w{index}") for index in range(3 * len(bodies))])
+    w = np.array([Variable(f"w{index}") for index in range(3 * count)])
+    scales = np.array([Variable(f"inertia{index}") for index in range(count)])
     expressions = [
-        moment
-        for body, own in zip(bodies, np.split(w, len(bodies)), strict=True)
+        scale * moment
+        for body, own, scale in zip(bodies, np.split(w, count), scales, strict=True)
         for moment in _missing_moments(own, body.moments, plant.time_step())
     ]
-    moments = builder.AddNamedSystem("tumbling/moments", SymbolicVectorSystem(input=w, output=expressions))
+    moments = builder.AddNamedSystem("tumbling/moments", SymbolicVectorSystem(input=[*w, *scales], output=expressions))
     builder.Connect(velocities.get_output_port(), moments.get_input_port())
     propeller = builder.AddNamedSystem("tumbling/propellers", Propeller(_propellers(bodies)))
     builder.Connect(moments.get_output_port(), propeller.get_command_input_port())
@@ -104,22 +108,36 @@ def wrench_port(diagram: Diagram, plant: MultibodyPlant) -> InputPort:
     return plant.get_applied_spatial_force_input_port()
 
 
+def follow_inertias(diagram: Diagram, plant: MultibodyPlant, root: Context) -> None:
+    """Let the moments follow inertias that differ from those as built.
+
+    A multiple of the inertia as built has a multiple of the moments; another inertia has none.
+
+    Args:
+        diagram: The root diagram.
+        plant: Its plant.
+        root: The diagram's context; it is changed.
+    """
+    if not diagram.HasSubsystemNamed(_INERTIAS):
+        return
+    source, now = diagram.GetSubsystemByName(_INERTIAS), plant.GetMyContextFromRoot(root)
+    as_built, scales = plant.CreateDefaultContext(), []
+    for body in _loose_bodies(plant):
+        present, built = (_central_inertia(plant, context, body.index) for context in (now, as_built))
+        size, scale = np.trace(present), np.trace(present) / np.trace(built)
+        scales.append(scale if np.allclose(present, scale * built, rtol=0.0, atol=_EQUAL * size) else 0.0)
+    source.get_mutable_source_value(source.GetMyMutableContextFromRoot(root)).SetFromVector(scales)
+
+
 def _loose_bodies(plant: MultibodyPlant) -> list[_LooseBody]:
-    found = []
+    found, context = [], plant.CreateDefaultContext()
+    joints = {joint.child_body().index(): joint.index() for joint in map(plant.get_joint, plant.GetJointIndices())}
     for body in map(plant.get_body, plant.GetFloatingBaseBodies()):
-        (joint,) = (
-            joint
-            for joint in map(plant.get_joint, plant.GetJointIndices())
-            if joint.child_body().index() == body.index()
-        )
         welded = plant.GetBodiesWeldedTo(body)
-        if len(plant.GetBodiesKinematicallyAffectedBy([joint.index()])) > len(welded):
+        moving = plant.GetBodiesKinematicallyAffectedBy([joints[body.index()]])
+        if len(moving) > len(welded) or not any(item.default_mass() > 0 for item in welded):
             continue
-        inertia = _inertia_of(plant, body, welded)
-        if inertia.get_mass() <= 0.0:
-            continue
-        central = inertia.Shift(inertia.get_com()).CalcRotationalInertia()
-        moments, axes = np.linalg.eigh(central.CopyToFullMatrix3())
+        moments, axes = np.linalg.eigh(_central_inertia(plant, context, body.index()))
         if moments[0] <= 0.0 or moments[2] - moments[0] <= _EQUAL * moments[2]:
             continue
         axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
@@ -127,10 +145,12 @@ def _loose_bodies(plant: MultibodyPlant) -> list[_LooseBody]:
     return found
 
 
-def _inertia_of(plant: MultibodyPlant, body: RigidBody, welded: Sequence[RigidBody]) -> SpatialInertia:
-    """Return the inertia of a body and what is welded to it, about its origin in its axes."""
-    context = plant.CreateDefaultContext()
-    return plant.CalcSpatialInertia(context, body.body_frame(), [item.index() for item in welded])
+def _central_inertia(plant: MultibodyPlant, context: Context, body: BodyIndex) -> np.ndarray:
+    """Return the inertia of a body and what is welded to it, about their center of mass in the body's axes (kg·m²)."""
+    welded = [item.index() for item in plant.GetBodiesWeldedTo(plant.get_body(body))]
+    inertia = plant.CalcSpatialInertia(context, plant.get_body(body).body_frame(), welded)
+    matrix: np.ndarray = inertia.Shift(inertia.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+    return matrix
 
 
 def _missing_moments(w: np.ndarray, moments: np.ndarray, h: float) -> list[Expression]:

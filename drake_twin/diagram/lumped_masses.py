@@ -61,6 +61,18 @@ def with_lumped_masses(urdf: str) -> str:
     return etree.tostring(root, encoding="unicode") if has_changed else urdf
 
 
+def gave_its_mass(urdf: str, link: str) -> bool:
+    """Return whether a link of a URDF is one of these light links.
+
+    Args:
+        urdf: The URDF that `with_lumped_masses` took.
+        link: The name of the link's body.
+    """
+    before, after = (etree.fromstring(text.encode()) for text in (urdf, with_lumped_masses(urdf)))
+    before_it, after_it = (root.xpath("boolean(link[@name=$name]/inertial)", name=link) for root in (before, after))
+    return bool(before_it and not after_it)
+
+
 def _fixed_groups(root: etree._Element, links: Mapping[str, etree._Element]) -> Iterator[dict[str, RigidTransform]]:
     """Yield the links of each group on fixed joints, with their poses in the group's first link."""
     children: dict[str, list[tuple[str, RigidTransform]]] = {name: [] for name in links}

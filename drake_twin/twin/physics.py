@@ -19,7 +19,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, InitializeParams, Sim
 from pydrake.systems.framework import Context
 
 from drake_twin.controllers.stateful_controller import Sample, StatefulController
-from drake_twin.diagram.gyroscopic_moments import wrench_port
+from drake_twin.diagram.gyroscopic_moments import follow_inertias, wrench_port
 from drake_twin.diagram.release import release
 from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.twin_diagram import Extension, TwinDiagram, build_twin_diagram
@@ -209,7 +209,7 @@ class Physics:
         self.built.diagram.SetDefaultContext(self.context)
         self.context.SetTime(0.0)
         if self._start_parameters:
-            self._parameters.put(self.context, self._start_parameters)
+            self._put(self._start_parameters)
         self._late.start()
         self.detachable_joints.forget()
 
@@ -236,7 +236,11 @@ class Physics:
         Raises:
             ScenarioError: If a value is unknown or invalid.
         """
-        self._parameters.put(self.context, varied_parameters(self.built, values))
+        self._put(varied_parameters(self.built, values))
+
+    def _put(self, parameters: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> None:
+        if self._parameters.put(self.context, parameters, leave_out_unknown=leave_out_unknown):
+            follow_inertias(self.built.diagram, self.built.plant, self.context)
 
     def set_robot_state(self, robot: str, state: np.ndarray) -> None:
         """Set a robot's ``[q; v]``."""
@@ -273,7 +277,7 @@ class Physics:
         if set(state["models"]) != set(self.built.world_models):
             raise ValueError("its models of the world are not those of the twin")
         self._set_models(state["models"])
-        self._parameters.put(self.context, state["parameters"])
+        self._put(state["parameters"])
         for name, saved in state["robots"].items():
             self.set_robot_state(name, np.array(saved["state"], dtype=float))
             self._late.set_state(name, saved)
@@ -294,7 +298,7 @@ class Physics:
                 assert self.built.robots[plan.name].layout == old.built.robots[plan.name].layout
         own = old._start_parameters
         since = {name: value for name, value in state["parameters"].items() if value != own.get(name)}
-        self._parameters.put(self.context, self._start_parameters | since, leave_out_unknown=True)
+        self._put(self._start_parameters | since, leave_out_unknown=True)
         if self.built.world.file == old.built.world.file:
             self._set_models(
                 {name: vectors for name, vectors in state["models"].items() if name in self.built.world_models}

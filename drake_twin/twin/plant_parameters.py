@@ -85,13 +85,16 @@ class PlantParameters:
                     found[f"{name} {key}"] = [to_plain(value) for value in values]
         return found
 
-    def put(self, root: Context, given: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> None:
+    def put(self, root: Context, given: Mapping[str, Sequence[Any]], *, leave_out_unknown: bool = False) -> bool:
         """Set parameters, and all others to their values as built.
 
         Args:
             root: The diagram's context.
             given: The result of `changed`, for this diagram or another one.
             leave_out_unknown: Whether to skip the parameters of unknown robots.
+
+        Returns:
+            Whether a parameter was set.
 
         Raises:
             ValueError: If a parameter is unknown, or a value is invalid.
@@ -101,7 +104,7 @@ class PlantParameters:
             raise ValueError("parameters of the plant are not finite")
         present = self.changed(root)
         if not wanted and not present:
-            return
+            return False
         now, before = self._plant.GetMyMutableContextFromRoot(root), self._as_built()
         for parameter in self._parameters():
             if parameter.name in wanted:
@@ -115,6 +118,7 @@ class PlantParameters:
                 self._assign(root, geometry, own)
         if wanted and not leave_out_unknown:
             raise ValueError(f"the plant does not have the parameters {', '.join(wanted)}")
+        return True
 
     def _assign(self, root: Context, geometry: GeometryId, values: dict[str, list[float]]) -> None:
         properties = ProximityProperties(self._scene_graph.model_inspector().GetProximityProperties(geometry))

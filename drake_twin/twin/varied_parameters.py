@@ -24,9 +24,10 @@ from pydrake.multibody.tree import RigidBody, RotationalInertia, SpatialInertia
 
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.diagram.contact_roles import ROUGH, towards
+from drake_twin.diagram.lumped_masses import gave_its_mass
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.scenario import GROUND_FRICTION, Scenario, ScenarioError
+from drake_twin.scenario import CENIC, DISCRETE, GROUND_FRICTION, Scenario, ScenarioError
 
 _MOMENTS = ("ixx", "iyy", "izz")
 LINK_VALUES = ("mass", "inertia", *_MOMENTS, "payload")
@@ -96,6 +97,7 @@ def varied_parameters(built: TwinDiagram, values: Mapping[str, float]) -> _Param
         given[last] = value
     for (robot, link), given in links.items():
         body = _body(built, plans[robot], link)
+        _check_lumped(built, plans[robot], body, given, link)
         found[f"inertia of {robot}::{body.name()}"] = _inertia(body, given, f"{robot}.{link}")
     for (robot, joint_name), given in dampings.items():
         joint = built.plant.GetJointByName(joint_name, built.robots[robot].instance)
@@ -154,6 +156,16 @@ def _body(built: TwinDiagram, plan: RobotPlan, link: str) -> RigidBody:
     if not built.plant.HasBodyNamed(own, instance):
         raise ScenarioError(("values", f"{plan.name}.{link}"), f"the link {link!r} is the world itself")
     return built.plant.GetBodyByName(own, instance)
+
+
+def _check_lumped(built: TwinDiagram, plan: RobotPlan, body: RigidBody, given: Mapping[str, float], link: str) -> None:
+    """Raise for a link whose inertia belongs to what it is fixed to; a payload is added to it."""
+    if built.engine != CENIC or plan.model.drake_format != "urdf" or given.keys() == {"payload"}:
+        return
+    if body.default_mass() == 0.0 and gave_its_mass(plan.model.drake_text, body.name()):
+        name = f"{plan.name}.{link}"
+        what = f"the engine {CENIC} counts the mass of the light link {link!r} as that of the link that it is fixed to"
+        raise ScenarioError(("values", name), f"{what}: vary that one, or use the engine {DISCRETE}", value=name)
 
 
 def _inertia(body: RigidBody, given: Mapping[str, float], name: str) -> list[float]:

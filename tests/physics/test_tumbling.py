@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from scenes import ENGINES, G, thing
+from conftest import ROVER
+from pydrake.systems.primitives import ConstantValueSource
+from scenes import ENGINES, G, box, sphere, thing, velocity
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -109,3 +111,106 @@ def test_any_body_keeps_energy_and_momentum(tmp_path, engine, seed):
     w = random.normal(size=3)
     w *= random.uniform(2.0, 20.0) / np.linalg.norm(w)
     check_tumbling(lambda _, value: value, tmp_path, engine, w, inertia, random.uniform(-0.1, 0.1, 3))
+
+
+@every_step
+@pytest.mark.parametrize(("values", "scale"), [({"inertia": 3.0}, 3.0), ({"mass": 20.0}, 1.0), ({"izz": 1.5}, None)])
+def test_the_moments_follow_inertias_that_are_varied(tmp_path, engine, values, scale):
+    twin = in_the_air(tmp_path, engine, body()).build()
+    twin.set_values({f"thing.body.{name}": value for name, value in values.items()})
+    before = twin.snapshot()
+    w = np.array([2.0, 8.0, 3.0])
+    for _ in range(2):
+        twin.set_entity_state("thing", angular=w)
+        assert moment(twin) == pytest.approx(0.0 if scale is None else scale * moment_of(w, STEPS[engine]), rel=0.01)
+        twin.restore(before)
+    twin.set_values({})
+    twin.set_entity_state("thing", angular=w)
+    assert moment(twin) == pytest.approx(moment_of(w, STEPS[engine]), rel=0.01)
+    if scale is not None:
+        start = inertia_energy(twin, w)
+        twin.set_values({f"thing.body.{name}": value for name, value in values.items()})
+        twin.advance_to(5.0)
+        assert inertia_energy(twin, motion(twin)[1]) == pytest.approx(start, rel=1e-3)
+
+
+def moment(twin):
+    """What the systems add about the body's x axis (N·m)."""
+    port = twin.plant.get_applied_spatial_force_input_port()
+    forces = port.Eval(twin.plant.GetMyContextFromRoot(twin.context))
+    return sum(force.F_Bq_W.rotational()[0] for force in forces)
+
+
+def moment_of(w, h, moments=MOMENTS):
+    """That moment: what lacks to a fine integration of Euler's equations over a step, up to its third order (N·m)."""
+    inertia = np.diag(moments)
+    fine = solve_ivp(
+        lambda _, w: np.linalg.solve(inertia, np.cross(inertia @ w, w)), (0.0, h), w, rtol=1e-12, atol=1e-14
+    )
+    return (inertia @ (fine.y[:, -1] - w) / h - np.cross(inertia @ w, w))[0]
+
+
+def inertia_energy(twin, w):
+    return w @ np.diag(MOMENTS) @ w / 2
+
+
+@every_step
+def test_a_wrench_acts_beside_the_moments(tmp_path, engine):
+    twin = in_the_air(tmp_path, engine, body()).build()
+    twin.set_entity_state("thing", angular=(0.1, 8.0, 0.1))
+    twin.apply_wrench("thing", force=(5.0, 0.0, 0.0), duration=1.0)
+    twin.advance_to(2.0)
+    assert velocity(twin, "thing") == pytest.approx((5.0 / MASS, 0.0, 0.0), abs=1e-9)
+    assert motion(twin)[1] @ np.diag(MOMENTS) @ motion(twin)[1] == pytest.approx(128.04, rel=1e-3)
+
+
+@every_step
+def test_what_tumbles_is_repeatable(tmp_path, engine):
+    def tumbling():
+        builder = in_the_air(tmp_path, engine, body(), G)
+        twin = builder.robot("other", tmp_path / "thing.urdf", xyz=(2, 0, 1000.0)).build()
+        twin.set_entity_state("thing", angular=(0.1, 8.0, 0.1))
+        return twin
+
+    once, again, rebuilt = tumbling(), tumbling(), tumbling()
+    once.advance_to(0.5)
+    middle = once.snapshot()
+    for twin in (once, again):
+        twin.advance_to(1.0)
+    assert once.state_sha256() == again.state_sha256()
+    once.restore(middle)
+    once.advance_to(1.0)
+    assert once.state_sha256() == again.state_sha256()
+    rebuilt.advance_to(0.5)
+    rebuilt.delete("other")
+    rebuilt.advance_to(1.0)
+    assert rebuilt.entity_state("thing") == again.entity_state("thing")
+
+
+def tumbling_systems(builder):
+    return [system.get_name() for system in builder.build().diagram.GetSystems() if "tumbling" in system.get_name()]
+
+
+def test_only_loose_bodies_of_unequal_moments_have_moments(tmp_path):
+    assert tumbling_systems(in_the_air(tmp_path, "1ms", body()))
+    assert not tumbling_systems(in_the_air(tmp_path, "cenic", body()))
+    assert not tumbling_systems(in_the_air(tmp_path, "1ms", sphere(0.1)))
+    assert not tumbling_systems(in_the_air(tmp_path, "1ms", box((0.2, 0.2, 0.2))))
+    assert not tumbling_systems(TwinBuilder().robot("rover", ROVER, xyz=(0, 0, 0.13)))
+    fixed = body().replace("</robot>", '<link name="world"/><joint name="j" type="fixed"><parent link="world"/>')
+    assert not tumbling_systems(in_the_air(tmp_path, "1ms", f'{fixed}<child link="body"/></joint></robot>'))
+    two = body().replace("</robot>", '<link name="more"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/>')
+    two += '</inertial></link><joint name="j" type="{}"><parent link="body"/><child link="more"/>'
+    two += '<origin xyz="1 0 0"/><limit effort="1" velocity="1"/></joint></robot>'
+    assert tumbling_systems(in_the_air(tmp_path, "1ms", two.format("fixed")))
+    assert not tumbling_systems(in_the_air(tmp_path, "1ms", two.format("continuous")))
+
+
+def test_a_users_forces_come_first_and_a_finding_says_so(tmp_path):
+    def extend(builder, parts):
+        port = parts.plant.get_applied_spatial_force_input_port()
+        builder.Connect(builder.AddSystem(ConstantValueSource(port.Allocate())).get_output_port(), port)
+
+    twin = in_the_air(tmp_path, "1ms", body()).system(extend).build()
+    (finding,) = (item for item in twin.findings if "applied_spatial_force" in item.what)
+    assert "thing::body gain energy where they tumble" in finding.what
