@@ -167,7 +167,7 @@ class SensorElement:
             if child in self._taken:
                 yield from self._unread_attributes(child)
                 yield from self._unread_in(child)
-            else:
+            elif not (child.tag in self.sensor.kind and _is_empty(child)):  # <imu/> of an IMU has all the defaults
                 place = self._reader.place(child)
                 yield Finding.at(Kind.IGNORED, f"<{child.tag}>{common}", place, common=common, cause=Cause.UNREAD)
 
@@ -178,6 +178,10 @@ class SensorElement:
                 place = self._reader.place(element)
                 what = f"the attribute {name}{common}"
                 yield Finding.at(Kind.IGNORED, what, place, common=common, cause=Cause.UNREAD)
+
+
+def _is_empty(element: etree._Element) -> bool:
+    return not (len(element) or element.attrib or (element.text or "").strip())
 
 
 def _name(path: str) -> str:

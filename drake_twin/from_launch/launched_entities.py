@@ -210,7 +210,7 @@ class _Sorter:
                     return
                 self._drop(why_not_started(process), process, Kind.WINDOW if is_window(process) else Kind.NOT_STARTED)
         except InputError as error:
-            self._drop(f"{process.what}: {error}", process)
+            self._drop(f"{process.what}: {str(error).rstrip('.')}", process)
 
     def _drop(self, what: str, process: LaunchedProcess, kind: Kind = Kind.NOT_STARTED) -> None:
         """Add a finding for something that is not started, with its place in the launch file."""

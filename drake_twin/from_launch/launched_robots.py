@@ -156,7 +156,7 @@ class LaunchedRobots:
         try:
             make(process)
         except InputError as error:
-            self._drop(f"{process.what}: {error}", process)
+            self._drop(f"{process.what}: {str(error).rstrip('.')}", process)
 
     def _spawned(self, process: LaunchedProcess) -> None:
         flags, is_gflags = ("allow_renaming", "unpause", "wait", "b"), process.package != "gazebo_ros"
@@ -279,7 +279,7 @@ class LaunchedRobots:
             file=process.place.file,
             line=process.place.line,
             value=full,
-            valid=topics,
+            valid=topics or None,
         )
 
     def _with_controlled_description(

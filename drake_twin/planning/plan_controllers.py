@@ -103,15 +103,24 @@ def _wiring(drive: GazeboDrive) -> Wiring:
 
 
 def _leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:
-    """Let gz-sim's OdometryPublisher leave the base's transform to a drive, unless a bridge takes it to ``/tf``."""
+    """Leave the base's transform to the plugins of Gazebo whose own a bridge takes to ``/tf``.
+
+    Where there is none, gz-sim's OdometryPublisher leaves it to a drive.
+    """
     names = [name for name in chosen if name in plans]
-    with_transform = [name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)]
-    for name in [name for name in reversed(with_transform) if plans[name].type == ODOMETRY_PUBLISHER]:
-        wiring = plans[name].wiring
-        topic = "" if wiring is None else of_model(wiring.gz_topics.get("tf_odometry", ""), robot.name)
-        if len(with_transform) > 1 and robot.remappings.get(f"/{topic.lstrip('/')}") != "/tf":
+    left = [name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)]
+    topics = {name: _transform_topic(plans[name], robot) for name in left}
+    bridged = [name for name, topic in topics.items() if topic and robot.remappings.get(topic) == "/tf"]
+    for name in [name for name in reversed(left) if name not in bridged]:
+        if len(left) > 1 and (plans[name].type == ODOMETRY_PUBLISHER or (bridged and topics[name])):
             plans[name] = replace(plans[name], parameters=replace(plans[name].parameters, enable_odom_tf=False))
-            with_transform.remove(name)
+            left.remove(name)
+
+
+def _transform_topic(plan: ControllerPlan, robot: Robot) -> str:
+    """Return the topic of Gazebo on which a plugin publishes the base's transform; empty for other controllers."""
+    topic = "" if plan.wiring is None else of_model(plan.wiring.gz_topics.get("tf_odometry", ""), robot.name)
+    return f"/{topic.lstrip('/')}" if topic else ""
 
 
 _UNSTAMPED = "_unstamped"

@@ -162,6 +162,13 @@ def test_a_finding_says_what_it_is_and_what_to_do(tmp_path):
     assert camera.what == "sensor 'cam' of type thermal_camera on 'base': the twin has no such sensor"
 
 
+@pytest.mark.parametrize(("inside", "unread"), [("<imu/>", []), ("<imu a='1'/>", ["imu"]), ("<lidar/>", ["lidar"])])
+def test_an_empty_element_of_a_sensors_kind_asks_for_nothing(tmp_path, inside, unread):
+    sensor = f'<sensor name="s" type="imu">{inside}</sensor>'
+    found = lost(tmp_path, f'<gazebo reference="base">{sensor}</gazebo>')
+    assert [item.what for item in found] == [f"<{tag}> in <sensor> of sensor 's'" for tag in unread]
+
+
 def test_noise_that_no_channel_has_is_a_finding(tmp_path):
     sensor = '<sensor name="imu" type="imu"><noise/><imu><angular_velocity><x><noise/></x></angular_velocity></imu>'
     found = lost(tmp_path, f'<gazebo reference="base">{sensor}</sensor></gazebo>')

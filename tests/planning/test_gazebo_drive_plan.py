@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from drake_twin import TwinBuilder
+from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import CommandError, InputError
+from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.scenario import Robot
 
 CART = """<robot name="cart">
   <link name="base_footprint"/>
@@ -272,3 +275,22 @@ def test_the_cadre_rovers_wheels_turn_as_their_plugin_says(corpus):
     twin.publish("/rover/cmd_vel", {"linear": {"x": 0.2}})
     twin.advance_to(2.0)
     assert twin.robot_state("rover").velocities[:4] == pytest.approx([0.2 / 0.0975] * 4, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("bridged", "expected"),
+    [
+        ({}, ["drive"]),  # without a bridge the drive's comes first
+        ({"/tf": "/tf"}, ["odometry"]),
+        ({"/model/cart/tf": "/tf"}, ["drive"]),
+        ({"/tf": "/tf", "/model/cart/tf": "/tf"}, ["drive", "odometry"]),  # as in ROS
+    ],
+)
+def test_the_transform_that_a_bridge_takes_to_ros_is_the_one_of_the_twin(tmp_path, bridged, expected):
+    plugins = """<gazebo><plugin name="drive" filename="gz-sim-diff-drive-system"><left_joint>left</left_joint>
+      <right_joint>right</right_joint></plugin>
+      <plugin name="odometry" filename="gz-sim-odometry-publisher-system"><tf_topic>/tf</tf_topic></plugin></gazebo>"""
+    wheels = WHEEL.format(name="left", y=0.2) + WHEEL.format(name="right", y=-0.2)
+    (tmp_path / "cart.urdf").write_text(CART.format(wheels=wheels, more=plugins))
+    plan = plan_robot(Robot("cart", str(tmp_path / "cart.urdf"), remappings=bridged), PackageIndex())
+    assert [item.name for item in plan.controllers if item.parameters.enable_odom_tf] == expected
