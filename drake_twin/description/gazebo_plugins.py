@@ -188,7 +188,9 @@ class PluginReader:
         return next(iter(self.texts(tag)), default)
 
     def numbers(self, tag: str) -> tuple[float, ...]:
-        """Read all elements of a name as finite numbers."""
+        """Read all elements of a name as finite numbers; where they are all empty, none is read."""
+        if not any(self.plugin.elements.get(tag, ())):
+            return ()
         values = []
         for text in self.texts(tag):
             try:

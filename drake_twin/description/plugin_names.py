@@ -14,12 +14,10 @@ _OF_ROS2_CONTROL = (
 
 
 def misspelt_plugin(plugin: GazeboPlugin) -> str | None:
-    """Say which of the two names of a plugin is missing or misspelt; None where they fit, or are of another plugin.
+    """Say which of the two names of a plugin of gz-sim is misspelt; None where they fit, or are of another plugin.
 
     A plugin of gz-sim is a class in a library: ``gz::sim::systems::DiffDrive`` in ``gz-sim-diff-drive-system``.
     """
-    if not plugin.filename.strip():
-        return f"Gazebo plugin {plugin.name} has no filename: Gazebo refuses it" if plugin.name else None
     library, name = plugin.filename.rpartition("/")[2], plugin.name
     in_library, of_class = GZ_LIBRARY.fullmatch(library), CLASS.fullmatch(name)
     if "ros2_control" in library and "::" in name and name not in _OF_ROS2_CONTROL:

@@ -29,21 +29,15 @@ _OF_PARENT: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "axis2": {"xyz": _THREE},
     "material": {"diffuse": _COLOR, "ambient": _COLOR},
     "sensor": {"update_rate": _ONE},
-    # Of lights and sensors only where they are empty: those that read them report other words.
+    # Of lights only where they are empty: `surroundings` reports other words.
     "light": {"diffuse": _COLOR, "direction": _THREE, "intensity": _ONE},
     "attenuation": dict.fromkeys(("constant", "linear", "quadratic"), _ONE),
     "spot": {"outer_angle": _ONE},
-    "horizontal": dict.fromkeys(("samples", "resolution", "min_angle", "max_angle"), _ONE),
-    "vertical": dict.fromkeys(("samples", "min_angle", "max_angle"), _ONE),
-    "range": {"min": _ONE, "max": _ONE},
-    "camera": {"horizontal_fov": _ONE},
-    "image": {"width": _ONE, "height": _ONE},
-    "clip": {"near": _ONE, "far": _ONE},
 }
 _NEVER_NEGATIVE = ("mu", "mu2")
 _FAILED_CHECK = "Failure at "  # of Drake's own code, which does not tell what is wrong in the file
 _UNREADABLE = "Error reading element <"
-_READ_ELSEWHERE = ("light", "attenuation", "spot", "horizontal", "vertical", "range", "camera", "image", "clip")
+_OF_LIGHTS = ("light", "attenuation", "spot")
 
 
 def wrong_numbers(reader: XmlReader, root: etree._Element) -> list[Finding]:
@@ -55,7 +49,7 @@ def _wrong(root: etree._Element) -> Iterator[tuple[etree._Element, str]]:
     for parent in root.iter(*_OF_PARENT):
         for element in parent.iterchildren(etree.Element):
             counts, words = _OF_PARENT[str(parent.tag)].get(str(element.tag)), (element.text or "").split()
-            is_reported = bool(words) and parent.tag in _READ_ELSEWHERE
+            is_reported = bool(words) and parent.tag in _OF_LIGHTS
             why = None if counts is None or len(element) or is_reported else _why(words, *counts)
             if counts is not None and why is None and element.tag in _NEVER_NEGATIVE and float(words[0]) < 0:
                 why = "which cannot be negative"

@@ -113,16 +113,15 @@ class SensorElement:
         return text
 
     def number(self, path: str, default: float, least: float = -inf, most: float = inf) -> float:
-        """Read a finite number.
+        """Read a finite number; an element without text is not read.
 
         Raises:
             InputError: If it is not a number, or is out of bounds.
         """
-        text = self.text(path)
-        if not text:
-            return default
         found = self._element.find(path)
-        assert found is not None
+        if found is None or not (text := (found.text or "").strip()):
+            return default
+        self._take(found)
         value = self._reader.parse_number(found, text, _name(path))
         if not least <= value <= most:
             bounds = f"at least {least:g}" if most == inf else f"at most {most:g}"
@@ -131,14 +130,16 @@ class SensorElement:
         return value
 
     def numbers(self, path: str, count: int, default: tuple[float, ...]) -> tuple[float, ...]:
-        """Read so many finite numbers.
+        """Read so many finite numbers; an element without text is not read.
 
         Raises:
             InputError: If they are not.
         """
-        text = self.text(path)
         found = self._element.find(path)
-        return default if found is None or not text else self._reader.parse_numbers(found, text, _name(path), count)
+        if found is None or not (text := (found.text or "").strip()):
+            return default
+        self._take(found)
+        return self._reader.parse_numbers(found, text, _name(path), count)
 
     def unread(self) -> Iterator[Finding]:
         """Yield a finding of each element that was not read, and of each attribute that nothing reads."""

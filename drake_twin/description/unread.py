@@ -48,9 +48,7 @@ _PLUGINS = {
 
 def unread_in_urdf(reader: XmlReader) -> list[Finding]:
     """Report each element and attribute of a URDF that is ignored, once with all its lines."""
-    unread = _findings(reader, (*_unread(reader.root, URDF), *_about_nothing(reader.root)))
-    sensors = reader.root.iterfind("gazebo//sensor")
-    return [*unread, *(finding for sensor in sensors for finding in wrong_numbers(reader, sensor))]
+    return list(_findings(reader, (*_unread(reader.root, URDF), *_about_nothing(reader.root))))
 
 
 def _about_nothing(root: etree._Element) -> Iterator[_Unread]:

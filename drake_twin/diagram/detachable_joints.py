@@ -8,7 +8,7 @@ levers; at 10 ms within 0.3 mm while both tumble at 2 rad/s (`pytest tests/diagr
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.math import RigidTransform
@@ -18,8 +18,9 @@ from pydrake.systems.framework import Context
 
 from drake_twin.description.drake_urdf import drake_link_name
 from drake_twin.description.gazebo_drive import DETACHABLE_JOINT
+from drake_twin.description.robot_description import GazeboPlugin
 from drake_twin.diagram.cenic_constraints import cenic_has_constraints
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Kind, Place
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import CENIC, DISCRETE
 
@@ -118,12 +119,19 @@ def add_detachable_joints(
             if child is None or problem:
                 what = problem or f"no moving model {name!r} with a link {item.parameters.child_link!r} is there yet"
                 kind = Kind.NOT_STARTED if problem else Kind.WARNING
-                findings.append(Finding(kind, f"{item.name}: {what}", robot=plan.name))
+                written = (plugin.place for plugin in plan.description.plugins if _names_child(plugin, name))
+                finding = Finding.at(kind, f"{item.name}: {what}", next(written, Place("")))
+                findings.append(replace(finding, robot=plan.name))
                 continue
             points = parent, np.zeros(3), child, np.zeros(3)
             rods = tuple(plant.AddDistanceConstraint(*points, _LENGTH, _NO_STIFFNESS, 0.0) for _ in _RODS)
             joints.append(JointInPlant(plan.name, item.name, parent, child, rods))
     return tuple(joints)
+
+
+def _names_child(plugin: GazeboPlugin, model: str) -> bool:
+    """Tell whether a plugin is the one that fixes a model."""
+    return model in plugin.elements.get("child_model", ())
 
 
 def _child(

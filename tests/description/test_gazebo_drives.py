@@ -516,3 +516,9 @@ def test_two_drives_of_one_robot_hear_one_topic_and_their_transforms_collide(tmp
     assert twin.robot_state("four").base_pose[0] == pytest.approx(1.0, abs=0.03)
     (finding,) = [item for item in twin.findings if "/tf" in item.what]
     assert finding.what == "controllers front and back both publish the pose of 'four/base_link' on /tf"
+
+
+@pytest.mark.parametrize("text", ["", " ", "1.5"])
+def test_a_number_that_is_empty_is_not_read_and_said(text):
+    drive = drive_of(f"{DIFF}<max_wheel_acceleration>{text}</max_wheel_acceleration>", "libgazebo_ros_diff_drive.so")
+    assert drive.unread == (() if text == "1.5" else ("max_wheel_acceleration",))

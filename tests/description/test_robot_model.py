@@ -301,16 +301,3 @@ def test_a_pose_that_is_not_six_numbers_is_told_with_its_value(load, pose):
     text = SDF.replace("/></model>", f">\n<pose>{pose}</pose></link></model>")
     with pytest.raises(InputError, match=rf"robot\.sdf:2: <pose> of <link name=\"base\"> is '{pose}'"):
         load(text, suffix="sdf")
-
-
-@pytest.mark.parametrize(("tag", "given"), [("samples", "8"), ("max_angle", "1"), ("min", "0.1")])
-@pytest.mark.parametrize("suffix", ["urdf", "sdf"])
-def test_a_number_of_a_sensor_that_is_empty_is_a_finding(load, suffix, tag, given):
-    lidar = """<sensor name="s" type="gpu_lidar"><lidar><scan><horizontal><samples>8</samples>
-<min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>9</max></range></lidar>
-</sensor>""".replace(f"<{tag}>{given}</{tag}>", f"<{tag}></{tag}>")  # Gazebo: "Empty string used when setting …"
-    text = URDF.replace("</robot>", f'<gazebo reference="base">{lidar}</gazebo></robot>')
-    text = text if suffix == "urdf" else SDF.replace("/></model>", f">{lidar}</link></model>")
-    (what,) = [finding.what for finding in load(text, suffix=suffix).findings if finding.kind is Kind.WARNING]
-    assert f"<{tag}> of <" in what
-    assert what.endswith("is '', where one number is needed: Gazebo refuses it")

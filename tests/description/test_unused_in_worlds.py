@@ -38,9 +38,3 @@ def test_a_plugin_whose_name_is_misspelt_is_said_once(tmp_path):
     ((text, lines),) = said(world_of(tmp_path, plugin))
     assert "one of the two names is misspelt" in text
     assert lines == (4,)
-
-
-def test_a_plugin_without_a_file_is_said(tmp_path):
-    ((text, lines),) = said(world_of(tmp_path, '<plugin name="gz::sim::systems::Imu"/>'))
-    assert text == "Gazebo plugin gz::sim::systems::Imu has no filename: Gazebo refuses it"
-    assert lines == (4,)

@@ -241,6 +241,8 @@ def test_a_model_that_comes_later_is_attached_when_it_comes(crane, tmp_path):
         Kind.WARNING,
         "detachable_joint: no moving model 'crate' with a link 'body' is there yet",
     )
+    assert finding.file.endswith("crane.sdf")
+    assert finding.lines
     twin.advance_to(0.1)
     (tmp_path / "crate.sdf").write_text(f"<sdf version='1.9'>{CRATE.format(pose='0 0 0 0 0 0')}</sdf>")
     twin.spawn(Robot("crate", str(tmp_path / "crate.sdf"), xyz=(0, 0, 2)))

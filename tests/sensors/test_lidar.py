@@ -235,6 +235,20 @@ def test_bad_values_are_one_paragraph_with_file_and_line(tmp_path, options, wron
     assert refused.value.line
 
 
+@pytest.mark.parametrize(
+    ("options", "what"),
+    [
+        ({"scan": "<samples></samples>"}, "<samples> in <horizontal> of sensor 's'"),
+        ({"ranges": "<min/><max>3</max>"}, "<min> in <range> of sensor 's'"),
+        ({"more": "<noise><type>gaussian</type><stddev> </stddev></noise>"}, "<stddev> in <noise> of sensor 's'"),
+    ],
+)
+def test_a_number_that_is_empty_is_said(tmp_path, options, what):  # Gazebo refuses the file, or has the default
+    (finding,) = [item for item in twin_with(tmp_path, lidar(**options)).findings if item.kind is Kind.IGNORED]
+    assert finding.what == what
+    assert finding.lines
+
+
 def test_what_a_lidar_does_not_read_is_said(tmp_path):
     twin = twin_with(tmp_path, lidar(more="<visibility_mask>3</visibility_mask>"))
     (finding,) = [item for item in twin.findings if item.kind is Kind.IGNORED]
