@@ -93,8 +93,9 @@ def _fixed_groups(root: etree._Element, links: Mapping[str, etree._Element]) -> 
 
 def _inertia(link: etree._Element) -> _Inertia | None:
     """Return a link's inertia; None without a mass."""
-    inertial = link.find("inertial")
-    if inertial is None or not (mass := float(_named(_child(inertial, "mass"), "value"))) > 0.0:
+    inertial, given_mass = link.find("inertial"), link.find("inertial/mass")
+    mass = 0.0 if given_mass is None else float(given_mass.get("value", "0"))
+    if inertial is None or mass <= 0.0:
         return None
     given = inertial.find("inertia")
     xx, yy, zz, xy, xz, yz = (
