@@ -109,7 +109,10 @@ def prepare_urdf(
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
     for why, unmodelled in (
         ("without the repair joint_friction", [joint.name for joint in rubbing if "joint_friction" in without]),
-        ("a joint that follows another has its friction", [joint.name for joint in rubbing if joint.mimic is not None]),
+        (
+            "it follows another joint, whose friction counts",
+            [joint.name for joint in rubbing if joint.mimic is not None],
+        ),
     ):
         if unmodelled:
             findings.append(Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}: {why}"))
