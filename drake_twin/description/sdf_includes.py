@@ -86,11 +86,8 @@ class SdfIncludes:
             self.asked.setdefault(error.package, []).append(reader.place(include))
             return None
         except NotIncludedError as reason:
-            why = f" is not included: {reason}"
-            absent = (
-                f": {address.removeprefix('file://')}: "  # the address is the file: models that lack it are one line
-            )
-            why = why.replace(absent, ": ", 1)
+            # A file's name that is the address is not said twice, so that the models that lack theirs are one line.
+            why = f" is not included: {reason}".replace(f": {address.removeprefix('file://')}: ", ": ", 1)
             self.findings.append(Finding.at(Kind.IGNORED, address + why, reader.place(include), common=why))
             return None
 
