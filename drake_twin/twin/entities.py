@@ -86,6 +86,13 @@ def find_body(built: TwinDiagram, entity: str) -> RigidBody:
     raise InputError(f"Entity [{entity}] does not exist.", value=str(entity), valid=valid)
 
 
+def _free_bodies(built: TwinDiagram, entity: str) -> list[RigidBody]:
+    """Return the bodies of a robot or model that float; none of a link."""
+    instances = (built.robots[entity].instance,) if entity in built.robots else built.world_models.get(entity, ())
+    bodies = [built.plant.get_body(index) for item in instances for index in built.plant.GetBodyIndices(item)]
+    return [body for body in bodies if body.is_floating_base_body() and body.has_quaternion_dofs()]
+
+
 def entity_state(built: TwinDiagram, plant_context: Context, entity: str, reference: str = WORLD) -> EntityState:
     """Return the pose and twist of an entity, in the world or in another entity's frame.
 
@@ -150,10 +157,15 @@ def set_entity_state(
     p_RB_W = X_WR.rotation() @ p
     angular_W = V_WR.rotational() + X_WR.rotation() @ w
     linear_W = V_WR.translational() + np.cross(V_WR.rotational(), p_RB_W) + X_WR.rotation() @ v
-    plant.SetFreeBodyPose(plant_context, body, X_WB)
     from pydrake.multibody.math import SpatialVelocity
 
-    plant.SetFreeBodySpatialVelocity(plant_context, body, SpatialVelocity(w=angular_W, v=linear_W))
+    X_change = X_WB @ body.EvalPoseInWorld(plant_context).inverse()
+    others = [each for each in _free_bodies(built, entity) if each.index() != body.index()]
+    for other in others:  # of a model with several trees of links all move, as in gz-physics (FreeGroupFeatures.cc)
+        plant.SetFreeBodyPose(plant_context, other, X_change @ other.EvalPoseInWorld(plant_context))
+    plant.SetFreeBodyPose(plant_context, body, X_WB)
+    for each in (body, *(others if linear is not None or angular is not None else ())):
+        plant.SetFreeBodySpatialVelocity(plant_context, each, SpatialVelocity(w=angular_W, v=linear_W))
 
 
 def set_joint_positions(

@@ -168,6 +168,11 @@ def test_links_that_nothing_joins_are_free_bodies_of_one_robot(tmp_path):
     assert twin.state_sha256() == digest
     twin.reset()
     np.testing.assert_allclose(positions(twin, *names), start, atol=1e-12)
+    twin.place("r", (3, 0, 1))  # the whole model, as Gazebo's set_pose
+    turned = [(3, 0, 1), (4, 0, 3), (3, 1, 4), (3, 2, 4)]
+    np.testing.assert_allclose(positions(twin, *names), turned, atol=1e-12)
+    twin.set_entity_state("r::crate", (0, 0, 9))
+    np.testing.assert_allclose(positions(twin, *names), [turned[0], (0, 0, 9), *turned[2:]], atol=1e-12)
 
 
 def test_the_tree_that_is_fixed_to_the_world_is_the_robots_base(tmp_path):
