@@ -474,6 +474,25 @@ MUTANTS = (
         ("loads: any stiffness", "if time_step == 0.0:", "if time_step >= 0.0:"),
     ),
     *_of(
+        "diagram/gyroscopic_moments.py",
+        ("tests/physics/test_tumbling.py",),
+        ("tumbling: half of the moment", "h / 2 * second", "h / 4 * second"),
+        ("tumbling: no third order", "h * h / 6 * third", "0.0 * third"),
+        ("tumbling: robots with joints", "len(moving) > len(welded)", "len(moving) < len(welded)"),
+        ("tumbling: inertias are as built", "scales.append(scale if", "scales.append(1.0 if"),
+    ),
+    *_of(
+        "diagram/lumped_masses.py",
+        ("tests/physics/test_standing_robots.py",),
+        ("lumped: no lever", "part.mass * (lever @ lever", "0.0 * (lever @ lever"),
+        ("lumped: into the wrong axes", "poses[heaviest].inverse() @ poses[name]", "poses[name]"),
+        (
+            "lumped: links without shapes",
+            "_LIGHT * total or links[name].find",
+            "_LIGHT * total or not links[name].find",
+        ),
+    ),
+    *_of(
         "diagram/servo_gains.py",
         GAINS,
         (

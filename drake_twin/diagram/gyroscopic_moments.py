@@ -25,7 +25,7 @@ from pydrake.multibody.plant import (
 )
 from pydrake.multibody.tree import BodyIndex
 from pydrake.symbolic import Expression, Variable
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, System
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, Multiplexer, SymbolicVectorSystem
 from pydrake.systems.sensors import Gyroscope
 
@@ -34,7 +34,7 @@ from drake_twin.findings import Finding, Kind
 # Moments of inertia are equal if they differ by less than this part.
 _EQUAL = 1e-3
 
-_FORCES, _INERTIAS = "tumbling/forces", "tumbling/inertias"
+_NAME = "tumbling/moments"  # no robot has such a name
 
 
 @dataclass(frozen=True)
@@ -72,15 +72,30 @@ def add_gyroscopic_moments(builder: DiagramBuilder, plant: MultibodyPlant) -> It
         what = "a system of yours is connected to the plant's port applied_spatial_force"
         yield Finding(Kind.WARNING, f"{what}: in the air {names} gain energy where they tumble")
         return
-    count = len(bodies)
-    velocities = builder.AddNamedSystem("tumbling/velocities", Multiplexer([3] * count + [count]))
-    inertias = builder.AddNamedSystem(_INERTIAS, ConstantVectorSource(np.ones(count)))
+    system = builder.AddNamedSystem(_NAME, _moments_of(plant, bodies))
+    for output in (plant.get_body_poses_output_port(), plant.get_body_spatial_velocities_output_port()):
+        builder.Connect(output, system.GetInputPort(output.get_name()))
+    builder.Connect(system.get_output_port(), plant.get_applied_spatial_force_input_port())
+
+
+def _moments_of(plant: MultibodyPlant, bodies: Sequence[_LooseBody]) -> Diagram:
+    """Return a system that takes the plant's poses and velocities, and outputs the moments as spatial forces."""
+    builder, count = DiagramBuilder(), len(bodies)
+    velocities = builder.AddNamedSystem("velocities", Multiplexer([3] * count + [count]))
+    inertias = builder.AddNamedSystem("inertias", ConstantVectorSource(np.ones(count)))
     builder.Connect(inertias.get_output_port(), velocities.get_input_port(count))
+    propellers = builder.AddNamedSystem("propellers", Propeller(_propellers(bodies)))
+    poses = builder.ExportInput(propellers.get_body_poses_input_port(), plant.get_body_poses_output_port().get_name())
+    speeds = None
     for number, body in enumerate(bodies):
         X_BP = RigidTransform(body.R_BP, np.zeros(3))
-        gyroscope = builder.AddNamedSystem(f"tumbling/gyroscope_{number}", Gyroscope(plant.get_body(body.index), X_BP))
-        builder.Connect(plant.get_body_poses_output_port(), gyroscope.get_body_poses_input_port())
-        builder.Connect(plant.get_body_spatial_velocities_output_port(), gyroscope.get_body_velocities_input_port())
+        gyroscope = builder.AddNamedSystem(f"gyroscope_{number}", Gyroscope(plant.get_body(body.index), X_BP))
+        builder.ConnectInput(poses, gyroscope.get_body_poses_input_port())
+        if speeds is None:
+            name = plant.get_body_spatial_velocities_output_port().get_name()
+            speeds = builder.ExportInput(gyroscope.get_body_velocities_input_port(), name)
+        else:
+            builder.ConnectInput(speeds, gyroscope.get_body_velocities_input_port())
         builder.Connect(gyroscope.get_measurement_output_port(), velocities.get_input_port(number))
     w = np.array([Variable(f"w{index}") for index in range(3 * count)])
     scales = np.array([Variable(f"inertia{index}") for index in range(count)])
@@ -89,23 +104,21 @@ def add_gyroscopic_moments(builder: DiagramBuilder, plant: MultibodyPlant) -> It
         for body, own, scale in zip(bodies, np.split(w, count), scales, strict=True)
         for moment in _missing_moments(own, body.moments, plant.time_step())
     ]
-    moments = builder.AddNamedSystem("tumbling/moments", SymbolicVectorSystem(input=[*w, *scales], output=expressions))
+    moments = builder.AddNamedSystem("moments", SymbolicVectorSystem(input=[*w, *scales], output=expressions))
     builder.Connect(velocities.get_output_port(), moments.get_input_port())
-    propeller = builder.AddNamedSystem("tumbling/propellers", Propeller(_propellers(bodies)))
-    builder.Connect(moments.get_output_port(), propeller.get_command_input_port())
-    builder.Connect(plant.get_body_poses_output_port(), propeller.get_body_poses_input_port())
-    forces = builder.AddNamedSystem(_FORCES, ExternallyAppliedSpatialForceMultiplexer(2))
-    builder.Connect(propeller.get_spatial_forces_output_port(), forces.get_input_port(0))
-    nothing = builder.AddNamedSystem("tumbling/nothing", ConstantValueSource(forces.get_input_port(1).Allocate()))
+    builder.Connect(moments.get_output_port(), propellers.get_command_input_port())
+    forces = builder.AddNamedSystem("forces", ExternallyAppliedSpatialForceMultiplexer(2))
+    nothing = builder.AddNamedSystem("nothing", ConstantValueSource(forces.get_input_port(1).Allocate()))
+    builder.Connect(propellers.get_spatial_forces_output_port(), forces.get_input_port(0))
     builder.Connect(nothing.get_output_port(), forces.get_input_port(1))
-    builder.Connect(forces.get_output_port(), plant.get_applied_spatial_force_input_port())
+    builder.ExportOutput(forces.get_output_port(), "spatial_forces")
+    return builder.Build()
 
 
 def wrench_port(diagram: Diagram, plant: MultibodyPlant) -> InputPort:
     """Return the port for other applied spatial forces, whose value can be fixed."""
-    if diagram.HasSubsystemNamed(_FORCES):
-        return diagram.GetSubsystemByName(_FORCES).get_input_port(1)
-    return plant.get_applied_spatial_force_input_port()
+    forces = _system(diagram, "forces")
+    return plant.get_applied_spatial_force_input_port() if forces is None else forces.get_input_port(1)
 
 
 def follow_inertias(diagram: Diagram, plant: MultibodyPlant, root: Context) -> None:
@@ -118,15 +131,24 @@ def follow_inertias(diagram: Diagram, plant: MultibodyPlant, root: Context) -> N
         plant: Its plant.
         root: The diagram's context; it is changed.
     """
-    if not diagram.HasSubsystemNamed(_INERTIAS):
+    source, now = _system(diagram, "inertias"), plant.GetMyContextFromRoot(root)
+    if source is None:
         return
-    source, now = diagram.GetSubsystemByName(_INERTIAS), plant.GetMyContextFromRoot(root)
     as_built, scales = plant.CreateDefaultContext(), []
     for body in _loose_bodies(plant):
         present, built = (_central_inertia(plant, context, body.index) for context in (now, as_built))
         size, scale = np.trace(present), np.trace(present) / np.trace(built)
         scales.append(scale if np.allclose(present, scale * built, rtol=0.0, atol=_EQUAL * size) else 0.0)
     source.get_mutable_source_value(source.GetMyMutableContextFromRoot(root)).SetFromVector(scales)
+
+
+def _system(diagram: Diagram, name: str) -> System | None:
+    """Return one of the systems that make the moments; None if nothing needs them."""
+    if not diagram.HasSubsystemNamed(_NAME):
+        return None
+    moments = diagram.GetSubsystemByName(_NAME)
+    assert isinstance(moments, Diagram)
+    return moments.GetSubsystemByName(name)
 
 
 def _loose_bodies(plant: MultibodyPlant) -> list[_LooseBody]:
