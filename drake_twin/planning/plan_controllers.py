@@ -105,7 +105,7 @@ def _wiring(drive: GazeboDrive) -> Wiring:
 def _leave_one_transform(plans: dict[str, ControllerPlan], chosen: Iterable[str], robot: Robot) -> None:
     """Leave the base's transform to the plugins of Gazebo whose own a bridge takes to ``/tf``.
 
-    Without such a bridge, gz-sim's OdometryPublisher leaves it to a drive.
+    Without a bridge for it, gz-sim's OdometryPublisher leaves it to a drive.
     """
     names = [name for name in chosen if name in plans]
     left = [name for name in names if getattr(plans[name].parameters, "enable_odom_tf", False)]
