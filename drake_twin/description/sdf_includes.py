@@ -8,9 +8,11 @@ from pathlib import Path
 
 from lxml import etree
 
+from drake_twin.description.frame_in_model import frame_in_model
 from drake_twin.description.package_index import MissingPackageError, PackageIndex
 from drake_twin.description.sdf_addresses import NotIncludedError, SdfAddresses
 from drake_twin.description.sdf_document import free_name, modernize, read_sdf, sdf_version
+from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, Place, at_places
@@ -147,7 +149,7 @@ class SdfIncludes:
             for element in found.element.iter("sensor", "plugin"):
                 self.documents.setdefault(element, found.reader)
             if is_true(include.get("merge")):
-                _merge(found.element, include)
+                _merge(found, include, reader)
             else:
                 taken = {sibling.get("name", "") for sibling in parent.findall("model")}
                 found.element.set("name", free_name(found.element.get("name", ""), taken))
@@ -171,7 +173,7 @@ class SdfIncludes:
             modernize(found.element)
         into = etree.Element("model")
         into.append(deepcopy(include))
-        _merge(found.element, into[0])
+        _merge(found, into[0], reader)
         return "".join(etree.tostring(element, encoding="unicode", with_tail=False) for element in into)
 
     def not_found(self, place: Place) -> Iterator[Finding]:
@@ -210,8 +212,26 @@ def _override(model: etree._Element, include: etree._Element) -> None:
         model.set("placement_frame", placement)
 
 
-def _merge(model: etree._Element, include: etree._Element) -> None:
+def _unplaced(found: IncludedModel, pose: etree._Element, include: etree._Element, reader: XmlReader) -> etree._Element:
+    """Return the pose of a model's own frame, of one whose pose is that of its placement frame."""
+    from pydrake.math import RollPitchYaw
+
+    placement = found.element.get("placement_frame", "")
+    X_MP = frame_in_model(found.element, placement)
+    if X_MP is None:
+        raise reader.error(include, f"the placement frame {placement!r} does not exist", value=placement)
+    X = transform_of(pose, found.reader) @ X_MP.inverse()
+    own = etree.Element("pose")
+    if to := pose.get("relative_to"):
+        own.set("relative_to", to)
+    numbers = (*X.translation(), *RollPitchYaw(X.rotation()).vector())
+    own.text = " ".join(f"{value:.17g}" for value in numbers)
+    return own
+
+
+def _merge(found: IncludedModel, include: etree._Element, reader: XmlReader) -> None:
     """Move what has a name in the model of ``<include merge="true">`` into the including model: links, plugins, …"""
+    model = found.element
     frame = f"_merged_{model.get('name', '')}_model_"
     into = include.getparent()
     assert into is not None
@@ -219,7 +239,9 @@ def _merge(model: etree._Element, include: etree._Element) -> None:
     into.remove(include)
     placed = etree.Element("frame", name=frame)
     pose = model.find("pose")
-    if pose is not None:
+    if model.get("placement_frame"):
+        placed.append(_unplaced(found, etree.Element("pose") if pose is None else pose, include, reader))
+    elif pose is not None:
         placed.append(deepcopy(pose))
     moved = [placed]
     for child in [child for child in model if child.tag in _MERGED]:

@@ -1,14 +1,11 @@
 """The poses of a world's models, which may be relative to each other and to ``<frame>``s."""
 
 from collections.abc import Iterator
-from copy import deepcopy
 from typing import TYPE_CHECKING
 
 from lxml import etree
 
-from drake_twin.description.drake_log import DRAKE_RAISES, captured_warnings
-from drake_twin.description.sdf_document import free_name, modernize
-from drake_twin.description.sdf_model import hold_by_links
+from drake_twin.description.frame_in_model import frame_in_model
 from drake_twin.description.sdf_pose import transform_of
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
@@ -105,29 +102,11 @@ class WorldFrames:
 
     def _frame_in(self, model: etree._Element, frame: str, asking: etree._Element) -> "RigidTransform":
         """Return the pose of a frame in the model that has it; ``INNER::FRAME`` for one of a model inside that."""
-        from drake_twin.description.model_frames import model_frames
-
-        root = etree.Element("sdf", version="1.9")
-        root.append(deepcopy(model))
-        own = root[0]
-        own.attrib.pop("placement_frame", "")
-        for each in (*own.findall("pose"), *own.findall("static")):  # Drake refuses joints in a static model
-            own.remove(each)
-        modernize(own)
-        for joint in own.iter("joint"):  # whatever it is, and whether Drake knows it
-            joint.set("type", "fixed")
-            for axis in (*joint.findall("axis"), *joint.findall("axis2")):
-                joint.remove(axis)
-        asked = free_name("asked", [each.get("name", "") for each in own.iter(etree.Element)])
-        etree.SubElement(own, "frame", name=asked, attached_to=frame)
-        hold_by_links(own)
-        try:
-            with captured_warnings():
-                found = model_frames(etree.tostring(root, encoding="unicode"))
-            return next(frames[asked] for frames in found.values() if asked in frames)
-        except (*DRAKE_RAISES, StopIteration):
-            what = f"its pose depends on the frame {frame!r} of {own.get('name', '')!r}, which does not exist"
-            raise self._reader.error(asking, what, value=frame) from None
+        X_MF = frame_in_model(model, frame)
+        if X_MF is None:
+            what = f"its pose depends on the frame {frame!r} of {model.get('name', '')!r}, which does not exist"
+            raise self._reader.error(asking, what, value=frame)
+        return X_MF
 
     def _reader_of(self, pose: etree._Element, name: str) -> XmlReader:
         """Return the document of a model's pose: the world's, or that of the file that it includes."""

@@ -158,6 +158,24 @@ def sdf_world(seed: int) -> dict[str, str]:
     }
 
 
+def sdf_merged(seed: int) -> dict[str, str]:
+    """Make a robot that takes a part by merging, with the part's file: path → text."""
+    dice = Dice(seed)
+    frame = f'<frame name="grip" attached_to="link_0">{_pose(dice, ())}</frame>'
+    part = f"{_pose(dice, ())}{frame}"
+    pose = _pose(dice, ()) if dice.often(0.8) else ""
+    placed = "<placement_frame>grip</placement_frame>" if pose and dice.often() else ""
+    include = f'<include merge="true"><uri>model://part</uri>{placed}{pose}</include>'
+    own = f'<link name="own">{_pose(dice, ("link_0", "grip"))}<inertial><mass>1</mass>{SDF_INERTIA}</inertial></link>'
+    joint = _sdf_joint(dice, "mount", "link_0", "own", ("link_0", "grip", "own"))
+    body = "\n".join((include, own, joint))
+    return {
+        "made.sdf": f'<sdf version="1.9"><model name="made">\n{body}\n</model></sdf>\n',
+        "part/model.sdf": f'<sdf version="1.9">\n{_model(dice, "part", is_tree=True, more=part)}\n</sdf>\n',
+        "part/model.config": '<model><name>part</name><sdf version="1.9">model.sdf</sdf></model>\n',
+    }
+
+
 def _model(
     dice: Dice, name: str, *, is_tree: bool, known: Sequence[str] = (), nested: bool = False, more: str = ""
 ) -> str:
@@ -239,4 +257,5 @@ MAKERS: dict[str, Callable[[int], dict[str, str]]] = {
     "urdf": lambda seed: {"made.urdf": urdf(seed)},
     "sdf": lambda seed: {"made.sdf": sdf_robot(seed)},
     "world": sdf_world,
+    "merged": sdf_merged,
 }

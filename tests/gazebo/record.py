@@ -11,7 +11,7 @@ from gazebo.gazebo_values import compile_reader, gazebo_models
 from gazebo.made_files import MAKERS
 
 RECORDED = Path(__file__).with_name("recorded.json")
-SEEDS = {"urdf": range(30), "sdf": range(20), "world": range(12)}
+SEEDS = {"urdf": range(30), "sdf": range(20), "world": range(12), "merged": range(8)}
 
 # What `read_values.cc` prints beyond this is for people.
 KEPT = ("name", "pose", "static", "links", "joints", "models", "collisions", "sensors", "mu", "mu2", "self_collide")
