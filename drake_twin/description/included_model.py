@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator
-from copy import deepcopy
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -61,7 +60,6 @@ def _only_included(include: etree._Element, reader: XmlReader, file: Path, packa
         raise reader.error(include, f"the model is not included: {'; '.join(reasons)}")
     root = etree.Element("sdf", version=".".join(map(str, found.version)))
     root.append(found.element)
-    found.element.extend(deepcopy(include.findall("plugin")))
     text = etree.tostring(root, encoding="unicode")
     return ModelText(text, found.reader.file or file, tuple(_lost(includes, include, reader)))
 
