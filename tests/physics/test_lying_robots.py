@@ -47,7 +47,7 @@ SINKING = {
         "baxter": (0.001, 4.1e-3),
         "hextilt_flying_arm_5": (0.021, 3.2e-3),
         "icub": (2.6, 1.4e-2),
-        "icub_reduced": (0.86, 2.8e-3),
+        "icub_reduced": (0.095, 4.6e-3),
         "talos_full_v2": (0.17, 1.3e-2),
         "talos_full_v2_box": (14.6, 1.3),
         "talos_reduced": (2.6, 7.2e-3),
