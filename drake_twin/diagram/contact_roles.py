@@ -26,7 +26,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 
 from drake_twin.description.drake_log import captured_warnings
-from drake_twin.diagram.contact_material import candidates
+from drake_twin.diagram.contact_material import FINE, candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group
 from drake_twin.diagram.yielding_shapes import yielding
@@ -196,7 +196,14 @@ class Registry:
             geometry, has_faces = shape.geometry if number == 0 else None, False
             if geometry is not None:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)
-            for has_faces, properties in candidates(shape, variant.friction, soft=soft, is_rigid=is_rigid):  # noqa: B007
+            possible = candidates(
+                shape,
+                variant.friction,
+                soft=soft,
+                is_rigid=is_rigid,
+                is_fine=0 < self._plant.time_step() <= FINE,
+            )
+            for has_faces, properties in possible:  # noqa: B007
                 # Drake warns that deformable bodies would pass through a half space; the twin has none.
                 with suppress(RuntimeError), captured_warnings():
                     if geometry is not None:
