@@ -56,8 +56,7 @@ _MARGIN_OF_THIN = 0.05  # relative to the smallest side
 # The discrete solver pays for it: a facet in the margin beside a side that stands across the ground has a negative
 # pressure, and hardly any gradient along the ground's normal. Drake's cost has a constant for it that grows with the
 # cube of one ÷ the other. Beside 1e30 the other terms are lost in rounding: the solver stops after an iteration, and
-# what falls onto its corner flies up. Fine steps need a margin only for what is so light that it would hop.
-FINE = 2e-3  # s; in one of 10 ms a crate without a margin goes 1.6 mm farther into a thin wall at 1 m/s
+# what falls onto its corner flies up. So discrete engines have a margin only for what is so light that it would hop.
 _HOPS = 0.01  # kg
 
 # Drake adds to a shape what it lacks of these when a context is created, and then makes its faces once more.
@@ -65,7 +64,7 @@ _DEFAULTS = SceneGraphConfig().default_proximity_properties
 
 
 def candidates(
-    shape: ContactShape, friction: float, *, soft: Yielding | None, is_rigid: bool, is_fine: bool
+    shape: ContactShape, friction: float, *, soft: Yielding | None, is_rigid: bool, is_discrete: bool
 ) -> Iterator[tuple[bool, ProximityProperties]]:
     """Yield the possible properties of a shape, the best first, each with whether it has faces.
 
@@ -76,11 +75,11 @@ def candidates(
         friction: The coefficient of friction.
         soft: The shape whose faces yield, if they do.
         is_rigid: Whether it has faces that do not yield.
-        is_fine: Whether the engine is the discrete one with steps of `FINE` at most.
+        is_discrete: Whether the engine has fixed steps.
     """
     if soft is not None:
         modulus, hint = _modulus(shape, soft.depth), _resolution(shape.shape)
-        for margin in dict.fromkeys((_margin(shape, soft.depth, is_fine=is_fine), 0.0)):
+        for margin in dict.fromkeys((_margin(shape, soft.depth, is_discrete=is_discrete), 0.0)):
             properties = _material(shape, friction)
             AddCompliantHydroelasticProperties(
                 resolution_hint=hint, hydroelastic_modulus=modulus, properties=properties
@@ -123,10 +122,10 @@ def _borne(shape: ContactShape) -> float:
     return max(shape.mass, min(_LEAST_BORNE, _MOST_BORNE * shape.own_mass))
 
 
-def _margin(shape: ContactShape, depth: float | None, *, is_fine: bool) -> float:
+def _margin(shape: ContactShape, depth: float | None, *, is_discrete: bool) -> float:
     if depth is None:  # with a margin, such hulls sink in by millimeters
         return 0.0
-    if is_fine and shape.own_mass >= _HOPS:
+    if is_discrete and shape.own_mass > _HOPS:
         return 0.0
     margin = min(_MARGIN, _MARGIN_OF_THIN * float(min(extent_of(shape.shape))))
     if shape.is_loose and isinstance(shape.shape, Cylinder):  # its side must not brake the rims that it rolls on

@@ -26,7 +26,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 
 from drake_twin.description.drake_log import captured_warnings
-from drake_twin.diagram.contact_material import FINE, candidates
+from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group
 from drake_twin.diagram.yielding_shapes import yielding
@@ -201,7 +201,7 @@ class Registry:
                 variant.friction,
                 soft=soft,
                 is_rigid=is_rigid,
-                is_fine=0 < self._plant.time_step() <= FINE,
+                is_discrete=self._plant.is_discrete(),
             )
             for has_faces, properties in possible:  # noqa: B007
                 # Drake warns that deformable bodies would pass through a half space; the twin has none.
