@@ -201,7 +201,7 @@ class Registry:
                 variant.friction,
                 soft=soft,
                 is_rigid=is_rigid,
-                is_discrete=self._plant.is_discrete(),
+                is_discrete=self._plant.time_step() > 0,
             )
             for has_faces, properties in possible:  # noqa: B007
                 # Drake warns that deformable bodies would pass through a half space; the twin has none.
