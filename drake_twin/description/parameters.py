@@ -105,8 +105,9 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
     for name in values:
         if name not in fields and not (not path and name in _OF_EVERY_NODE):
             where = ".".join(map(str, (*path, name)))
-            what = f"controller {controller.name}: unknown parameter {where!r}: it is ignored"
-            warnings.append(Finding.at(Kind.WARNING, what, controller.place(*path, name), cause=Cause.PARAMETER))
+            unknown = f": unknown parameter {where!r}: it is ignored"
+            what, place = f"controller {controller.name}{unknown}", controller.place(*path, name)
+            warnings.append(Finding.at(Kind.WARNING, what, place, common=unknown, cause=Cause.PARAMETER))
     given = {}
     for name, item in fields.items():
         if name not in values:

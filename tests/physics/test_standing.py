@@ -135,9 +135,11 @@ def check_tipping(folder, engine, how, size, mass, is_mesh):
             twin.advance_to(twin.time + 0.05)
         if how == "force":
             twin.apply_wrench("thing", force=(last, 0, 0), duration=4.0, at=(0, 0, height / 2))
-        twin.advance_to(twin.time + 3.0)
-        vertical = upright(twin.entity_state("thing").orientation)
-        leans = abs(float(np.arctan2(vertical[0], vertical[2])) - -tilt)
+        leans = 0.0  # at most: what tumbles down a slope may be upright again in the end
+        for _ in range(12):
+            twin.advance_to(twin.time + 0.25)
+            vertical = upright(twin.entity_state("thing").orientation)
+            leans = max(leans, abs(float(np.arctan2(vertical[0], vertical[2])) - -tilt))
         assert (leans > radians(5.0)) == (share > 1), (share, np.degrees(leans))
 
 
