@@ -1,7 +1,10 @@
 """The mutants can be made, and tests notice them."""
 
+import ast
+
 import mutants
 import pytest
+import sampled_mutants
 from mutants import (
     MUTANTS,
     PACKAGE,
@@ -51,6 +54,29 @@ def test_tests_notice_a_sample_of_the_mutants():
             original = find(mutant, package).read_text()
             assert try_mutant(mutant, package).is_caught, mutant.name
             assert find(mutant, package).read_text() == original
+
+
+def test_faults_that_are_drawn_at_random_are_the_same_each_time_and_compile():
+    drawn = sampled_mutants.sample("control", 30, seed=1)
+    assert drawn == sampled_mutants.sample("control", 30, seed=1) != sampled_mutants.sample("control", 30, seed=2)
+    assert len({(fault.file, fault.line) for fault in drawn}) == 30
+    for fault in drawn:
+        original = (ROOT / PACKAGE / fault.file).read_text(encoding="utf-8")
+        assert compile(fault.text(original), fault.file, "exec") != compile(original, fault.file, "exec"), str(fault)
+        tests = sampled_mutants.related_tests(fault.file)
+        assert tests
+        assert all((ROOT / test).is_file() for test in tests)
+
+
+def test_a_fault_is_one_small_change():
+    text = "def f(a, b):\n    if a < b and not a:\n        return a + 1\n    return 'a' + b\n"
+    places = sampled_mutants._Places("it.py", text)
+    places.visit(ast.parse(text))
+    changed = {(fault.was, fault.replacement) for fault in places.faults}
+    assert changed == {
+        *(("<", "<="), ("and", "or"), ("not ", ""), ("a < b and not a", "not (a < b and not a)")),
+        *(("+", "-"), ("1", "2"), ("a + 1", "None"), ("'a' + b", "None")),
+    }
 
 
 @pytest.mark.slow

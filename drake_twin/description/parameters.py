@@ -106,8 +106,8 @@ def _read_class(kind: type, values: Any, controller: ControllerParameters, path:
         if name not in fields and not (not path and name in _OF_EVERY_NODE):
             where = ".".join(map(str, (*path, name)))
             unknown = f": unknown parameter {where!r}: it is ignored"
-            what, place = f"controller {controller.name}{unknown}", controller.place(*path, name)
-            warnings.append(Finding.at(Kind.WARNING, what, place, common=unknown, cause=Cause.PARAMETER))
+            what, at = f"controller {controller.name}{unknown}", controller.place(*path, name)
+            warnings.append(Finding.at(Kind.WARNING, what, at, common=unknown, cause=Cause.PARAMETER))
     given = {}
     for name, item in fields.items():
         if name not in values:
