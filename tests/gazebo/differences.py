@@ -31,18 +31,29 @@ class Difference(NamedTuple):
     reason: str = ""
 
 
+_FLAT = "the models of a robot are one, whose parts have flat names"
+
+
+def _flat(name: str) -> str:
+    """Return the name of a part of a robot of several models: ``arm_elbow`` for ``arm::elbow``."""
+    return name.replace("::", "_")
+
+
 def robot_differences(gazebo: Mapping[str, Any], twin: Mapping[str, Any]) -> Iterator[Difference]:
     """Yield the differences of a robot, of what Gazebo has."""
     links, joints = by_name(twin["links"]), by_name(twin["joints"])
     for link in gazebo["links"]:
         if link["name"] not in links:
-            reason = "newer parsers take a name with :: apart" if link["name"].replace("::", "_") in links else ""
-            yield Difference("name", f"link {link['name']}", link["name"], None, reason)
+            part = links.get(_flat(link["name"]))
+            yield Difference("name", f"link {link['name']}", link["name"], None, "" if part is None else _FLAT)
+            if part is not None:
+                yield from pose_difference(f"link {link['name']}", link["pose"], part["pose"])
             continue
         yield from link_differences(link, links[link["name"]], f"link {link['name']}", twin.get("casters", ()))
     for joint in gazebo.get("joints", ()):
         if joint["name"] not in joints:
             reason = "a joint to the world fixes the robot where it is spawned" if joint["parent"] == "world" else ""
+            reason = _FLAT if _flat(joint["name"]) in joints else reason
             yield Difference("name", f"joint {joint['name']}", joint["name"], None, reason)
             continue
         ambiguous = {each["name"] for each in gazebo["joints"]} & {*links}
@@ -102,6 +113,7 @@ def joint_differences(
     for end in ("parent", "child"):
         if gazebo[end] != twin[end]:
             reason = "a joint has the name of a link" if twin[end] in ambiguous else ""
+            reason = _FLAT if twin[end] == _flat(gazebo[end]) else reason
             yield Difference("name", f"{end} of {of}", gazebo[end], twin[end], reason)
     if "axis" not in gazebo or twin["type"] in ("fixed", "ball"):
         return
