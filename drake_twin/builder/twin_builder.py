@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from drake_twin.description.package_index import absolute_path
-from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.requirements import imports_explained
 from drake_twin.scenario import DISCRETE, Command, NodeProgram, Robot, Scenario, StaticTransform, World
-from drake_twin.scenario.robot_options import RobotOptions, address, robot_of, takes_robot_options, text
+from drake_twin.scenario.robot_options import RobotOptions, address, robot_of, takes_robot_options, text, vector3
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
@@ -180,7 +179,7 @@ class TwinBuilder:
         """Fix the frame ``child`` in the frame ``parent`` (m, rad), like static_transform_publisher."""
         what = f"of static transform {parent!r} to {child!r}"
         self._static_transforms.append(
-            StaticTransform(parent, child, _vector3(xyz, f"xyz {what}"), _vector3(rpy, f"rpy {what}"))
+            StaticTransform(parent, child, vector3(xyz, f"xyz {what}"), vector3(rpy, f"rpy {what}"))
         )
         return self
 
@@ -296,11 +295,3 @@ class TwinBuilder:
         twin = Twin(self.scenario(), meshcat, self._plans, self._extensions)
         start_nodes(twin)
         return twin
-
-
-def _vector3(values: Iterable[float], what: str) -> Vector3:
-    try:
-        x, y, z = (float(value) for value in values)
-    except (TypeError, ValueError):
-        raise InputError(f"{what}: {values!r} is not three numbers") from None
-    return x, y, z

@@ -107,15 +107,11 @@ def prepare_urdf(
     _give_mimic(reader, description)
     _drop_what_drake_warns_of(reader)
     rubbing = [joint for joint in description.movable_joints if joint.friction > 0]
-    for why, unmodelled in (
-        ("without the repair joint_friction", [joint.name for joint in rubbing if "joint_friction" in without]),
-        (
-            "it follows another joint, whose friction counts",
-            [joint.name for joint in rubbing if joint.mimic is not None],
-        ),
-    ):
-        if unmodelled:
-            findings.append(Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}: {why}"))
+    is_left_out = "joint_friction" in without
+    unmodelled = [joint.name for joint in rubbing if is_left_out or joint.mimic is not None]
+    if unmodelled:
+        why = "without the repair joint_friction" if is_left_out else "it follows another joint, whose friction counts"
+        findings.append(Finding(Kind.IGNORED, f"friction of joint {', '.join(unmodelled)}: {why}"))
     _rename_world_link(reader)
     return PreparedUrdf(
         etree.tostring(reader.root, encoding="unicode"),

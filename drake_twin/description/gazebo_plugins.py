@@ -32,6 +32,11 @@ def read_plugins(reader: XmlReader, path: str) -> Iterator[GazeboPlugin]:
         yield read_plugin(reader, plugin)
 
 
+def is_ros2_control(plugin: GazeboPlugin) -> bool:
+    """Tell whether a plugin is one of gz_ros2_control or gazebo_ros2_control, in any spelling."""
+    return "ros2_control" in plugin.filename + plugin.name
+
+
 def is_of_gazebo_sim(plugin: etree._Element) -> bool:
     """Tell whether a ``<plugin>`` is one of Gazebo Sim's own, and so not one of Gazebo classic."""
     return bool(GZ_LIBRARY.fullmatch(plugin.get("filename", "")) or CLASS.fullmatch(plugin.get("name", "")))

@@ -14,7 +14,7 @@ from typing import Any
 from lxml import etree
 
 from drake_twin.description.built_in_worlds import built_in_world, find_world
-from drake_twin.description.gazebo_plugins import DONE_HERE, plugin_kind
+from drake_twin.description.gazebo_plugins import DONE_HERE, is_ros2_control, plugin_kind
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.plugin_names import misspelt_plugin
 from drake_twin.description.robot_description import GazeboPlugin, Pose, RobotDescription, Vector3
@@ -148,7 +148,7 @@ def _robot_text(model: etree._Element, version: tuple[int, ...], reader: XmlRead
     from drake_twin.description.gazebo_drives import is_drive
 
     found = [GazeboPlugin(filename=item.get("filename", ""), name=item.get("name", "")) for item in plugins]
-    if not any(is_drive(plugin) or "ros2_control" in plugin.filename + plugin.name for plugin in found):
+    if not any(is_drive(plugin) or is_ros2_control(plugin) for plugin in found):
         return None
     copy = deepcopy(model)
     for pose in copy.findall("pose"):

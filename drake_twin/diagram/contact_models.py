@@ -18,7 +18,8 @@ class ContactModel:
         root_pose: The pose of its root body in the world at the start; None for the plant's default pose.
         colliding: The bodies that collide with others of the same model; None for all of them.
         friction: The coefficient of friction of all its shapes; None for those of its file.
-        folded: Body → the body into which Gazebo folds it, for those of a URDF on fixed joints.
+        folded: Body → the body into which Gazebo folds it, for those of a URDF on fixed joints whose
+            links collide with each other.
     """
 
     name: str

@@ -274,7 +274,7 @@ def exclude_within_models(plant: MultibodyPlant, scene_graph: SceneGraph, models
     manager = scene_graph.collision_filter_manager()
     for model in models:
         bodies = [plant.get_body(index) for instance in model.instances for index in plant.GetBodyIndices(instance)]
-        if model.folded and (model.colliding is None or model.colliding):
+        if model.folded:
             for parents, children in _jointed(plant, model):
                 manager.Apply(CollisionFilterDeclaration().ExcludeBetween(parents, children))
         if model.colliding is None:

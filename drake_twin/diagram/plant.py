@@ -271,9 +271,9 @@ def _contact_models(
             (instances[plan.name],),
             plan.robot.contact,
             rigid_transform(plan.spawn_pose),
-            _colliding_links(plan),
+            colliding := _colliding_links(plan),
             plan.robot.friction,
-            folded=_folded(plan),
+            folded={} if colliding == set() else _folded(plan),
         )
         for plan in plans
     ]

@@ -39,7 +39,7 @@ _BALL = 0.005
 # of 0.95 of the friction angle, at a step of 10 ms, a box would creep by more than 0.2 mm in 5 s. Drake's solver
 # regularizes the friction of a point the more, the more that point bears. So what is slim has two balls in each corner.
 # Compact things have one, twice as stiff: a ball on the ground costs as much time as two facets.
-CORNER_STIFFNESS = 2e4  # of each ball
+CORNER_STIFFNESS = 2e4  # of each of two balls
 _SLIM = 10.0
 
 _FARTHEST = 10.0  # of the ball in a sharp corner from its tip, relative to the ball's radius
@@ -101,9 +101,8 @@ def _corners(shape: ContactShape) -> Iterator[ContactShape]:
     smallest, _, largest = sorted(np.ptp(points, axis=0).tolist())
     radius = _BALL * smallest
     inside = points - radius * signs if isinstance(form, Box) else _moved_inside(points, radius)
-    stiffness = _SLIM * UPRIGHT * largest / smallest**2
-    balls = 2 if stiffness > CORNER_STIFFNESS else 1
-    stiffness = max(stiffness, CORNER_STIFFNESS * 2 / balls)
+    slim = _SLIM * UPRIGHT * largest / smallest**2
+    balls, stiffness = (2, slim) if slim > CORNER_STIFFNESS else (1, 2 * CORNER_STIFFNESS)
     for number, point in enumerate(np.repeat(inside, balls, axis=0)):
         part = _point(shape, f"corner{number}", Sphere(radius), point.tolist(), stiffness)
         yield replace(part, is_corner=True)

@@ -8,7 +8,7 @@ from typing import Any
 
 from lxml import etree
 
-from drake_twin.description.gazebo_plugins import read_plugins
+from drake_twin.description.gazebo_plugins import is_ros2_control, read_plugins
 from drake_twin.description.included_model import included_model
 from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.package_index import PackageIndex
@@ -218,7 +218,7 @@ class LaunchedRobots:
         publisher: LaunchedProcess | None,
         given_namespace: str,
     ) -> None:
-        control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
+        control = [plugin for plugin in source.plugins if is_ros2_control(plugin)]
         wanted = [plugin.namespace for plugin in control or source.plugins if plugin.namespace]
         namespace = "/" + (given_namespace or next(iter(wanted), "")).strip("/")
         manager = None
@@ -286,7 +286,7 @@ class LaunchedRobots:
         self, source: _Source, process: LaunchedProcess
     ) -> tuple[_Source, LaunchedProcess | None]:
         """Return the description that the ros2_control plugin of an SDF reads from another node; else the SDF."""
-        control = [plugin for plugin in source.plugins if "ros2_control" in plugin.filename + plugin.name]
+        control = [plugin for plugin in source.plugins if is_ros2_control(plugin)]
         if source.has_hardware or not control:
             publisher = next((item for item in self._publishers if item.namespace == process.namespace), None)
             return source, publisher if len(self._publishers) == 1 else None

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from drake_twin.description.gazebo_plugins import plugin_remappings
+from drake_twin.description.gazebo_plugins import is_ros2_control, plugin_remappings
 from drake_twin.description.robot_description import RobotDescription
 from drake_twin.ros2.launched import absolute_name
 from drake_twin.scenario import Robot
@@ -25,7 +25,7 @@ def with_plugin_remappings(robot: Robot, description: RobotDescription, controll
     found = {
         absolute_name(before, namespace, node): absolute_name(after, namespace, node)
         for plugin in description.plugins
-        if "ros2_control" in plugin.filename + plugin.name
+        if is_ros2_control(plugin)
         for before, after in plugin_remappings(plugin)
         for node in (nodes if before.startswith("~") or after.startswith("~") else [""])
     }

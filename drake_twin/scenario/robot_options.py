@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypedDict, TypeVar
 
 from drake_twin.description.package_index import absolute_path
+from drake_twin.description.robot_description import Vector3
 from drake_twin.errors import InputError
 from drake_twin.scenario.scenario import Robot
 from drake_twin.scenario.typed_values import field_types
@@ -66,10 +67,23 @@ def robot_of(name: str, model: str | Path, options: RobotOptions) -> Robot:
     values = {
         option: converted(kinds[option], value, f"{option} of robot {name!r}") for option, value in options.items()
     }
-    if "controllers" in values:
-        values["controllers"] = tuple(map(address, values["controllers"]))
     given = {option: value for option, value in values.items() if value is not None}
+    if "controllers" in given:
+        given["controllers"] = tuple(map(address, given["controllers"]))
     return Robot(name, address(model), **given)
+
+
+def vector3(values: Iterable[float], what: str) -> Vector3:
+    """Return three numbers, which ``what`` names in an error.
+
+    Raises:
+        InputError: If they are not three numbers.
+    """
+    try:
+        x, y, z = () if isinstance(values, str) else map(float, values)
+    except (TypeError, ValueError):
+        raise InputError(f"{what}: {values!r} is not three numbers") from None
+    return x, y, z
 
 
 def converted(kind: Any, value: Any, what: str) -> Any:
@@ -92,22 +106,14 @@ def converted(kind: Any, value: Any, what: str) -> Any:
         if origin is tuple and arguments[-1] is Ellipsis:
             items = [value] if isinstance(value, str | Path) else value
             return tuple(converted(arguments[0], item, what) for item in items)
-        if origin is tuple:
-            numbers = () if isinstance(value, str) else tuple(map(float, value))
-            if len(numbers) != len(arguments):
-                raise ValueError
-            return numbers
+        if kind == Vector3:
+            return vector3(value, what)
         if origin is Mapping:
             return {str(key): converted(arguments[1], item, what) for key, item in dict(value).items()}
         return float(value) if kind is float else text(value) if kind is str else value
     except (TypeError, ValueError):
-        raise InputError(f"{what}: {value!r} is not {_wanted(origin, kind)}") from None
-
-
-def _wanted(origin: Any, kind: Any) -> str:
-    if origin is tuple:
-        return "a list of names" if typing.get_args(kind)[-1] is Ellipsis else "three numbers"
-    return "a mapping" if origin is Mapping else "a number"
+        wanted = {tuple: "a list of names", Mapping: "a mapping"}.get(origin, "a number")
+        raise InputError(f"{what}: {value!r} is not {wanted}") from None
 
 
 def takes_robot_options(method: _Method) -> _Method:

@@ -127,6 +127,11 @@ def test_an_option_of_another_kind_is_refused(option, value, wanted):
         TwinBuilder().robot("a", ROVER, **{option: value})
 
 
+def test_no_value_is_the_default():
+    (robot,) = TwinBuilder().robot("a", ROVER, **dict.fromkeys(OTHERS)).scenario().robots
+    assert robot == Robot("a", ROVER)
+
+
 def test_an_option_that_a_robot_lacks_is_a_wrong_call():
     with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
         TwinBuilder().robot("a", ROVER, colour="red")
