@@ -19,6 +19,7 @@ from drake_twin.diagram.contact_roles import Registry, exclude_within_models, va
 from drake_twin.diagram.contact_shapes import ContactShape, ShapeReader
 from drake_twin.diagram.extreme_shapes import said_of_extremes
 from drake_twin.diagram.rims_and_corners import with_points
+from drake_twin.diagram.supports import share_weight
 
 # How a shape touches, as named in reports.
 FACES, IN_A_POINT, WHEEL = "faces", "point", "wheel"
@@ -85,7 +86,7 @@ def give_contact(
         shape, X_BG = inspector.GetShape(geometry).Clone(), RigidTransform(inspector.GetPoseInFrame(geometry))
         shapes.append(reader.read(geometry, body, inspector.GetName(geometry), shape, X_BG, friction))
     warnings.extend(said_of_extremes(shapes))
-    shapes = with_points(shapes, warnings)
+    shapes = with_points(share_weight(plant, shapes, models), warnings)
     registry = Registry(plant, scene_graph)
     for shape, wanted in zip(shapes, variants(shapes, warnings), strict=True):
         registry.add(shape, wanted)

@@ -41,6 +41,10 @@ _RIGID = 1e12  # N/m; for a point of a static shape
 # it creeps out, at 1 it jumps.
 _DISSIPATION = 5.0
 
+# The same for the supports of a robot that stands near its edge: what comes out faster tips it over (in CENIC, a robot
+# that lands on its caster).
+_SUPPORT_DISSIPATION = 50.0
+
 # The same for corners, which may be slow, since the face beside them comes out: what rocks from edge to edge stops. It
 # grows with their stiffness, as they move by less, up to a limit. With four times the least a crate brakes the rover
 # that pushes it; with six times the limit Drake's solver failed where a slim bar fell over.
@@ -99,6 +103,8 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     stiffness, dissipation = POINT_STIFFNESS * shape.mass, _DISSIPATION
     if shape.is_static:
         stiffness = _RIGID
+    elif shape.support is not None:
+        stiffness, dissipation = shape.support.stiffness, _SUPPORT_DISSIPATION
     elif shape.point_stiffness is not None:
         stiffness = shape.point_stiffness * shape.mass
         if shape.is_corner:
@@ -113,6 +119,11 @@ def _material(shape: ContactShape, friction: float) -> ProximityProperties:
     )
     properties.AddProperty("material", "relaxation_time", _DEFAULTS.relaxation_time)
     return properties
+
+
+def usual_stiffness(shape: ContactShape) -> float:
+    """Return the stiffness of a robot's shape that follows from its mass (N/m); of the largest face, if it has some."""
+    return _FACE_STIFFNESS * _borne(shape) if shape.is_flat else POINT_STIFFNESS * shape.mass
 
 
 def _borne(shape: ContactShape) -> float:
@@ -138,6 +149,8 @@ def _modulus(shape: ContactShape, depth: float | None) -> float:
 
     The pressure rises to it behind each face, to one depth or to the middle.
     """
+    if (foot := shape.support) is not None:
+        return foot.stiffness / foot.area * (depth or foot.height / 2)
     smallest, middle, largest = sorted(extent_of(shape.shape).tolist())
     # Of each face: the stiffness that it has at least, its sides, and how tall the body is that stands on it.
     faces = (

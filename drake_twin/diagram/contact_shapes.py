@@ -62,6 +62,21 @@ class Group:
 
 
 @dataclass(frozen=True)
+class Support:
+    """What of a shape a robot stands on.
+
+    Attributes:
+        stiffness: Of the shape, which follows from the weight that it bears (N/m).
+        area: Of the face that it stands on, if it has faces (m²).
+        height: Of the shape above that face (m).
+    """
+
+    stiffness: float
+    area: float
+    height: float
+
+
+@dataclass(frozen=True)
 class ContactShape:
     """A collision shape.
 
@@ -82,6 +97,8 @@ class ContactShape:
         point_stiffness: How stiff it is where it touches in a point (a natural frequency squared, 1/s²); None as usual.
         is_corner: Whether it is a ball in a corner of a loose shape.
         bears_corners: Whether such balls meet it: it does not move, and is so thick that they do not pass its middle.
+        is_roller: Whether it is one of several around a wheel.
+        support: What its robot stands on; None for stiffness that follows from its mass.
     """
 
     geometry: GeometryId | None
@@ -100,6 +117,8 @@ class ContactShape:
     point_stiffness: float | None = None
     is_corner: bool = False
     bears_corners: bool = False
+    is_roller: bool = False
+    support: Support | None = None
 
 
 def extent_of(shape: Shape) -> np.ndarray:
@@ -109,6 +128,25 @@ def extent_of(shape: Shape) -> np.ndarray:
     if isinstance(shape, Cylinder):
         return np.array([2 * shape.radius(), 2 * shape.radius(), shape.length()])
     return np.asarray(np.maximum(np.ptp(corners_of(shape.GetConvexHull()), axis=0), _THINNEST))
+
+
+def reach_of(shape: Shape, direction: np.ndarray) -> float:
+    """Return the extent of a shape from its origin in a direction of its own frame (its support function, m)."""
+    across = float(np.hypot(direction[0], direction[1]))
+    along = abs(float(direction[2]))
+    if isinstance(shape, Sphere):
+        return float(shape.radius())
+    if isinstance(shape, Box):
+        return float(np.abs(direction) @ shape.size() / 2)
+    if isinstance(shape, Cylinder):
+        return float(shape.radius() * across + shape.length() / 2 * along)
+    if isinstance(shape, Capsule):
+        return float(shape.radius() + shape.length() / 2 * along)
+    if isinstance(shape, Ellipsoid):
+        return float(np.linalg.norm(direction * (shape.a(), shape.b(), shape.c())))
+    if isinstance(shape, Mesh | Convex):
+        return float(np.max(corners_of(shape.GetConvexHull()) @ direction))
+    return 0.0
 
 
 def _thickness(shape: Shape) -> float:
@@ -170,6 +208,7 @@ class ShapeReader:
             bears_corners=is_static and _thickness(shape) >= _THICK,
             is_flat=contact != POINT and not isinstance(shape, _ROUND),
             is_wheel=wheel is not None,
+            is_roller=wheel is not None and wheel.is_roller,
             is_loose=not is_static and model is not None and self._is_one_body(model, body),
             # A link may have to bear the whole model, but must not be too stiff for its own mass: the geometric mean of
             # both. Rollers always bear it, and would sink in by half a millimeter.

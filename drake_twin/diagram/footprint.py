@@ -3,21 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from pydrake.geometry import (
-    Box,
-    Capsule,
-    Convex,
-    Cylinder,
-    Ellipsoid,
-    GeometryId,
-    Mesh,
-    QueryObject,
-    Role,
-    Sphere,
-)
+from pydrake.geometry import QueryObject, Role
 from pydrake.systems.framework import DiagramBuilder
 
-from drake_twin.description.hull import corners_of
+from drake_twin.diagram.contact_shapes import reach_of
 from drake_twin.diagram.plant import add_plant
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import POINT, Scenario, World
@@ -56,30 +45,10 @@ def footprint(plan: RobotPlan) -> Footprint:
         for geometry in inspector.GetAllGeometryIds(role):
             pose = to_root @ query.GetPoseInWorld(geometry)
             directions = _DIRECTIONS @ pose.rotation().matrix()
-            farthest = np.array([_reach(query, geometry, direction) for direction in directions])
+            shape = inspector.GetShape(geometry)
+            farthest = np.array([reach_of(shape, direction) for direction in directions])
             reach = np.maximum(reach, _DIRECTIONS @ pose.translation() + farthest)
         if np.isfinite(reach).all():
             upper, lower = reach[:3].tolist(), (-reach[3:]).tolist()
             return Footprint((lower[0], lower[1], lower[2]), (upper[0], upper[1], upper[2]))
     return Footprint((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-
-
-def _reach(query: QueryObject, geometry: GeometryId, direction: np.ndarray) -> float:
-    """Return the extent of a shape from its origin in a direction of its own frame (its support function)."""
-    shape = query.inspector().GetShape(geometry)
-    across = float(np.hypot(direction[0], direction[1]))
-    along = abs(float(direction[2]))
-    if isinstance(shape, Sphere):
-        return float(shape.radius())
-    if isinstance(shape, Box):
-        return float(np.abs(direction) @ shape.size() / 2)
-    if isinstance(shape, Cylinder):
-        return float(shape.radius() * across + shape.length() / 2 * along)
-    if isinstance(shape, Capsule):
-        return float(shape.radius() + shape.length() / 2 * along)
-    if isinstance(shape, Ellipsoid):
-        return float(np.linalg.norm(direction * (shape.a(), shape.b(), shape.c())))
-    if isinstance(shape, Mesh | Convex):
-        hull = shape.GetConvexHull()
-        return float(np.max(corners_of(hull) @ direction))
-    return 0.0
