@@ -9,6 +9,7 @@ import numpy as np
 from lxml import etree
 
 from drake_twin.description.gazebo_colors import GAZEBO_COLORS
+from drake_twin.description.lasting_files import lasting_file
 from drake_twin.description.mesh_findings import said_of_hull, said_of_hulls, said_of_visual
 from drake_twin.description.meshes import collision_mesh, mesh_address, mesh_primitive, visual_mesh
 from drake_twin.description.package_index import MissingPackageError
@@ -26,11 +27,13 @@ _SIZES = {
     "sphere": ("radius",),
     "cylinder": ("radius", "length"),
     "capsule": ("radius", "length"),
+    "cone": ("radius", "length"),
     "ellipsoid": ("radii",),
 }
 _SHAPES = (*_SIZES, "plane", "mesh")
 _COUNTS = {"size": 3, "radii": 3}  # of numbers; else one
 _LARGEST = 1e12  # m; more overflows in the simulation
+_CONE_SIDES = 48
 
 FindFile = Callable[[str, Path | None], Path]
 
@@ -42,6 +45,8 @@ def mend_shapes(model: etree._Element) -> Iterator[tuple[str, Weight]]:
         What was left out, and what it was for.
     """
     yield from _shapes(model)
+    for cone in [*model.iterfind(".//geometry/cone")]:
+        _replace_cone(cone)
     _give_colors(model)
     _give_friction(model)
 
@@ -80,6 +85,20 @@ def _written(kind: etree._Element) -> str:
     """Return what a shape says of its size, in brackets."""
     texts = [f"<{child.tag}>{(child.text or '').strip()}" for child in kind if child.tag in _SIZES[str(kind.tag)]]
     return f" ({' '.join(texts)})" if texts else ""
+
+
+def _replace_cone(cone: etree._Element) -> None:
+    """Replace a ``<cone>`` by a mesh: with its tip along z and its frame halfway between base and tip, as in SDF."""
+    radius, length = (float(cone.findtext(tag) or "") for tag in _SIZES["cone"])
+    angles = 2 * np.pi * np.arange(_CONE_SIDES) / _CONE_SIDES
+    base = np.round(radius * np.column_stack([np.cos(angles), np.sin(angles)]), 12)
+    lines = [f"v {x!r} {y!r} {-length / 2!r}" for x, y in base.tolist()] + [f"v 0 0 {length / 2!r}"]
+    lines += [f"f {i + 1} {(i + 1) % _CONE_SIDES + 1} {_CONE_SIDES + 1}" for i in range(_CONE_SIDES)]
+    lines += [f"f 1 {i + 1} {i}" for i in range(2, _CONE_SIDES)]
+    cone.tag = "mesh"
+    for child in [*cone]:
+        cone.remove(child)
+    etree.SubElement(cone, "uri").text = str(lasting_file("cone.obj", "\n".join([*lines, ""])))
 
 
 def _give_colors(model: etree._Element) -> None:

@@ -20,6 +20,7 @@ _OF_PARENT: Mapping[str, Mapping[str, tuple[int, int]]] = {
     "sphere": {"radius": _ONE},
     "cylinder": {"radius": _ONE, "length": _ONE},
     "capsule": {"radius": _ONE, "length": _ONE},
+    "cone": {"radius": _ONE, "length": _ONE},
     "ellipsoid": {"radii": _THREE},
     "mesh": {"scale": _THREE},
     "ode": {"mu": _ONE, "mu2": _ONE},

@@ -103,6 +103,7 @@ _SDF_GEOMETRY = _part(
     cylinder=_part(radius=_TEXT, length=_TEXT),
     sphere=_part(radius=_TEXT),
     capsule=_part(radius=_TEXT, length=_TEXT),
+    cone=_part(radius=_TEXT, length=_TEXT),
     ellipsoid=_part(radii=_TEXT),
     mesh=_part(uri=_TEXT, scale=_TEXT),
     plane=_part(normal=_TEXT, size=_TEXT),
@@ -195,7 +196,7 @@ NO_EFFECT_IN_WORLDS = frozenset(
             "transparency",
         ),
         *("contact", "bounce", "soft_contact", "torsional", "bullet", "submesh", "density", "fluid_added_mass", "auto"),
-        *("stiffness", "dissipation", "heightmap", "image", "polyline", "cone", "convex_decomposition"),
+        *("stiffness", "dissipation", "heightmap", "image", "polyline", "convex_decomposition"),
         *("ode", "dart", "simbody", "magnetic_field"),  # of <physics>
         *("model", "plugin", "sensor", "light", "gripper", "particle_emitter", "projector"),
     )

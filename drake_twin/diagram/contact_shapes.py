@@ -63,7 +63,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Support:
-    """What of a shape a robot stands on.
+    """How a shape that a robot stands on is to yield.
 
     Attributes:
         stiffness: Of the shape, which follows from the weight that it bears (N/m).

@@ -19,6 +19,7 @@ from pydrake.math import RigidTransform
 
 from drake_twin.description.hull import corners_of, planes_of
 from drake_twin.diagram.contact_shapes import POINT_STIFFNESS, STIFFEST, UPRIGHT, ContactShape
+from drake_twin.diagram.round_hulls import RoundHull, round_hull
 
 # The faceted cylinder stays inside its rims by this part of its radius, and no more than so much (m): more than rims
 # sink in, less than is seen.
@@ -72,6 +73,8 @@ def with_points(shapes: Sequence[ContactShape], warnings: list[str]) -> list[Con
             radius, length = shape.shape.radius(), shape.shape.length()
             thinner = Cylinder(radius - recess_of(radius), length)
             found += [replace(shape, shape=thinner), *_rims(shape, radius, length)]
+        elif isinstance(shape.shape, Convex) and (hull := round_hull(shape.shape)) is not None:
+            found += [replace(shape, shape=hull.within(recess_of(max(hull.radii)))), *_rims_of_hull(shape, hull)]
         else:
             found += [shape, *(_corners(shape) if loose <= _MOST_LOOSE else ())]
     return found
@@ -86,6 +89,15 @@ def _rims(shape: ContactShape, radius: float, length: float) -> Iterator[Contact
     stiffness = max(POINT_STIFFNESS, UPRIGHT * radius / (2 * max(apart, _LEAST) ** 2))
     for number, side in enumerate((-1, 1)):
         yield _point(shape, f"rim{number}", rim, (0.0, 0.0, side * apart), stiffness)
+
+
+def _rims_of_hull(shape: ContactShape, hull: RoundHull) -> Iterator[ContactShape]:
+    rims = hull.rims()
+    apart = float(np.linalg.norm(rims[0][1].translation() - rims[1][1].translation())) / 2
+    stiffness = max(2 * POINT_STIFFNESS, UPRIGHT * max(hull.radii) / (2 * max(apart, _LEAST) ** 2))
+    for number, (rim, pose) in enumerate(rims):
+        part = _point(shape, f"rim{number}", rim, (0.0, 0.0, 0.0), stiffness)
+        yield replace(part, X_BG=shape.X_BG @ pose)
 
 
 def _corners(shape: ContactShape) -> Iterator[ContactShape]:

@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 import trimesh
 from lxml import etree
@@ -63,6 +64,26 @@ def test_a_moving_models_mesh_collides_as_its_hull_or_the_primitive_that_it_is(t
     assert [float(side) for side in box.findtext("geometry/box/size").split()] == pytest.approx([2, 2, 3])
     cone, _ = geometry("<mesh><uri>cone.stl</uri></mesh>", tmp_path, static=False)
     assert cone.findtext("geometry/mesh/uri").endswith(".hull.obj")
+
+
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+@pytest.mark.parametrize("static", [True, False])
+def test_a_cone_is_a_mesh_with_its_tip_along_z_about_the_middle_of_its_length(tmp_path, kind, static):
+    text = "<cone><radius>0.3</radius><length>0.8</length></cone>"
+    shape, warnings = geometry(text, tmp_path, kind=kind, static=static)
+    assert not warnings
+    mesh = trimesh.load(shape.findtext("geometry/mesh/uri").removeprefix("file://"), force="mesh")
+    # As libsdformat 14 has it: the base has this radius, at -length ÷ 2, and the tip is at length ÷ 2.
+    assert mesh.bounds == pytest.approx(np.array([[-0.3, -0.3, -0.4], [0.3, 0.3, 0.4]]))
+    assert mesh.convex_hull.volume == pytest.approx(np.pi * 0.3**2 * 0.8 / 3, rel=5e-3)
+    assert mesh.vertices[mesh.vertices[:, 2] > 0] == pytest.approx(np.array([[0.0, 0.0, 0.4]]))
+
+
+@pytest.mark.parametrize("size", ["<radius>0</radius><length>1</length>", "<radius>1</radius>"])
+def test_a_cone_without_a_size_is_left_out(tmp_path, size):
+    shape, (what,) = geometry(f"<cone>{size}</cone>", tmp_path)
+    assert shape is None
+    assert what.startswith("a: a collision <cone> has no size")
 
 
 def test_moments_that_no_body_has_are_mended_as_in_a_robot(tmp_path):
