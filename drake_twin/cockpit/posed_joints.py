@@ -34,5 +34,4 @@ class PosedJoints:
         if joint not in positions:
             raise InputError(f"robot {robot!r} has no movable joint {joint!r} of its own", value=joint, valid=positions)
         positions[joint] = position
-        plan = next(plan for plan in self._twin.plans if plan.name == robot)
-        self._twin.set_joint_positions(robot, plan.description.with_followers(positions))
+        self._twin.set_joint_positions(robot, positions)

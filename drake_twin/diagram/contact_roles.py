@@ -29,7 +29,7 @@ from drake_twin.description.drake_log import captured_warnings
 from drake_twin.diagram.contact_material import candidates
 from drake_twin.diagram.contact_models import ContactModel
 from drake_twin.diagram.contact_shapes import ContactShape, Group
-from drake_twin.diagram.yielding_shapes import yielding
+from drake_twin.diagram.yielding_shapes import divided, yielding
 from drake_twin.errors import InputError
 
 # The role of a shape towards a partner: rigid because it is static, yielding, rigid because the partner yields, or with
@@ -193,6 +193,8 @@ class Registry:
         for number, variant in enumerate(wanted):
             soft, is_rigid = yielding(shape) if variant.role == SOFT else None, variant.role in (STATIC, HARD)
             form = shape.shape if soft is None else soft.shape
+            if variant.role == HARD and not shape.is_loose:
+                form = divided(shape)
             geometry, has_faces = shape.geometry if number == 0 else None, False
             if geometry is not None:
                 self._scene_graph.ChangeShape(source, geometry, form, shape.X_BG)

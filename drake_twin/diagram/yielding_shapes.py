@@ -28,6 +28,12 @@ _NAME = "yielding shape"
 _SQUARES = 3  # along the sides of a box
 _MORE_SQUARES = 4
 _LONGEST = 0.6  # edge of a hull's triangles, relative to the hull's size
+
+# Edge of the triangles of what does not yield, relative to the middle of its three sides, and to the longest one at
+# least. With whole sides, Panda's pads, on a cube of 80 mm between facets of 27 mm, let it slip by three times as much.
+_LONGEST_HARD = 0.6
+_SHORTEST_HARD = 1 / 16
+
 _LEAST_AREA = 1e-9  # m²; at a tenth of that, Drake reports that it cannot make a plane
 
 # Where the pressure in a loose box or hull stops to rise, below each of its sides: relative to the distance of the
@@ -74,8 +80,22 @@ def yielding(shape: ContactShape) -> Yielding:
     return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle)
 
 
-def _mesh(text: str, name: str = _NAME) -> Mesh:
-    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".vtk", name)))
+def divided(shape: ContactShape) -> Shape:
+    """Return a shape that does not yield with fine triangles: a finger's pad is smaller than the facets of a crate."""
+    form = shape.shape
+    if isinstance(form, Box):
+        corners = np.array(list(product((-0.5, 0.5), repeat=3))) * form.size()
+        return _mesh(_fine_surface(Convex(np.ascontiguousarray(corners.T), "box")), "hard shape", ".obj")
+    if not isinstance(form, Convex):
+        return form
+    source, scale = form.source(), tuple(form.scale3().tolist())
+    if source.is_path():
+        return _mesh(_fine_surface_of_file(str(source.path()), scale), hull_name(source.path(), scale), ".obj")
+    return _mesh(_fine_surface(form), "hard shape", ".obj")
+
+
+def _mesh(text: str, name: str = _NAME, extension: str = ".vtk") -> Mesh:
+    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, extension, name)))
 
 
 @lru_cache(maxsize=1024)
@@ -91,17 +111,7 @@ def _fine_hull(shape: Convex, is_loose: bool) -> tuple[str | None, float | None]
     Returns:
         The text, or None for a hull that is fine enough as it is; how deep its core is (m), or None if it has none.
     """
-    hull = shape.GetConvexHull()
-    corners = without_slivers(corners_of(hull), _LEAST_AREA)
-    is_whole = len(corners) == hull.num_vertices()
-    if not is_whole:
-        hull = Convex(np.ascontiguousarray(corners.T), "hull").GetConvexHull()
-    points = corners_of(hull)
-    triangles: list[Triangle] = []
-    for index in range(hull.num_elements()):
-        side = hull.element(index)
-        first, *others = (side.vertex(k) for k in range(side.num_vertices()))
-        triangles += [(first, one, other) for one, other in pairwise(others)]
+    points, triangles, is_whole = _surface(shape)
     fine, triangles = _refined(points, triangles, _LONGEST * float(np.ptp(points, axis=0).max()))
     if is_loose and (cored := _with_core(points, fine, triangles)) is not None:
         return cored
@@ -109,6 +119,35 @@ def _fine_hull(shape: Convex, is_loose: bool) -> tuple[str | None, float | None]
         return None, None
     inner = np.vstack([fine, points.mean(axis=0)])
     return _vtk(inner, [(a, c, b, len(fine)) for a, b, c in triangles]), None
+
+
+def _surface(shape: Convex) -> tuple[np.ndarray, list[Triangle], bool]:
+    """Return the corners (n×3, m) and triangles of a hull without slivers, and whether it had none."""
+    hull = shape.GetConvexHull()
+    corners = without_slivers(corners_of(hull), _LEAST_AREA)
+    is_whole = len(corners) == hull.num_vertices()
+    if not is_whole:
+        hull = Convex(np.ascontiguousarray(corners.T), "hull").GetConvexHull()
+    triangles: list[Triangle] = []
+    for index in range(hull.num_elements()):
+        side = hull.element(index)
+        first, *others = (side.vertex(k) for k in range(side.num_vertices()))
+        triangles += [(first, one, other) for one, other in pairwise(others)]
+    return corners_of(hull), triangles, is_whole
+
+
+@lru_cache(maxsize=1024)
+def _fine_surface_of_file(path: str, scale: tuple[float, ...]) -> str:
+    return _fine_surface(Convex(path, np.array(scale)))
+
+
+def _fine_surface(shape: Convex) -> str:
+    """Return the surface of a hull with fine triangles as OBJ text."""
+    points, triangles, _ = _surface(shape)
+    _, middle, largest = sorted(np.ptp(points, axis=0).tolist())
+    points, triangles = _refined(points, triangles, max(_LONGEST_HARD * middle, _SHORTEST_HARD * largest))
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    return "\n".join([*lines, *(f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles)])
 
 
 def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> tuple[np.ndarray, list[Triangle]]:

@@ -173,6 +173,8 @@ def set_joint_positions(
 ) -> None:
     """Set joint positions (rad or m) of a robot without applying forces.
 
+    Joints that mimic others and are not named follow: else their coupling would close the gap in one step.
+
     Raises:
         InputError: If a joint is unknown, or a position is not a finite number.
     """
@@ -187,6 +189,11 @@ def set_joint_positions(
         if not is_number(position):
             raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
         q[parts.layout.positions[joint]] = position
+    joints = plan.description.movable_joints
+    now = {joint.name: q[parts.layout.positions[joint.name]] for joint in joints}
+    for joint, position in plan.description.with_followers(now).items():
+        if joint not in positions:
+            q[parts.layout.positions[joint]] = position
     built.plant.SetPositions(plant_context, parts.instance, q)
 
 

@@ -295,7 +295,7 @@ class Twin:
 
     @recorded
     def set_joint_positions(self, robot: str, positions: Mapping[str, float]) -> None:
-        """Set joint positions at once, without forces; velocities stay.
+        """Set joint positions at once, without forces; velocities stay. Joints that mimic these follow.
 
         Args:
             robot: The robot's name.

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from pydrake.geometry import Convex
 
-from drake_twin.diagram.yielding_shapes import _fine_box, _fine_hull
+from drake_twin.diagram.yielding_shapes import _fine_box, _fine_hull, _fine_surface
 
 SHAPES = {
     "plate": trimesh.creation.box((0.008, 0.07, 0.15)),
@@ -61,3 +61,24 @@ def test_a_hull_is_filled_with_a_core_at_one_depth(name):
 
 def test_a_box_is_filled_with_a_core_at_one_depth():
     check(_fine_box(0.008, 0.07, 0.15), 0.002, SHAPES["plate"])
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_surface_of_a_hard_hull_is_divided_into_small_triangles(name):
+    hull = SHAPES[name]
+    text = _fine_surface(Convex(np.ascontiguousarray(hull.vertices.T), "hull"))
+    lines = [line.split() for line in text.split("\n")]
+    points = np.array([line[1:] for line in lines if line[0] == "v"], dtype=float)
+    faces = np.array([line[1:] for line in lines if line[0] == "f"], dtype=int) - 1
+    fine = trimesh.Trimesh(points, faces, process=False)
+    assert fine.is_watertight
+    assert fine.is_winding_consistent
+    assert (fine.area, fine.volume) == pytest.approx((hull.area, hull.volume), rel=1e-6)
+    assert fine.edges_unique_length.max() <= max(0.6 * np.median(hull.extents), hull.extents.max() / 16)
+
+
+def test_a_pad_has_sixteen_triangles_a_side_at_least_and_a_rail_not_thousands():
+    for size, least, most in (((0.018, 0.015, 0.018), 96, 400), ((0.02, 0.03, 100.0), 64, 2000)):
+        corners = trimesh.creation.box(size).vertices
+        count = _fine_surface(Convex(np.ascontiguousarray(corners.T), "box")).count("f ")
+        assert least <= count <= most

@@ -71,6 +71,14 @@ def test_a_links_state_is_its_own_and_relative_ones_agree_with_tf():
     assert state.orientation == pytest.approx((turn.w, turn.x, turn.y, turn.z), abs=1e-12)
 
 
+def test_joints_that_mimic_one_that_is_set_follow_it_at_once():
+    twin = TwinBuilder().robot("arm", ARM).build()
+    twin.set_joint_positions("arm", {"joint_4": 0.3})
+    assert twin.robot_state("arm").positions == pytest.approx((0, 0, 0, 0.3, -0.3))
+    twin.set_joint_positions("arm", {"joint_4": 0.2, "joint_5": 0.1})  # where it is named it is set, too
+    assert twin.robot_state("arm").positions == pytest.approx((0, 0, 0, 0.2, 0.1))
+
+
 def test_model_and_link_states_are_topics(boxes):
     boxes.set_entity_state("box_2", (7, 8, 9), linear=(1, 0, 0))
     models, links = boxes.latest("/model_states"), boxes.latest("/link_states")
