@@ -57,10 +57,8 @@ _MOST_CORNER_DISSIPATION = 1e4
 _MARGIN = 1e-3
 _MARGIN_OF_THIN = 0.05  # relative to the smallest side
 
-# The discrete solver pays for it: a facet in the margin beside a side that stands across the ground has a negative
-# pressure, and hardly any gradient along the ground's normal. Drake's cost has a constant for it that grows with the
-# cube of one ÷ the other. Beside 1e30 the other terms are lost in rounding: the solver stops after an iteration, and
-# what falls onto its corner flies up. So discrete engines have a margin only for what is so light that it would hop.
+# With fixed steps only what has hollow sides may have it (``yielding_shapes`` says why), and what is so light that it
+# would hop.
 _HOPS = 0.01  # kg
 
 # Drake adds to a shape what it lacks of these when a context is created, and then makes its faces once more.
@@ -83,7 +81,7 @@ def candidates(
     """
     if soft is not None:
         modulus, hint = _modulus(shape, soft.depth), _resolution(shape.shape)
-        for margin in dict.fromkeys((_margin(shape, soft.depth, is_discrete=is_discrete), 0.0)):
+        for margin in dict.fromkeys((_margin(shape, soft, is_discrete=is_discrete), 0.0)):
             properties = _material(shape, friction)
             AddCompliantHydroelasticProperties(
                 resolution_hint=hint, hydroelastic_modulus=modulus, properties=properties
@@ -133,10 +131,10 @@ def _borne(shape: ContactShape) -> float:
     return max(shape.mass, min(_LEAST_BORNE, _MOST_BORNE * shape.own_mass))
 
 
-def _margin(shape: ContactShape, depth: float | None, *, is_discrete: bool) -> float:
-    if depth is None:  # with a margin, such hulls sink in by millimeters
+def _margin(shape: ContactShape, soft: Yielding, *, is_discrete: bool) -> float:
+    if soft.depth is None:  # with a margin, such hulls sink in by millimeters
         return 0.0
-    if is_discrete and shape.own_mass > _HOPS:
+    if is_discrete and not soft.is_hollow and shape.own_mass > _HOPS:
         return 0.0
     margin = min(_MARGIN, _MARGIN_OF_THIN * float(min(extent_of(shape.shape))))
     if shape.is_loose and isinstance(shape.shape, Cylinder):  # its side must not brake the rims that it rolls on

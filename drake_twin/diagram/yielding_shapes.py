@@ -7,6 +7,12 @@ regularization of friction is divided among them.
 The pressure in a mesh rises from its surface to its inner points. With one inner point it would rise ever more slowly
 behind the sides that are farther from it, so that things fall over on their ends: loose ones have a core, as deep
 behind each side.
+
+The sides of what has a core are hollow by a hair (`_HOLLOW`), for the discrete solver's sake. A facet in the margin has
+a negative pressure, and Drake's cost a constant for it that grows with the square of 1 ÷ the pressure's gradient along
+the ground's normal. Behind a side that stands across the ground the gradient is nothing but rounding, and the constant
+1e15 J and more. Beside it the other terms are lost: the solver stops after an iteration, and what falls onto its corner
+flies up. Behind the lower part of a hollow side the pressure falls towards the ground: Drake leaves such facets out.
 """
 
 from collections import Counter
@@ -40,6 +46,8 @@ _LEAST_AREA = 1e-9  # m²; at a tenth of that, Drake reports that it cannot make
 # nearest side from the middle. Hulls try the next one where the parts behind their sides do not fit each other.
 _CORE = 0.5
 _CORES = (_CORE, 0.2, 0.05)
+_HOLLOW = 1e-4  # the middles of the sides, relative to their distance from the body's middle
+_MOST_HOLLOW = 1e-5  # of a corner's distance (m): what is heavy sinks in by 25 µm
 _DIGITS = 12  # decimals of a place (m): the last bits of what is solved differ between SciPy's versions
 _MOST_SIDES = 64  # of a hull with a core; more take a second to prepare, and belong to round things
 
@@ -55,10 +63,12 @@ class Yielding:
     Attributes:
         shape: The shape: of a hull and of a loose box a fine mesh.
         depth: How deep the pressure rises behind each of its sides (m); None where it rises to the middle of a hull.
+        is_hollow: Whether its sides are, so that a margin does no harm in engines with fixed steps.
     """
 
     shape: Shape
     depth: float | None
+    is_hollow: bool = False
 
 
 def yielding(shape: ContactShape) -> Yielding:
@@ -71,13 +81,13 @@ def yielding(shape: ContactShape) -> Yielding:
             name = hull_name(source.path(), scale)
         else:
             text, depth = _fine_hull(form, shape.is_loose)
-        return Yielding(form if text is None else _mesh(text, name), depth)
+        return Yielding(form if text is None else _mesh(text, name), depth, is_hollow=depth is not None)
     if not isinstance(form, Box):
         return Yielding(form, min(form.radius(), form.length() / 2) if isinstance(form, Cylinder) else None)
     middle = float(min(form.size())) / 2
     if not shape.is_loose:
         return Yielding(form, middle)
-    return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle)
+    return Yielding(_mesh(_fine_box(*form.size().tolist())), _CORE * middle, is_hollow=True)
 
 
 def divided(shape: ContactShape) -> Shape:
@@ -183,6 +193,14 @@ def _refined(points: np.ndarray, triangles: list[Triangle], longest: float) -> t
     return np.array(places), list(known.values())
 
 
+def _hollow(surface: np.ndarray) -> np.ndarray:
+    """Return the points of a surface around the origin (n×3, m), whose sides become hollow; the farthest stay."""
+    squares = (surface**2).sum(axis=1)
+    share = min(_HOLLOW, _MOST_HOLLOW / float(squares.max()) ** 0.5)
+    farther = 1 - share * (1 - squares / squares.max())
+    return np.asarray(np.round(surface * farther[:, None], _DIGITS))
+
+
 def _double_area(places: Sequence[np.ndarray], triangle: Triangle) -> float:
     a, b, c = (places[index] for index in triangle)
     return float(np.linalg.norm(np.cross(b - a, c - a)))
@@ -198,7 +216,8 @@ def _with_core(corners: np.ndarray, surface: np.ndarray, triangles: Sequence[Tri
         depth = share * float(distances.min())
         cells = _cells(normals, distances, depth, surface - middle, triangles)
         if cells is not None and _is_closed(tetrahedra := _tetrahedra(*cells), len(triangles)):
-            return _vtk(cells[0] + middle, tetrahedra), depth
+            inside = cells[0][: -len(surface)]
+            return _vtk(np.vstack([inside, _hollow(surface - middle)]) + middle, tetrahedra), depth
     return None
 
 
@@ -314,7 +333,8 @@ def _fine_box(x: float, y: float, z: float) -> str:
             polygons.append((*edge, inner[1], inner[0]))
         cells.append(polygons)
     places = np.array(list(points))
-    return _vtk(places, _tetrahedra(places, cells))
+    tetrahedra = _tetrahedra(places, cells)
+    return _vtk(np.vstack([places[: len(corners)], _hollow(places[len(corners) :])]), tetrahedra)
 
 
 def _around(corners: dict[tuple[int, ...], int], axis: int, side: int) -> Polygon:

@@ -38,17 +38,19 @@ def check(text, depth, hull):
     a, b, c, d = (points[tetrahedra[:, k]] for k in range(4))
     volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
     assert volumes.min() > 0
-    assert volumes.sum() == pytest.approx(hull.volume, rel=1e-6)
+    assert volumes.sum() == pytest.approx(hull.volume, rel=3e-4)  # its sides are hollow
     faces = Counter(tuple(sorted(face)) for each in tetrahedra.tolist() for face in combinations(each, 3))
     surface = [face for face, times in faces.items() if times == 1]
     assert max(faces.values()) == 2
     triangles = points[np.array(surface)]
     assert np.linalg.norm(
         np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
-    ).sum() / 2 == (pytest.approx(hull.area, rel=1e-6))
+    ).sum() / 2 == (pytest.approx(hull.area, rel=2e-4))
     if len(hull.facets) == 6:  # a box: all its sides consist of several triangles
         below = -(points @ hull.facets_normal.T - np.einsum("ij,ij->i", hull.facets_origin, hull.facets_normal))
-        assert sorted({round(float(value), 9) for value in below.min(axis=1)}) == pytest.approx([0, depth], abs=1e-9)
+        inside = below.min(axis=1) > depth / 2
+        assert below.min(axis=1)[inside] == pytest.approx(depth, abs=1e-9)
+        assert 0 <= below.min(axis=1)[~inside].max() < 1e-4 * hull.extents.max()
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -61,6 +63,20 @@ def test_a_hull_is_filled_with_a_core_at_one_depth(name):
 
 def test_a_box_is_filled_with_a_core_at_one_depth():
     check(_fine_box(0.008, 0.07, 0.15), 0.002, SHAPES["plate"])
+
+
+def test_the_pressure_behind_the_lower_part_of_an_upright_side_falls_towards_the_ground():
+    points, tetrahedra = read(_fine_box(0.1, 0.2, 0.3))
+    faces = Counter(tuple(sorted(face)) for each in tetrahedra.tolist() for face in combinations(each, 3))
+    triangles = points[np.array([face for face, times in faces.items() if times == 1])]
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    middles = triangles.mean(axis=1)
+    normals *= np.sign((normals * middles).sum(axis=1) / np.linalg.norm(normals, axis=1) ** 2)[:, None]  # outwards
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    for down in np.vstack([np.eye(3), -np.eye(3)]):
+        lower = (np.abs(normals @ down) < 0.1) & ((triangles @ down).max(axis=1) > 0.99 * (points @ down).max())
+        assert lower.sum() >= 4 * 3
+        assert (normals @ down)[lower].max() < -1e-5
 
 
 @pytest.mark.parametrize("name", SHAPES)
