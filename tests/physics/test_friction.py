@@ -138,5 +138,4 @@ def test_a_box_that_a_rover_pushes_moves_with_it(tmp_path, engine):
     twin.advance_to(5.5)
     way = position(twin, "base") - start
     assert np.linalg.norm(way) == pytest.approx(3.0 * RADIUS * 3.0, rel=0.02)
-    shift = 12e-3 if engine == "10ms" else 2e-3  # sideways, until it lies flat against the base
-    assert position(twin, "base") - position(twin, "crate") == pytest.approx(apart, abs=shift)
+    assert position(twin, "base") - position(twin, "crate") == pytest.approx(apart, abs=2e-3)

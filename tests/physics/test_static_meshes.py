@@ -125,6 +125,5 @@ def test_a_wall_is_not_passed_at_a_meter_a_second(tmp_path, engine, wall):
         twin.advance_to(twin.time + 0.01)
         far = max(far, position(twin, "thing")[0])
     touching = 0.5 - wall - 0.05
-    way = 0.015 if engine == "10ms" else 0.01  # of a step
-    assert touching - 0.001 < far < touching + way
+    assert touching - 0.001 < far < touching + 0.01
     assert position(twin, "thing")[0] < touching + 1e-3
