@@ -36,7 +36,7 @@ ROOMS = [
     ["controllers"],
     ["sensors"],
     ["systems"],
-    ["control"],
+    ["control", "kinematics"],
     ["from_launch"],
     ["ros2"],
     ["scenario"],
@@ -133,7 +133,7 @@ def test_a_circle_of_files_would_be_seen(monkeypatch, tmp_path):
 
 def test_planning_and_what_lies_below_the_systems_is_without_drake():
     """Planning asks each kind of controller, whose module needs Drake; it imports none of it itself."""
-    rooms = ("planning", "control", "from_launch", "ros2", "scenario", "messages")
+    rooms = ("planning", "control", "kinematics", "from_launch", "ros2", "scenario", "messages")
     found = []
     for module, file in FILES.items():
         if module != "drake_twin" and room(module) in rooms:
@@ -142,6 +142,12 @@ def test_planning_and_what_lies_below_the_systems_is_without_drake():
                 names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
                 found += [f"{module} → {name}" for name in names if name.startswith("pydrake")]
     assert found == []
+
+
+def test_each_file_of_systems_works_with_drakes_systems():
+    """What does not is a calculation, a message or plain data, and has its own room."""
+    files = {module: file.read_text(encoding="utf-8") for module, file in FILES.items() if ".systems." in module}
+    assert [name for name, text in files.items() if "from pydrake" not in text] == ["drake_twin.systems.weak_callback"]
 
 
 def test_no_file_is_long():

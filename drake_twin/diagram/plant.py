@@ -32,10 +32,10 @@ from drake_twin.diagram.servo_gains import ServoGains, servo_gains
 from drake_twin.diagram.world_in_plant import add_world
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.progress import told
 from drake_twin.scenario import CENIC, Scenario, World
-from drake_twin.systems.state_layout import StateLayout
 
 # A sticking contact creeps at a fraction of this (m/s). With Drake's 1e-4 a box creeps 1.4 mm in 5 s at 0.95 of the
 # angle of friction.

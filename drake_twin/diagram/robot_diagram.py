@@ -21,11 +21,11 @@ from drake_twin.diagram.robot_sensors import SensorPort, SensorSurroundings, add
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, DOWN, EFFORT, FREE, MODES, REST, UP, velocity_limit
 from drake_twin.errors import InputError, TwinError, described
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.controller_plan import ACTIVE, UNLOADED, ControllerPlan
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.systems.gpio_hardware import GpioHardware
 from drake_twin.systems.joint_servo import COMMANDS, JointServo
-from drake_twin.systems.state_layout import StateLayout
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.diagram.joint_friction import CREEP, FRICTION_SUFFIX
 from drake_twin.diagram.joint_loads import JointLoad, joint_loads
 from drake_twin.errors import InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.state_layout import StateLayout
 
 # The time constant with which a velocity servo reaches its command against inertia alone (s).
 _VELOCITY_TIME_CONSTANT = 0.005

@@ -15,7 +15,15 @@ from drake_twin.diagram.plant import RobotInPlant
 from drake_twin.diagram.robot_diagram import RobotDiagram
 from drake_twin.diagram.servo_assignment import assign
 from drake_twin.diagram.servo_gains import BRAKE, set_gains
-from drake_twin.diagram.servo_modes import (
+from drake_twin.diagram.topics import CommandTopic
+from drake_twin.errors import CommandError, InputError, TwinError, described
+from drake_twin.findings import Finding, Kind
+from drake_twin.planning.robot_plan import RobotPlan
+from drake_twin.systems.joint_servo import ServoAssignment
+from drake_twin.twin.controller_manager import ControllerManager
+from drake_twin.twin.physics import Physics
+from drake_twin.twin.plain_data import from_plain, to_plain
+from drake_twin.twin.servo_modes import (
     CHECK_PERIOD,
     JointMotion,
     check_period,
@@ -25,14 +33,6 @@ from drake_twin.diagram.servo_modes import (
     slipping_range,
     without_commands,
 )
-from drake_twin.diagram.topics import CommandTopic
-from drake_twin.errors import CommandError, InputError, TwinError, described
-from drake_twin.findings import Finding, Kind
-from drake_twin.planning.robot_plan import RobotPlan
-from drake_twin.systems.joint_servo import ServoAssignment
-from drake_twin.twin.controller_manager import ControllerManager
-from drake_twin.twin.physics import Physics
-from drake_twin.twin.plain_data import from_plain, to_plain
 
 _log = logging.getLogger(__name__)
 

@@ -12,8 +12,9 @@ from drake_twin.diagram.topics import CommandTopic, PublishedTopic
 from drake_twin.errors import CommandError, InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.messages import Numbers, float64_multi_array, message
-from drake_twin.systems.draft import Draft, LaterDraft, Reading
+from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.systems.no_message import or_none
+from drake_twin.systems.plant_reading import Reading
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.session import Session
 from drake_twin.twin.subscriptions import Subscription

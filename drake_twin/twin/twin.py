@@ -21,12 +21,12 @@ from drake_twin.diagram.topics import CommandTopic
 from drake_twin.diagram.twin_diagram import Extension
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind, texts
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages import shortened
+from drake_twin.messages.draft import Draft
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
-from drake_twin.systems.draft import Draft
-from drake_twin.systems.state_layout import StateLayout
 from drake_twin.twin.action import ActionGoal
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.controller_manager import ControllerManager

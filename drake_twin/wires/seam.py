@@ -17,8 +17,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from drake_twin.errors import TwinError
+from drake_twin.messages.draft import Draft, LaterDraft
 from drake_twin.messages.interface_types import definition, deserialize, make, make_response, serialize, type_hash
-from drake_twin.systems.draft import Draft, LaterDraft
 from drake_twin.twin.endpoints import COMMANDED, PUBLISHED, Endpoint, ServiceEndpoint
 from drake_twin.twin.twin import Twin
 from drake_twin.wires.wire import LARGEST, Closable, Reply, Sender, Wire, WireEndpoint

@@ -12,7 +12,7 @@ from drake_twin.description.parameters import read_parameters
 from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.errors import InputError
-from drake_twin.systems.state_layout import StateLayout
+from drake_twin.kinematics.state_layout import StateLayout
 
 PERIOD = 0.1
 ROBOT = """<robot name="r">

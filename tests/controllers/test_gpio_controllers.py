@@ -19,8 +19,8 @@ from drake_twin.description.urdf import describe_urdf
 from drake_twin.description.xml_reader import XmlReader
 from drake_twin.diagram.gpios import add_gpios
 from drake_twin.errors import CommandError, InputError
+from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.systems.no_message import make_value
-from drake_twin.systems.state_layout import StateLayout
 
 PERIOD = 0.01
 WITHOUT_GPIO = "<robot name='r'><link name='base'/></robot>"

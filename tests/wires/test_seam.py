@@ -14,8 +14,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from drake_twin import InputError, Robot, messages
 from drake_twin.controllers.joint_state_broadcaster import JointStateBroadcaster
+from drake_twin.messages.draft import Drafter
 from drake_twin.messages.interface_types import make, serialize
-from drake_twin.systems.draft import Drafter
 from drake_twin.systems.robot_state_publisher import RobotStatePublisher
 from drake_twin.twin.replay import replay
 from drake_twin.wires.seam import Seam

@@ -5,53 +5,27 @@ Reading numbers takes a tenth of the time that a message takes, and a wire needs
 
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context
 
 from drake_twin.messages.interface_types import serialize
 
-_CONSTANTS = np.array([np.nan, 0.0])
 _HEADER = 4  # bytes before the payload, in which numbers are aligned
 _TIMES = 1234567890.123456789, 987654321.987654321  # s; not found in a message by chance
 
 
-class Reading:
-    """The numbers of a plant at the time of a context, read when asked for, which must be before the context changes.
-
-    Args:
-        plant: The plant.
-        root_context: The root diagram's context.
+class Timed(Protocol):
+    """What was read at a time.
 
     Attributes:
-        root_context: The root diagram's context.
-        time: Its time (s).
+        time: The time (s).
     """
 
-    def __init__(self, plant: MultibodyPlant, root_context: Context):
-        self._plant = plant
-        self.root_context = root_context
-        self.time: float = root_context.get_time()
+    time: float
 
-    @cached_property
-    def state(self) -> np.ndarray:
-        """The plant's ``[q; v]``, shape (n,)."""
-        context = self._plant.GetMyContextFromRoot(self.root_context)
-        return np.array(self._plant.GetPositionsAndVelocities(context))
 
-    @cached_property
-    def with_efforts(self) -> np.ndarray:
-        """``[q; v]``, the efforts of all actuators (N·m or N), NaN and 0; shape (n + m + 2,)."""
-        context = self._plant.GetMyContextFromRoot(self.root_context)
-        efforts = self._plant.get_net_actuation_output_port().Eval(context)
-        return np.concatenate((self.state, efforts, _CONSTANTS))
-
-    @cached_property
-    def without_efforts(self) -> np.ndarray:
-        """The same with NaN for all efforts: after a command they take as long as a step."""
-        return np.concatenate((self.state, np.full(self._plant.num_actuators(), np.nan), _CONSTANTS))
+_Reading = TypeVar("_Reading", bound=Timed)
 
 
 class Draft(Protocol):
@@ -87,7 +61,7 @@ class LaterDraft:
         return None if message is None else serialize(message)
 
 
-class Drafter:
+class Drafter(Generic[_Reading]):
     """Drafts a topic's messages, which differ from each other in their stamp and in numbers only.
 
     Args:
@@ -99,7 +73,7 @@ class Drafter:
 
     def __init__(
         self,
-        read: Callable[[Reading], np.ndarray],
+        read: Callable[[_Reading], np.ndarray],
         numbers: Callable[[np.ndarray], np.ndarray],
         make: Callable[[float, np.ndarray], Any],
         size: int,
@@ -109,7 +83,7 @@ class Drafter:
         self.make = make
         self._size = size
 
-    def __call__(self, reading: Reading) -> Draft:
+    def __call__(self, reading: _Reading) -> Draft:
         """Draft a message."""
         return _NumbersDraft(self, reading.time, self._read(reading))
 
@@ -130,7 +104,7 @@ class Drafter:
 
 
 class _NumbersDraft:
-    def __init__(self, drafter: Drafter, time: float, values: np.ndarray):
+    def __init__(self, drafter: Drafter[Any], time: float, values: np.ndarray):
         self._drafter, self._time, self._values = drafter, time, values
         self._message: Any = None
 

@@ -5,8 +5,8 @@ import pytest
 from conftest import ARM, ROVER, rovers
 
 from drake_twin import TwinBuilder
+from drake_twin.messages.draft import Drafter
 from drake_twin.messages.interface_types import serialize
-from drake_twin.systems.draft import Drafter
 
 
 def drafted(twin):
