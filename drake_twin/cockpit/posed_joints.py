@@ -19,7 +19,7 @@ class PosedJoints:
                 for joint in plan.description.movable_joints
                 if joint.mimic is None
             }
-            for plan in twin.plans
+            for plan in twin.built.plans
         }
 
     def move(self, robot: str, joint: str, position: float) -> None:
@@ -34,5 +34,5 @@ class PosedJoints:
         if joint not in positions:
             raise InputError(f"robot {robot!r} has no movable joint {joint!r} of its own", value=joint, valid=positions)
         positions[joint] = position
-        plan = next(plan for plan in self._twin.plans if plan.name == robot)
-        self._twin.set_joint_positions(robot, plan.description.with_followers(positions))
+        plan = next(plan for plan in self._twin.built.plans if plan.name == robot)
+        self._twin.entities.set_joint_positions(robot, plan.description.with_followers(positions))

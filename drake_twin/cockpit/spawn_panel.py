@@ -209,7 +209,7 @@ class SpawnPanel:
             x, y, z = robot.xyz
             robot = replace(robot, xyz=(x, y, z + height_on_ground(plan)))
             plan = replace(plan, robot=robot)
-        self._twin.spawn(robot, plan=plan)
+        self._twin.entities.spawn(robot, plan=plan)
         self._outcome = {"key": request.key, "status": "done", "message": ""}
 
     def _try(self, do: Callable[[], None], key: str) -> None:

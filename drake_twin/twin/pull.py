@@ -14,7 +14,7 @@ from pydrake.systems.framework import Context
 from drake_twin.diagram.twin_diagram import TwinDiagram
 from drake_twin.errors import InputError
 from drake_twin.saved import saved
-from drake_twin.twin.entities import find_body, finite_numbers
+from drake_twin.twin.entity_state import find_body, finite_numbers
 from drake_twin.values import is_number
 
 PERIOD = 0.005  # s of simulation time between two renewals of the force

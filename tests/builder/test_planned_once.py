@@ -94,6 +94,6 @@ def test_each_distinct_command_is_expanded_once(counted, tmp_path):
 def test_robots_that_share_a_model_move_apart(tmp_path):
     twin = twin_of(fleet(tmp_path, [1, 1]))
     before = twin.robot_state("cart_1").base_pose
-    twin.set_entity_state("cart_0", position=(0.0, 0.0, 3.0))
+    twin.entities.set_state("cart_0", position=(0.0, 0.0, 3.0))
     assert tuple(twin.robot_state("cart_1").base_pose) == tuple(before)
     assert twin.robot_state("cart_0").base_pose[2] == 3.0

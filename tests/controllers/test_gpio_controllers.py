@@ -287,16 +287,16 @@ def published(twin):
 
 def test_a_twin_has_the_gpios_of_its_robots(twin):
     assert not twin.findings
-    commands, states = twin.controller_manager("r").list_hardware_interfaces()
+    commands, states = twin.control.manager("r").list_hardware_interfaces()
     assert [(item.name, item.is_claimed) for item in commands] == [("vacuum/valve", True), ("lamp/on", True)]
     assert [item.name for item in states] == ["vacuum/valve", "vacuum/pressure", "lamp/on"]
-    (component,) = twin.controller_manager("r").list_hardware_components()
+    (component,) = twin.control.manager("r").list_hardware_components()
     assert component.command_interfaces == ("vacuum/valve", "lamp/on")
     assert component.state_interfaces == ("vacuum/valve", "vacuum/pressure", "lamp/on")
 
 
 def test_a_gpio_has_no_limits_and_no_slider(twin):
-    assert twin.command_limits("/r/lamps/commands") == {Interface("lamp", "on"): (-np.inf, np.inf)}
+    assert twin.graph.command_limits("/r/lamps/commands") == {Interface("lamp", "on"): (-np.inf, np.inf)}
     assert JointCommands(twin).groups == {}
 
 
@@ -314,7 +314,7 @@ def test_a_twins_gpios_follow_commands_which_hold_and_are_saved(twin):
     twin.advance_to(0.05)
     np.testing.assert_equal(published(twin), [[0.25, np.nan], [1.0]])
     before = twin.snapshot()
-    manager = twin.controller_manager("r")
+    manager = twin.control.manager("r")
     manager.switch_controller(deactivate=["lamps"])
     manager.switch_controller(deactivate=["io"])
     twin.advance_to(0.1)
