@@ -36,8 +36,23 @@ def fingerprint(twin):
     for plan in twin.built.plans:
         found[f"controllers of {plan.name}"] = [_plain(item) for item in plan.controllers if item.state != UNLOADED]
         found[f"plan of {plan.name}"] = [
-            _plain((plan.update_rate, plan.enforce_limits, plan.hold_joints, plan.position_time_constant)),
-            _plain((plan.frame_prefix, plan.start_positions, plan.servos, plan.hardware_states, plan.strictness)),
+            _plain(
+                (
+                    plan.manager.update_rate,
+                    plan.manager.enforce_command_limits,
+                    plan.joints.are_held,
+                    plan.joints.position_time_constant,
+                )
+            ),
+            _plain(
+                (
+                    plan.frame_prefix,
+                    plan.joints.start_positions,
+                    plan.joints.servos,
+                    plan.hardware_states,
+                    plan.manager.strictness,
+                )
+            ),
             _plain((plan.model.is_fixed, plan.spawn_pose, plan.description.root_link)),
             _plain((plan.description.systems, plan.description.joints)),
         ]

@@ -14,7 +14,7 @@ from drake_twin.description.controllers_yaml import read_controllers
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import InputError
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 
 needs_corpus = pytest.mark.skipif(not CORPUS.is_dir(), reason="the folder shared/corpus is not here")
 

@@ -15,7 +15,7 @@ class PosedJoints:
         self._twin = twin
         self._positions = {
             plan.name: {
-                joint.name: plan.start_positions[joint.name]
+                joint.name: plan.joints.start_positions[joint.name]
                 for joint in plan.description.movable_joints
                 if joint.mimic is None
             }

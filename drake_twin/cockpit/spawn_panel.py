@@ -20,7 +20,7 @@ from drake_twin.description.robot_model import is_xacro_text, read_robot_file
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.diagram.footprint import height_on_ground
 from drake_twin.errors import InputError, TwinError
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.scenario import Robot
 from drake_twin.twin.twin import Twin
 

@@ -345,7 +345,7 @@ def _state_layout(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: Rob
 def _set_start(plant: MultibodyPlant, instance: ModelInstanceIndex, plan: RobotPlan, layout: StateLayout) -> None:
     """Make the spawn pose and the start positions the defaults of every new context."""
     q = plant.GetDefaultPositions(instance)
-    for name, position in plan.start_positions.items():
+    for name, position in plan.joints.start_positions.items():
         q[layout.positions[name]] = position
     free = {} if layout.base_position is None else {layout.base_position: plan.spawn_pose}
     every = plant.GetPositionsFromArray(instance, np.arange(plant.num_positions())).tolist()

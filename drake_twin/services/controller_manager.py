@@ -70,7 +70,7 @@ def _interface(name: str, *, is_available: bool, is_claimed: bool) -> Fields:
 
 @robot_service("controller_manager_msgs/srv/ListHardwareComponents", "list_hardware_components", _NODE)
 def _list_hardware_components(twin: Twin, robot: str, request: Any) -> Fields:
-    manager, rate = twin.control.manager(robot), round(_plan(twin, robot).update_rate)
+    manager, rate = twin.control.manager(robot), round(_plan(twin, robot).manager.update_rate)
     known = {
         kind: {item.name: item for item in items}
         for kind, items in zip(("command", "state"), manager.list_hardware_interfaces(), strict=True)

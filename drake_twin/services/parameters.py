@@ -47,7 +47,7 @@ def _nodes(twin: Twin, plan: RobotPlan) -> Iterator[tuple[str, Parameters]]:
     description = {"robot_description": plan.description.text, "frame_prefix": plan.frame_prefix}
     yield f"{namespace}/robot_state_publisher", clock | description
     types = {f"{item.name}.type": item.type for item in plan.controllers}
-    yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.update_rate)} | types
+    yield f"{namespace}/controller_manager", clock | {"update_rate": round(plan.manager.update_rate)} | types
     loaded = twin.control.manager(plan.name).states
     for controller in plan.controllers:
         if controller.name in loaded:

@@ -304,7 +304,7 @@ class Entities(Group):
         Raises:
             InputError: If the robot is unknown.
         """
-        return self._session.plan(robot).start_positions
+        return self._session.plan(robot).joints.start_positions
 
     def state_layout(self, robot: str) -> StateLayout:
         """Return where joints and base stand in `state_vector`; it lives as long as `Twin.diagram`.

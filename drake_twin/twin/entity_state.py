@@ -180,9 +180,9 @@ def set_joint_positions(
     parts = built.robots[plan.name]
     q = built.plant.GetPositions(plant_context, parts.instance)
     for joint, position in positions.items():
-        if joint not in plan.start_positions:
+        if joint not in plan.joints.start_positions:
             text = f"robot {plan.name!r} has no movable joint {joint!r}"
-            raise InputError(text, value=str(joint), valid=plan.start_positions)
+            raise InputError(text, value=str(joint), valid=plan.joints.start_positions)
         if not is_number(position):
             raise InputError(f"position {position!r} of joint {joint!r} is not a finite number")
         q[parts.layout.positions[joint]] = position

@@ -303,7 +303,7 @@ class RobotControl:
             return
         driving = {name: item for name, item in self.controllers.items() if item.claims}
         active = () if self.stopped else self.manager.active
-        hold_joints = self._plan.hold_joints or self.stopped
+        hold_joints = self._plan.joints.are_held or self.stopped
         assignment = assign(self._parts.joints, driving, active, holds, modes, hold_joints=hold_joints)
         servo.assign(self._servo_context, assignment)
         self._apply_gains()

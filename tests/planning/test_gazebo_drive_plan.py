@@ -8,7 +8,7 @@ import pytest
 from drake_twin import TwinBuilder
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.errors import CommandError, InputError
-from drake_twin.planning.robot_plan import plan_robot
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.scenario import Robot
 
 CART = """<robot name="cart">

@@ -11,8 +11,8 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.parameters import read_parameters
 from drake_twin.errors import InputError
 from drake_twin.planning.controller_plan import chained_to, is_chained
+from drake_twin.planning.plan_robot import plan_robot
 from drake_twin.planning.plans import plan_robots
-from drake_twin.planning.robot_plan import plan_robot
 from drake_twin.scenario import Robot, Scenario
 
 LINK = (

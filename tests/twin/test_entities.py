@@ -50,7 +50,7 @@ def test_an_arm_that_is_welded_to_the_world_is_welded_elsewhere_and_does_not_not
     assert (after.positions, after.velocities) == (before.positions, before.velocities)
     assert after.base_pose == pytest.approx((1, -3, 0.5, np.cos(0.25), 0, 0, np.sin(0.25)))
     assert twin.robot_state("rover", with_efforts=False) == rover
-    assert twin.built.plans[1].start_positions == plan.start_positions
+    assert twin.built.plans[1].joints.start_positions == plan.joints.start_positions
     twin.advance_to(2.0)
     moved = np.subtract(twin.robot_state("arm").positions, after.positions)
     assert moved[:2] == pytest.approx((0.1, 0.2), abs=0.01)  # its command still holds

@@ -1,0 +1,139 @@
+"""The plan of a robot's joints: where they start, and how they follow commands."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
+from drake_twin.description.robot_description import RobotDescription
+from drake_twin.description.yaml_document import ValuePath
+from drake_twin.planning.servo_plan import hold_joints, plugin_servos, position_time_constant
+from drake_twin.scenario import Robot, ScenarioError
+
+_SAME = 1e-6  # rad or m; positions that differ by less are the same
+
+
+@dataclass(frozen=True)
+class JointPlan:
+    """Where a robot's joints start, and how they follow commands.
+
+    Attributes:
+        start_positions: Movable joint → start position (rad or m).
+        are_held: Whether an unclaimed joint is held.
+        position_time_constant: Error / velocity of the position servos (s).
+        servos: (joint, command interface) → how a Gazebo plugin follows its commands.
+    """
+
+    start_positions: Mapping[str, float]
+    are_held: bool
+    position_time_constant: float
+    servos: Mapping[JointInterface, Servo]
+
+
+def plan_joints(
+    robot: Robot,
+    path: ValuePath,
+    own: RobotDescription,
+    description: RobotDescription,
+    drives: Sequence[GazeboDrive],
+    update_rate: float,
+) -> tuple[JointPlan, list[str]]:
+    """Plan a robot's joints.
+
+    Args:
+        robot: The scenario's entry.
+        path: The path of the entry in the scenario, for error messages.
+        own: The robot as its file describes it.
+        description: The robot with what Gazebo plugins command.
+        drives: These plugins.
+        update_rate: The controller manager's rate (Hz).
+
+    Returns:
+        The plan, and warnings of values that are not used as they are.
+
+    Raises:
+        InputError: If a joint is unknown, or a gain of the file is invalid.
+    """
+    starts = {joint: position for drive in drives for joint, position in drive.start.items()}
+    positions, warnings = _start_positions(robot, path, description, starts)
+    time_constant = position_time_constant(description, update_rate)
+    plan = JointPlan(positions, hold_joints(description), time_constant, plugin_servos(own, drives))
+    return plan, _unused_interfaces(description) + warnings
+
+
+def with_joint_friction(robot: Robot, path: ValuePath, description: RobotDescription) -> RobotDescription:
+    """Return the description with the dry friction that the scenario gives its joints."""
+    if not robot.joint_friction:
+        return description
+    movable = [joint.name for joint in description.movable_joints]
+    for name in robot.joint_friction:
+        if name not in movable:
+            at = (*path, "joint_friction")
+            raise ScenarioError(at, f"the robot has no movable joint {name!r}", value=name, valid=movable)
+    given = robot.joint_friction
+    joints = (replace(joint, friction=given.get(joint.name, joint.friction)) for joint in description.joints)
+    return replace(description, joints=tuple(joints))
+
+
+def _unused_interfaces(description: RobotDescription) -> list[str]:
+    """Return warnings of ``<ros2_control>`` joints that the twin cannot drive: unknown or without a position."""
+    warnings = []
+    unknown = []
+    for system in description.systems:
+        for joint in system.joints:
+            known = description.joints_by_name.get(joint.name)
+            if known is None:
+                unknown.append(joint.name)
+            elif joint.command_interfaces and not known.is_movable:
+                warnings.append(f"joint {joint.name!r} has command interfaces, but it is {known.type}")
+    if unknown:
+        warnings.insert(0, f"<ros2_control> names joints that the robot does not have: {', '.join(unknown)}")
+    return warnings
+
+
+def _start_positions(
+    robot: Robot, path: ValuePath, description: RobotDescription, starts: Mapping[str, float]
+) -> tuple[dict[str, float], list[str]]:
+    """Return positions from the scenario, else the robot's file, else zero; within limits, followers at their places.
+
+    Args:
+        robot: The scenario's entry.
+        path: The path of the entry in the scenario.
+        description: The robot, with its ``initial_value``s.
+        starts: The start positions of Gazebo's plugins.
+    """
+    joints = {joint.name: joint for joint in description.movable_joints}
+    warnings = []
+    for name in robot.initial_positions:
+        if name not in joints:
+            raise ScenarioError(
+                (*path, "initial_positions"), f"the robot has no movable joint {name!r}", value=name, valid=joints
+            )
+    positions: dict[str, float] = {}
+    for tag in description.controlled_joints.values():
+        warnings += [
+            f"joint {tag.name}: the initial_value {item.initial_value:g} of its {item.name} is ignored: joints"
+            " start at rest"
+            for item in tag.state_interfaces
+            if item.name != "position" and item.initial_value
+        ]
+    at_limits: dict[str, list[str]] = {}
+    for name, joint in joints.items():
+        value = robot.initial_positions.get(name, starts.get(name))
+        if value is None:
+            controlled = description.controlled_joints.get(name)
+            interfaces = controlled.state_interfaces if controlled else ()
+            initial = [item.initial_value for item in interfaces if item.name == "position"]
+            value = next((item for item in initial if item is not None), 0.0)
+        clamped = min(max(value, joint.limits.lower), joint.limits.upper)
+        if clamped != value:
+            at_limits.setdefault(f"{clamped:g} instead of {value:g}", []).append(name)
+        positions[name] = clamped
+    for start, names in at_limits.items():
+        who = f"joint {names[0]} starts at its" if len(names) == 1 else f"joints {', '.join(names)} start at their"
+        warnings.append(f"{who} limit {start}")
+    found = description.with_followers(positions)
+    for name, value in robot.initial_positions.items():
+        mimic = joints[name].mimic
+        if mimic is not None and abs(found[name] - value) > _SAME:
+            warnings.append(f"joint {name} follows {mimic.joint}: it starts at {found[name]:g} instead of {value:g}")
+    return found, warnings
