@@ -44,6 +44,7 @@ ROOMS = [
     ["messages"],
     ["program", "progress", "python_process", "whole_file"],
     ["findings"],
+    ["typed_data"],
     ["values", "extensions", "frozen", "requirements", "saved"],
     ["errors"],
 ]

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from drake_twin.description.source_file import check_regular
-from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError, did_you_mean
 from drake_twin.findings import Cause, Finding, Kind, Place
+from drake_twin.typed_data import Reader, ValuePath
 from drake_twin.values import is_number
 
 HIGHEST_RATE = 1e9  # Hz: a nanosecond is the shortest that ROS counts
@@ -149,7 +150,8 @@ def read_controllers(
     places: dict[str, tuple[YamlDocument, ValuePath]] = {}
     for document, path, parameters in nodes.get("controller_manager", []):
         update_rate = _update_rate(document, path, parameters, update_rate)
-        enforce_limits = _flag(document, path, parameters, "enforce_command_limits", enforce_limits)
+        limits = parameters.get("enforce_command_limits", enforce_limits)
+        enforce_limits = Reader(document.error).read(bool, limits, (*path, "enforce_command_limits"))
         strictness, uses_inactive = _defaults(document, path, parameters, strictness, uses_inactive)
         hardware |= _hardware_states(document, path, parameters)
         for name, value in _written(parameters):
@@ -239,9 +241,7 @@ def _defaults(
             )
         strictness = _STRICTNESSES[text]
     if _USES_INACTIVE in given:
-        uses_inactive = given[_USES_INACTIVE]
-        if not isinstance(uses_inactive, bool):
-            raise document.error((*path, _USES_INACTIVE), f"{uses_inactive!r} is neither true nor false")
+        uses_inactive = Reader(document.error).read(bool, given[_USES_INACTIVE], (*path, _USES_INACTIVE))
     return strictness, uses_inactive
 
 
@@ -314,13 +314,6 @@ def _update_rate(document: YamlDocument, path: ValuePath, parameters: Mapping[st
     if not is_number(rate) or not 0 < rate < HIGHEST_RATE:
         raise document.error((*path, "update_rate"), f"{rate!r} is not a positive rate (Hz)")
     return float(rate)
-
-
-def _flag(document: YamlDocument, path: ValuePath, parameters: Mapping[str, Any], name: str, default: bool) -> bool:
-    value = parameters.get(name, default)
-    if not isinstance(value, bool):
-        raise document.error((*path, name), f"{value!r} is neither true nor false")
-    return value
 
 
 def _with_placeholders(text: str, file: Path, placeholders: Mapping[str, str]) -> str:

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.planning.servo_plan import hold_joints, plugin_servos, position_time_constant
 from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.typed_data import ValuePath
 
 _SAME = 1e-6  # rad or m; positions that differ by less are the same
 

@@ -11,10 +11,10 @@ from drake_twin.controllers.registry import JOINT_STATE_BROADCASTER
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters, read_controllers
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.typed_data import ValuePath
 
 
 def manager_parameters(

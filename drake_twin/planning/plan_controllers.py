@@ -8,7 +8,6 @@ from drake_twin.controllers.registry import controller_class
 from drake_twin.description.controllers_yaml import ControllerManagerParameters, ControllerParameters
 from drake_twin.description.gazebo_drive import GazeboDrive
 from drake_twin.description.robot_description import RobotDescription
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan, chained_to
@@ -17,6 +16,7 @@ from drake_twin.planning.frame_names import misspelt_frame
 from drake_twin.planning.idle_hardware import idle_joints
 from drake_twin.planning.plan_controller import check_references, plan_controller
 from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.typed_data import ValuePath
 
 
 def plan_controllers(

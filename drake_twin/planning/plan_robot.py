@@ -8,7 +8,6 @@ from drake_twin.description.gazebo_drives import gazebo_drives
 from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
 from drake_twin.description.xacro_file import xacro_arguments
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.frame_names import frame_prefix
@@ -20,6 +19,7 @@ from drake_twin.planning.plugin_remappings import with_plugin_remappings
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import plan_sensors
 from drake_twin.scenario import Robot, ScenarioError
+from drake_twin.typed_data import ValuePath
 
 
 def plan_robot(

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.saved import saved
+from drake_twin.typed_data import ValuePath
 
 PUSH_DURATION = 0.1  # s, unless another one is given
 

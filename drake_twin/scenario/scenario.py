@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from drake_twin.description.robot_description import Vector3
-from drake_twin.description.yaml_document import ValuePath
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding
 from drake_twin.saved import saved
 from drake_twin.scenario.push import Push, problems_of_push
 from drake_twin.scenario.typed_values import misfits
+from drake_twin.typed_data import ValuePath
 
 # Drake's discrete solvers that support joint servos and mimic joints (TAMSI ignores both).
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap")

@@ -1,28 +1,37 @@
 """A scenario as YAML, and back: each value knows its line."""
 
 import dataclasses
-import types
-import typing
 from collections.abc import Mapping
 from enum import Enum
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from drake_twin.description.source_file import check_regular
-from drake_twin.description.yaml_document import ValuePath, YamlDocument
+from drake_twin.description.yaml_document import YamlDocument
 from drake_twin.errors import InputError
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_absolute_files
-from drake_twin.scenario.typed_values import field_types
-from drake_twin.values import yaml_number
+from drake_twin.typed_data import Reader, ValuePath
 
 
 def scenario_to_yaml(scenario: Scenario) -> str:
     """Write a scenario as YAML that `ScenarioFile` reads back to an equal scenario; defaults are left out."""
     return yaml.dump(_as_plain(scenario), Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
+
+
+def scenario_from_yaml(text: str, source: str) -> Scenario:
+    """Return the scenario that `scenario_to_yaml` has written; its files' names are those of then.
+
+    Args:
+        text: The YAML text.
+        source: Where it comes from, for errors.
+
+    Raises:
+        InputError: If a value cannot be used.
+    """
+    return _scenario(YamlDocument(text, source))
 
 
 class ScenarioFile:
@@ -41,11 +50,7 @@ class ScenarioFile:
 
     def __init__(self, text: str, file: str | Path):
         self._document = YamlDocument(text, file)
-        try:
-            scenario: Scenario = _read(Scenario, self._document.data, self._document, ())
-        except ScenarioError as error:
-            raise self.located(error) from None
-        self.scenario = with_absolute_files(scenario, Path(file).absolute().parent)
+        self.scenario = with_absolute_files(_scenario(self._document), Path(file).absolute().parent)
 
     @classmethod
     def read(cls, file: str | Path) -> "ScenarioFile":
@@ -62,7 +67,7 @@ class ScenarioFile:
 
     def located(self, error: ScenarioError) -> InputError:
         """Return an error of building this scenario with the file and line of the value at fault."""
-        return self._document.error(error.path, error.reason, **error.more)
+        return _located(error, self._document)
 
 
 class _Dumper(yaml.SafeDumper):
@@ -102,68 +107,22 @@ def _default(item: "dataclasses.Field[Any]") -> Any:
     return item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
 
 
-def _read(kind: Any, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    """Convert plain data to the annotated type; errors name the value by its line and path."""
-    origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if dataclasses.is_dataclass(kind):
-        return _read_dataclass(typing.cast(type, kind), value, document, path)
-    if origin is types.UnionType:
-        if value is None and type(None) in arguments:
-            return None
-        if isinstance(value, dict) and Mapping[str, Any] in arguments:
-            return value
-        return _read(next(item for item in arguments if item is not type(None)), value, document, path)
-    if origin is tuple:
-        if not isinstance(value, list):
-            raise document.error(path, f"{value!r} is not a list")
-        if arguments[-1] is Ellipsis:
-            return tuple(_read(arguments[0], item, document, (*path, index)) for index, item in enumerate(value))
-        if len(value) != len(arguments):
-            raise document.error(path, f"{value!r} has {len(value)} elements, but {len(arguments)} are needed")
-        return tuple(_read(float, item, document, (*path, index)) for index, item in enumerate(value))
-    if origin is Mapping:
-        if not isinstance(value, dict):
-            raise document.error(path, f"{value!r} is not a mapping")
-        return {str(key): _read(arguments[1], item, document, (*path, key)) for key, item in value.items()}
-    return _read_scalar(kind, value, document, path)
+def _scenario(document: YamlDocument) -> Scenario:
+    try:
+        scenario: Scenario = _Reader(document.error).read(Scenario, document.data)
+    except ScenarioError as error:
+        raise _located(error, document) from None
+    return scenario
 
 
-def _read_scalar(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if kind is float:
-        number = yaml_number(value)
-        if number is None or not isfinite(number):
-            shown = repr(value) if len(repr(value)) <= 80 else repr(value)[:80] + "…"
-            raise document.error(path, f"{shown} is not a finite number")
-        return number
-    if issubclass(kind, Enum):
-        valid = [item.value for item in kind]
-        if value not in valid:
-            raise document.error(path, f"unknown value {value!r}", value=str(value), valid=valid)
-        return kind(value)
-    if kind is int and (not is_number or value != int(value)):
-        raise document.error(path, f"{value!r} is not a whole number")
-    if kind is bool and not isinstance(value, bool):
-        raise document.error(path, f"{value!r} is neither true nor false")
-    if kind is str:
-        if isinstance(value, bool) or is_number:  # xacro arguments are text, also where YAML reads a number
-            return str(value).lower() if isinstance(value, bool) else str(value)
-        if not isinstance(value, str):
-            raise document.error(path, f"{value!r} is not text")
-    return value
+def _located(error: ScenarioError, document: YamlDocument) -> InputError:
+    return document.error(error.path, error.reason, **error.more)
 
 
-def _read_dataclass(kind: type, value: Any, document: YamlDocument, path: ValuePath) -> Any:
-    if value is None and not path:
-        raise document.error(path, "the file is empty: a scenario is needed")
-    if not isinstance(value, dict):
-        raise document.error(path, f"{value!r} is not a mapping")
-    kinds = field_types(kind)
-    for key in value:
-        if key not in kinds:
-            raise document.error((*path, key), "unknown entry", value=str(key), valid=list(kinds))
-    for item in dataclasses.fields(kind):
-        required = item.default is dataclasses.MISSING and item.default_factory is dataclasses.MISSING
-        if required and item.name not in value:
-            raise document.error(path, f"the entry {item.name!r} is missing")
-    return kind(**{key: _read(kinds[key], item, document, (*path, key)) for key, item in value.items()})
+class _Reader(Reader):
+    texts_of_numbers = True  # xacro arguments are text, also where YAML reads a number
+
+    def read_class(self, kind: type, value: Any, path: ValuePath) -> Any:
+        if value is None and not path:
+            raise self.error(path, "the file is empty: a scenario is needed")
+        return super().read_class(kind, value, path)

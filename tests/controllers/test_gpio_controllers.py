@@ -74,7 +74,7 @@ class Harness:
         setup = ControllerSetup("dut", parameters, claims, description, StateLayout(0, {}, {}, {}))
         builder = DiagramBuilder()
         self.dut = builder.AddNamedSystem("dut", GpioCommandController(setup))
-        plan = SimpleNamespace(description=description, update_rate=1 / PERIOD)
+        plan = SimpleNamespace(description=description, manager=SimpleNamespace(update_rate=1 / PERIOD))
         self.hardware = add_gpios(builder, plan, {"dut": self.dut}, PERIOD)
         self.simulator = Simulator(builder.Build())
         context = self.simulator.get_mutable_context()
