@@ -12,6 +12,7 @@ from drake_twin.messages import shortened
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.planning.sensor_plan import SensorPlan
 from drake_twin.scenario import LONGEST_TIME, Robot, Scenario
+from drake_twin.scenario.absolute_files import robot_with_files_found
 from drake_twin.twin.entity_state import (
     EntityState,
     entity_state,
@@ -51,7 +52,8 @@ class Entities(Group):
             raise InputError(f"{shortened(robot)} is not a Robot: make one with Robot(name, model)")
         if any(known.name == robot.name for known in session.scenario.robots):
             raise InputError(f"Entity [{robot.name}] already exists.")
-        scenario = replace(session.scenario, robots=(*session.scenario.robots, robot))
+        found = robot_with_files_found(robot, session.scenario.package_paths)
+        scenario = replace(session.scenario, robots=(*session.scenario.robots, found))
         session.rebuild(scenario, () if plan is None else (plan,))
         session.sunk |= {robot.name: ()} | session.find_sunk((robot.name,))
         for finding in session.sunk[robot.name]:

@@ -16,7 +16,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_files_found
-from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
+from drake_twin.scenario.scenario_file import scenario_from_yaml, scenario_to_yaml
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
@@ -203,7 +203,8 @@ class Session:
             InputError: If the snapshot cannot be used.
         """
         before = self.clock.time
-        scenario = ScenarioFile(snapshot.scenario, "snapshot").scenario
+        known, text = self._text
+        scenario = known if known and text == snapshot.scenario else scenario_from_yaml(snapshot.scenario, "snapshot")
         if snapshot.time_step != scenario.time_step:
             raise InputError(f"the saved state has steps of {snapshot.time_step} s, and its scenario others")
         self.goals.drop_all()
@@ -257,13 +258,13 @@ class Session:
         """Switch to the diagram of another scenario, and transfer all state that has a place in it.
 
         Args:
-            scenario: The scenario.
+            scenario: The scenario, whose files have been found.
             plans: Plans of its robots that were made before, beside those of the present ones.
 
         Raises:
             InputError: If the scenario cannot be built; nothing is changed then.
         """
-        old, scenario = self.physics, with_files_found(scenario)
+        old = self.physics
         physics = Physics(scenario, self._meshcat, old.built, plans, self._extensions)
         state, before, known = self.state(), self.scenario.commands, dict(self.controls)
         self.scenario = self._given = scenario

@@ -14,7 +14,8 @@ from pydrake.multibody.plant import CoulombFriction
 from drake_twin import Twin, TwinBuilder
 from drake_twin.errors import InputError
 from drake_twin.messages import float64_multi_array
-from drake_twin.scenario import Robot, World
+from drake_twin.scenario import Robot, World, absolute_files
+from drake_twin.twin import session
 from drake_twin.twin.plain_data import from_plain, to_plain
 from drake_twin.twin.snapshot import Snapshot
 
@@ -49,6 +50,31 @@ def arm(tmp_path):
 def on(twin, seconds):
     twin.advance_to(twin.time + seconds)
     return twin.state_sha256()
+
+
+def test_restoring_resolves_no_path_again(arm, monkeypatch, tmp_path):
+    """Not even where the diagram is built again: the files of a snapshot's scenario have been found."""
+    arm.entities.spawn(Robot("second", ARM, xyz=(2, 0, 0)))
+    two = arm.snapshot()
+    arm.entities.delete("second")
+    one = arm.snapshot()
+    resolved = []
+    monkeypatch.setattr(absolute_files, "absolute_path", resolved.append)
+    monkeypatch.setattr(absolute_files, "PackageIndex", resolved.append)
+    monkeypatch.setattr(session, "with_files_found", resolved.append)
+    monkeypatch.chdir(tmp_path)
+    arm.restore(two)
+    assert arm.robots == ("arm", "second")
+    arm.restore(one)
+    assert (arm.robots, resolved) == (("arm",), [])
+
+
+def test_the_present_scenario_is_not_read_again(arm, monkeypatch):
+    snapshot = arm.snapshot()
+    first = on(arm, 0.1)
+    monkeypatch.setattr(session, "scenario_from_yaml", lambda *_: pytest.fail("it is read again"))
+    arm.restore(snapshot)
+    assert on(arm, 0.1) == first
 
 
 def test_a_run_goes_on_from_a_snapshot_as_it_did_the_first_time(arm):
