@@ -5,10 +5,11 @@ line, and the valid choices.
 """
 
 import dataclasses
+import reprlib
 import sys
 import types
 import typing
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from enum import Enum
 from functools import cache
 from itertools import repeat
@@ -119,6 +120,35 @@ class Reader:
                 raise self.error(path, f"{value!r} is not text")
             return str(value).lower() if isinstance(value, bool) else str(value)
         return value
+
+
+def misfits(value: Any, path: ValuePath = (), unchecked: Collection[Key] = ()) -> Iterator[tuple[ValuePath, str]]:
+    """Find values that do not fit their annotated types, and numbers that are not finite.
+
+    Args:
+        value: A dataclass, or a value in one.
+        path: The keys and indices that lead to it.
+        unchecked: Keys of lists whose items are not looked at.
+
+    Yields:
+        The path of each, and what is wrong with it.
+    """
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        for item in dataclasses.fields(value):
+            below = getattr(value, item.name)
+            wanted = misfit(field_types(type(value))[item.name], below, (tuple, list))
+            if wanted is not None:
+                yield (*path, item.name), f"{reprlib.repr(below)} is not {wanted}"
+                return
+            yield from misfits(below, (*path, item.name), unchecked)
+    elif isinstance(value, Mapping):
+        for key, below in value.items():
+            yield from misfits(below, (*path, key), unchecked)
+    elif isinstance(value, tuple) and path and path[-1] not in unchecked:
+        for index, below in enumerate(value):
+            yield from misfits(below, (*path, index), unchecked)
+    elif isinstance(value, float) and not isfinite(value):
+        yield path, f"{value!r} is not a finite number"
 
 
 def misfit(kind: Any, value: Any, sequences: tuple[type[Sequence[Any]], ...] = (tuple,)) -> str | None:

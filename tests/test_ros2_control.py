@@ -581,8 +581,8 @@ def test_hardware_that_is_not_active_is_not_driven(make):
     twin = make("positions", inactive=("efforts",), more_types=inactive)
     assert states(twin)["positions"] == "inactive"
     why = "hardware component 'system' is inactive"
-    assert f"controller positions: {why}" in twin.built.plans[0].not_started[0]
-    assert any("hardware component 'nobody' is unknown" in warning for warning in twin.built.plans[0].warnings)
+    assert f"controller positions: {why}" in twin.built.plans[0].findings.not_started[0]
+    assert any("hardware component 'nobody' is unknown" in warning for warning in twin.built.plans[0].findings.warnings)
     manager = twin.control.manager("r")
     (component,) = manager.list_hardware_components()
     assert component.state == "inactive"

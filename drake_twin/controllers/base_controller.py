@@ -13,7 +13,6 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value, or_none
-from drake_twin.systems.plant_reading import Reading
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -204,7 +203,7 @@ class Controller(WitnesslessSystem):
     def cancel(self, context: Context) -> None:
         """Cancel the newest goal of its action."""
 
-    def drafter(self, topic: str, places: Sequence[int]) -> Drafter[Reading] | None:
+    def drafter(self, topic: str, places: Sequence[int]) -> Drafter | None:
         """Return what drafts a topic's messages, if they follow from the plant's state and efforts alone; else None.
 
         Args:

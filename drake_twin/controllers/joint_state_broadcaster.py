@@ -16,7 +16,6 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import set_value
-from drake_twin.systems.plant_reading import Reading
 from drake_twin.systems.weak_callback import weakly
 
 _INTERFACES = ("position", "velocity", "effort")
@@ -201,7 +200,7 @@ class JointStateBroadcaster(Controller):
     def _calc_state_estimated(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._state.Eval(context)[self._of_joints])
 
-    def drafter(self, topic: str, places: Sequence[int]) -> Drafter[Reading] | None:
+    def drafter(self, topic: str, places: Sequence[int]) -> Drafter | None:
         """Return what drafts the messages of ``joint_states`` or ``dynamic_joint_states``."""
         make = {"joint_states": self._joint_states, "dynamic_joint_states": self._dynamic_joint_states}[topic]
         indices = np.array(places)

@@ -5,7 +5,7 @@ Reading numbers takes a tenth of the time that a message takes, and a wire needs
 
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -13,19 +13,6 @@ from drake_twin.messages.interface_types import serialize
 
 _HEADER = 4  # bytes before the payload, in which numbers are aligned
 _TIMES = 1234567890.123456789, 987654321.987654321  # s; not found in a message by chance
-
-
-class Timed(Protocol):
-    """What was read at a time.
-
-    Attributes:
-        time: The time (s).
-    """
-
-    time: float
-
-
-_Reading = TypeVar("_Reading", bound=Timed)
 
 
 class Draft(Protocol):
@@ -61,11 +48,11 @@ class LaterDraft:
         return None if message is None else serialize(message)
 
 
-class Drafter(Generic[_Reading]):
+class Drafter:
     """Drafts a topic's messages, which differ from each other in their stamp and in numbers only.
 
     Args:
-        read: Reads what the numbers follow from.
+        read: Reads what the numbers follow from, of a reading, which has a ``time`` (s).
         numbers: Returns them, shape (n,), from what was read; in any thread.
         make: Makes a message of a time (s) and the numbers; it puts each into places of type float64, unchanged.
         size: The number of numbers, n.
@@ -73,7 +60,7 @@ class Drafter(Generic[_Reading]):
 
     def __init__(
         self,
-        read: Callable[[_Reading], np.ndarray],
+        read: Callable[[Any], np.ndarray],
         numbers: Callable[[np.ndarray], np.ndarray],
         make: Callable[[float, np.ndarray], Any],
         size: int,
@@ -83,7 +70,7 @@ class Drafter(Generic[_Reading]):
         self.make = make
         self._size = size
 
-    def __call__(self, reading: _Reading) -> Draft:
+    def __call__(self, reading: Any) -> Draft:
         """Draft a message."""
         return _NumbersDraft(self, reading.time, self._read(reading))
 
@@ -104,7 +91,7 @@ class Drafter(Generic[_Reading]):
 
 
 class _NumbersDraft:
-    def __init__(self, drafter: Drafter[Any], time: float, values: np.ndarray):
+    def __init__(self, drafter: Drafter, time: float, values: np.ndarray):
         self._drafter, self._time, self._values = drafter, time, values
         self._message: Any = None
 

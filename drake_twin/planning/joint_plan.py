@@ -1,14 +1,21 @@
 """The plan of a robot's joints: where they start, and how they follow commands."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import nan
+from pathlib import Path
 
 from drake_twin.description.gazebo_drive import GazeboDrive, JointInterface, Servo
-from drake_twin.description.robot_description import RobotDescription
-from drake_twin.planning.servo_plan import hold_joints, plugin_servos, position_time_constant
+from drake_twin.description.robot_description import MUJOCO, RobotDescription
+from drake_twin.errors import InputError
+from drake_twin.findings import Place
 from drake_twin.scenario import Robot, ScenarioError
 from drake_twin.typed_data import ValuePath
 
+# Hardware that follows a commanded position within an update: classic Gazebo's sets it, mock hardware copies it.
+_AT_ONCE = ("gazebo_ros2_control/", "mock_components/", "fake_components/")
+_SLOWEST, _FASTEST = 1e-6, 1e6  # velocity over error that a servo may have (1/s)
+_PROPORTIONAL_GAIN = 0.1  # gz_ros2_control's default
 _SAME = 1e-6  # rad or m; positions that differ by less are the same
 
 
@@ -49,14 +56,11 @@ def plan_joints(
 
     Returns:
         The plan, and warnings of values that are not used as they are.
-
-    Raises:
-        InputError: If a joint is unknown, or a gain of the file is invalid.
     """
     starts = {joint: position for drive in drives for joint, position in drive.start.items()}
     positions, warnings = _start_positions(robot, path, description, starts)
-    time_constant = position_time_constant(description, update_rate)
-    plan = JointPlan(positions, hold_joints(description), time_constant, plugin_servos(own, drives))
+    time_constant = _position_time_constant(description, update_rate)
+    plan = JointPlan(positions, _are_held(description), time_constant, _plugin_servos(own, drives))
     return plan, _unused_interfaces(description) + warnings
 
 
@@ -137,3 +141,66 @@ def _start_positions(
         if mimic is not None and abs(found[name] - value) > _SAME:
             warnings.append(f"joint {name} follows {mimic.joint}: it starts at {found[name]:g} instead of {value:g}")
     return found, warnings
+
+
+def _settings(description: RobotDescription, name: str) -> Iterator[tuple[str, Place]]:
+    """Yield a setting of gz_ros2_control from the places where a robot file may have it: hardware and plugin."""
+    for system in description.systems:
+        if name in system.parameters:
+            yield system.parameters[name], system.place
+    for plugin in description.plugins:
+        yield from ((text, plugin.place) for text in plugin.elements.get(name, ()))
+
+
+def _are_held(description: RobotDescription) -> bool:
+    """Return whether a joint that no controller claims is held."""
+    settings = _settings(description, "hold_joints")
+    return next((text.strip().lower() not in ("false", "0") for text, _ in settings), True)
+
+
+def _position_time_constant(description: RobotDescription, update_rate: float) -> float:
+    """Return error over velocity of the robot's position servos (s).
+
+    gz_ros2_control's velocity is gain · error · update rate; the hardware of real robots is taken for it.
+
+    Raises:
+        InputError: If the file's gain is not a positive number.
+    """
+    for text, place in _settings(description, "position_proportional_gain"):
+        at = Path(place.file) if place.file else description.file
+        try:
+            gain = float(text)
+        except ValueError:
+            gain = nan
+        if not gain > 0:
+            what = f"{text!r}, which is not a positive number"
+            raise InputError(f"position_proportional_gain is {what}", file=at, line=place.line)
+        if not _SLOWEST <= gain * update_rate <= _FASTEST:
+            what = f"{text!r}, and {update_rate:g} Hz times that is not from {_SLOWEST:g} to {_FASTEST:g} 1/s"
+            raise InputError(f"position_proportional_gain is {what}", file=at, line=place.line)
+        return 1.0 / (gain * update_rate)
+    systems = [system for system in description.systems if system.plugin]
+    at_once = bool(systems) and all(system.plugin.startswith(_AT_ONCE) for system in systems)
+    return 1.0 / ((1.0 if at_once else _PROPORTIONAL_GAIN) * update_rate)
+
+
+def _plugin_servos(description: RobotDescription, drives: Sequence[GazeboDrive]) -> dict[JointInterface, Servo]:
+    """Return how plugins follow commands, where no ``<ros2_control>`` commands the joint: the first of two has it.
+
+    An MJCF robot's actuators follow them as MuJoCo's do: a motor has no gains.
+    """
+    servos: dict[JointInterface, Servo] = {
+        (joint.name, command.name): Servo(
+            float(joint.parameters["kv" if command.name == "velocity" else "kp"]), float(joint.parameters["kv"])
+        )
+        for system in description.systems
+        if system.plugin == MUJOCO
+        for joint in system.joints
+        for command in joint.command_interfaces
+    }
+    for drive in drives:
+        for (joint, interface), servo in drive.servos.items():
+            known = description.controlled_joints.get(joint)
+            if known is None or interface not in {item.name for item in known.command_interfaces}:
+                servos.setdefault((joint, interface), servo)
+    return servos

@@ -30,9 +30,6 @@ def plan_controller(
         description: The robot.
         manager_rate: The controller manager's rate (Hz).
         known: The names of all controllers, whose references it may claim.
-
-    Returns:
-        The plan, and findings of entries that are ignored.
     """
     try:
         return _plan(controller, description, manager_rate, known)

@@ -11,8 +11,8 @@ from drake_twin.description.robot_description import RobotDescription
 from drake_twin.errors import InputError
 from drake_twin.findings import Finding, Kind
 from drake_twin.planning.controller_plan import ACTIVE, INACTIVE, UNCONFIGURED, UNLOADED, ControllerPlan, chained_to
-from drake_twin.planning.drive_controllers import drives_by_name, leave_one_transform, wiring_of, with_stamps
 from drake_twin.planning.frame_names import misspelt_frame
+from drake_twin.planning.gazebo_drive_plan import drives_by_name, leave_one_transform, wiring_of, with_stamps
 from drake_twin.planning.idle_hardware import idle_joints
 from drake_twin.planning.plan_controller import check_references, plan_controller
 from drake_twin.scenario import Robot, ScenarioError

@@ -9,7 +9,7 @@ from drake_twin.description.package_index import PackageIndex
 from drake_twin.description.robot_models import RobotModels
 from drake_twin.description.xacro_file import xacro_arguments
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind
+from drake_twin.findings import Finding, Findings, Kind
 from drake_twin.planning.frame_names import frame_prefix
 from drake_twin.planning.gazebo_drive_plan import usable_drives, with_actuators
 from drake_twin.planning.joint_plan import plan_joints, with_joint_friction
@@ -63,7 +63,7 @@ def plan_robot(
         joints=joints,
         sensors=sensors,
         frame_prefix=prefix,
-        findings=tuple(replace(item, robot=robot.name, file=item.file or str(file)) for item in findings),
+        findings=Findings(replace(item, robot=robot.name, file=item.file or str(file)) for item in findings),
     )
 
 

@@ -6,7 +6,7 @@ from drake_twin.description.controllers_yaml import ControllerManagerParameters
 from drake_twin.description.robot_description import Joint, Pose, RobotDescription
 from drake_twin.description.robot_model import RobotModel
 from drake_twin.errors import InputError
-from drake_twin.findings import Finding, Kind, texts
+from drake_twin.findings import Findings
 from drake_twin.planning.controller_plan import ControllerPlan
 from drake_twin.planning.idle_hardware import idle_joints, joints_in_state
 from drake_twin.planning.joint_plan import JointPlan
@@ -36,7 +36,7 @@ class RobotPlan:
     joints: JointPlan
     sensors: tuple[SensorPlan, ...]
     frame_prefix: str
-    findings: tuple[Finding, ...]
+    findings: Findings
 
     @property
     def hardware_states(self) -> dict[str, str]:
@@ -53,16 +53,6 @@ class RobotPlan:
     def unconfigured_joints(self) -> frozenset[str]:
         """The joints and GPIOs whose interfaces are not available."""
         return frozenset(joints_in_state(self.description, self.hardware_states, "unconfigured"))
-
-    @property
-    def not_started(self) -> tuple[str, ...]:
-        """The controllers and drives that are not active, each with the reason."""
-        return texts(self.findings, Kind.NOT_STARTED)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """The findings of entries that were repaired or have no effect."""
-        return texts(self.findings, Kind.WARNING, Kind.MENDED)
 
     @property
     def errors(self) -> tuple[InputError, ...]:

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping
 from enum import Enum
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -21,19 +22,6 @@ def scenario_to_yaml(scenario: Scenario) -> str:
     return yaml.dump(_as_plain(scenario), Dumper=_Dumper, sort_keys=False, width=120, allow_unicode=True)
 
 
-def scenario_from_yaml(text: str, source: str) -> Scenario:
-    """Return the scenario that `scenario_to_yaml` has written; its files' names are those of then.
-
-    Args:
-        text: The YAML text.
-        source: Where it comes from, for errors.
-
-    Raises:
-        InputError: If a value cannot be used.
-    """
-    return _scenario(YamlDocument(text, source))
-
-
 class ScenarioFile:
     """A scenario's YAML file, with the line of each value.
 
@@ -42,7 +30,7 @@ class ScenarioFile:
         file: Its file; relative file names in the text are relative to it.
 
     Attributes:
-        scenario: The scenario.
+        as_written: The scenario, with the names of files as they stand there.
 
     Raises:
         InputError: If a value cannot be used; with its file and line, and what would be valid.
@@ -50,7 +38,15 @@ class ScenarioFile:
 
     def __init__(self, text: str, file: str | Path):
         self._document = YamlDocument(text, file)
-        self.scenario = with_absolute_files(_scenario(self._document), Path(file).absolute().parent)
+        try:
+            self.as_written: Scenario = _Reader(self._document.error).read(Scenario, self._document.data)
+        except ScenarioError as error:
+            raise self.located(error) from None
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario, with the files that it names relative to its own file's folder."""
+        return with_absolute_files(self.as_written, self._document.file.absolute().parent)
 
     @classmethod
     def read(cls, file: str | Path) -> "ScenarioFile":
@@ -67,7 +63,7 @@ class ScenarioFile:
 
     def located(self, error: ScenarioError) -> InputError:
         """Return an error of building this scenario with the file and line of the value at fault."""
-        return _located(error, self._document)
+        return self._document.error(error.path, error.reason, **error.more)
 
 
 class _Dumper(yaml.SafeDumper):
@@ -105,18 +101,6 @@ def _as_plain(value: Any) -> Any:
 
 def _default(item: "dataclasses.Field[Any]") -> Any:
     return item.default if item.default_factory is dataclasses.MISSING else item.default_factory()
-
-
-def _scenario(document: YamlDocument) -> Scenario:
-    try:
-        scenario: Scenario = _Reader(document.error).read(Scenario, document.data)
-    except ScenarioError as error:
-        raise _located(error, document) from None
-    return scenario
-
-
-def _located(error: ScenarioError, document: YamlDocument) -> InputError:
-    return document.error(error.path, error.reason, **error.more)
 
 
 class _Reader(Reader):

@@ -9,7 +9,6 @@ from pydrake.systems.framework import Context, OutputPort
 from drake_twin import messages
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value
-from drake_twin.systems.plant_reading import Reading
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -38,7 +37,7 @@ class ClockPublisher(WitnesslessSystem):
         """Return the port ``clock``."""
         return self._clock
 
-    def drafter(self) -> Drafter[Reading]:
+    def drafter(self) -> Drafter:
         """Return what drafts its messages."""
         return Drafter(lambda reading: _NOTHING, lambda nothing: nothing, _clock, 0)
 

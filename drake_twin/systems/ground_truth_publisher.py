@@ -18,7 +18,6 @@ from drake_twin.kinematics.rotations import quaternion_from_rpy
 from drake_twin.kinematics.state_layout import StateLayout
 from drake_twin.messages.draft import Drafter
 from drake_twin.systems.no_message import empty_value
-from drake_twin.systems.plant_reading import Reading
 from drake_twin.systems.weak_callback import weakly
 from drake_twin.systems.witnessless_system import WitnesslessSystem
 
@@ -100,7 +99,7 @@ class GroundTruthPublisher(WitnesslessSystem):
         """Return the port ``<robot>/ground_truth/odom``."""
         return self.GetOutputPort(f"{robot}/ground_truth/odom")
 
-    def drafter(self, base: RobotBase) -> Drafter[Reading]:
+    def drafter(self, base: RobotBase) -> Drafter:
         """Return what drafts the messages of a robot."""
 
         def numbers(state: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ from drake_twin.twin.entity_state import (
     set_entity_state,
     set_joint_positions,
 )
-from drake_twin.twin.group import Group, outside_callbacks
+from drake_twin.twin.group import Group
 from drake_twin.twin.pull import PERIOD, make_pull
 from drake_twin.twin.recording import recorded
 from drake_twin.twin.session import Session
@@ -35,8 +35,7 @@ _STILL = (0.0, 0.0, 0.0)
 class Entities(Group):
     """What is in the world: robots, its models, and their links (``robot_1::base_link``); `Twin.entities`."""
 
-    @outside_callbacks("spawn")
-    @recorded("spawn")
+    @recorded("spawn", outside_callbacks="spawn")
     def spawn(self, robot: Robot, *, plan: RobotPlan | None = None) -> None:
         """Add a robot to the world; all others keep their state.
 
@@ -59,8 +58,7 @@ class Entities(Group):
         for finding in session.sunk[robot.name]:
             _log.warning("%s", finding)
 
-    @outside_callbacks("delete")
-    @recorded("delete")
+    @recorded("delete", outside_callbacks="delete")
     def delete(self, robot: str) -> None:
         """Remove a robot with its topics and commands, or a model of the world; all others keep their state.
 
@@ -144,8 +142,7 @@ class Entities(Group):
         set_entity_state(built, context, entity, position, orientation, linear, angular, reference)
         self._session.physics.detachable_joints.moved(entity)
 
-    @outside_callbacks("rearrange")
-    @recorded("place")
+    @recorded("place", outside_callbacks="rearrange")
     def place(self, entity: str, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
         """Put a robot or a model of the world elsewhere, at rest; also what is welded to the world or never moves.
 
@@ -176,8 +173,7 @@ class Entities(Group):
             set_entity_state(session.built, context, entity, (x, y, z), orientation, _STILL, _STILL)
         session.physics.detachable_joints.moved(entity)
 
-    @outside_callbacks("rearrange")
-    @recorded("copy_model")
+    @recorded("copy_model", outside_callbacks="rearrange")
     def copy_model(self, model: str, name: str, xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> None:
         """Add a model like one of the world.
 
@@ -285,8 +281,7 @@ class Entities(Group):
         session.physics.detachable_joints.moved(robot)
         session.controls[robot].release(positions)
 
-    @outside_callbacks("change")
-    @recorded("set_values")
+    @recorded("set_values", outside_callbacks="change")
     def set_values(self, values: Mapping[str, float]) -> None:
         """Set parameters of the plant at once, as the scenario would with these ``values`` beside its own.
 

@@ -94,11 +94,7 @@ def _free_bodies(built: TwinDiagram, entity: str) -> list[RigidBody]:
 
 
 def entity_state(built: TwinDiagram, plant_context: Context, entity: str, reference: str = WORLD) -> EntityState:
-    """Return the pose and twist of an entity, in the world or in another entity's frame.
-
-    Raises:
-        InputError: If an entity does not exist.
-    """
+    """Return the pose and twist of an entity; see `Entities.state`."""
     body = find_body(built, entity)
     plant = built.plant
     frame = plant.world_frame() if reference == WORLD else find_body(built, reference).body_frame()
@@ -122,21 +118,7 @@ def set_entity_state(
     angular: Iterable[float] | None = None,
     reference: str = WORLD,
 ) -> None:
-    """Set the pose or velocity of a robot or a moving model; parts that are not given stay.
-
-    Args:
-        built: The diagram.
-        plant_context: Its plant's context.
-        entity: The robot or model.
-        position: The position x, y, z (m).
-        orientation: The quaternion w, x, y, z of any length.
-        linear: The velocity (m/s).
-        angular: The angular velocity (rad/s).
-        reference: ``world`` or the entity in whose frame all values are.
-
-    Raises:
-        InputError: If an entity does not exist or cannot be moved, or a value is invalid.
-    """
+    """Set the pose or velocity of a robot or a moving model; see `Entities.set_state`."""
     plant = built.plant
     body = find_body(built, entity)
     if not body.is_floating_base_body() or not body.has_quaternion_dofs():
@@ -170,11 +152,7 @@ def set_entity_state(
 def set_joint_positions(
     built: TwinDiagram, plant_context: Context, plan: RobotPlan, positions: Mapping[str, float]
 ) -> None:
-    """Set joint positions (rad or m) of a robot without applying forces.
-
-    Raises:
-        InputError: If a joint is unknown, or a position is not a finite number.
-    """
+    """Set joint positions of a robot; see `Entities.set_joint_positions`."""
     if not isinstance(positions, Mapping):
         raise InputError(f"{positions!r} is not a mapping of joints to positions")
     parts = built.robots[plan.name]
@@ -199,11 +177,7 @@ def make_wrench(
     reference: str,
     at: Iterable[float],
 ) -> Wrench:
-    """Return a wrench in the world's axes, given one in a frame.
-
-    Raises:
-        InputError: If an entity does not exist, or a value is invalid.
-    """
+    """Return a wrench in the world's axes; see `Entities.apply_wrench`."""
     find_body(built, entity)
     R = RotationMatrix()
     if reference != WORLD:

@@ -63,21 +63,11 @@ def make_pull(
     period: float,
     known: Pull | None,
 ) -> Pull:
-    """Return a spring with its present force.
+    """Return a spring with its present force; see `Entities.drag`.
 
     Args:
-        built: The diagram.
-        plant_context: Its plant's context.
-        entity: The link, robot or model.
-        target: The point in the world (m).
-        at: The point of the link (m).
-        until: The time at which it ends (s).
-        stiffness: N/m; None for one that fits the mass.
         period: The time between two renewals of its force (s).
         known: The entity's spring until now: at the same point, its stiffness is kept.
-
-    Raises:
-        InputError: If the entity is unknown or fixed to the world, or a value is invalid.
     """
     body = find_body(built, entity)
     x, y, z = map(float, finite_numbers(target, 3, "target"))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Set
 from dataclasses import dataclass, field, is_dataclass, replace
 from numbers import Real
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -188,28 +188,25 @@ class Recorder:
         return Recording(self.start, tuple(self._calls), self._time())
 
 
-class Recordable(Protocol):
-    """What has recorded methods: `Twin` and its groups."""
-
-    _recorder: Recorder
-
-
-def recorded(name: str) -> Callable[[_Method], _Method]:
-    """Decorate a method so that its calls are recorded, without their callbacks.
+def recorded(name: str, *, outside_callbacks: str | None = None) -> Callable[[_Method], _Method]:
+    """Decorate a method of a twin or its groups so that its calls are recorded, without their callbacks.
 
     Args:
         name: Its name in `CALLS`.
+        outside_callbacks: What it does, in one word, if callbacks cannot do that; a refused call is not recorded.
     """
     assert name in CALLS
-    return functools.partial(_recorded, name)
+    return functools.partial(_recorded, name, outside_callbacks)
 
 
-def _recorded(name: str, method: _Method) -> _Method:
+def _recorded(name: str, outside_callbacks: str | None, method: _Method) -> _Method:
     signature = inspect.signature(method)
 
     @functools.wraps(method)
-    def call(twin: Recordable, *arguments: Any, **named: Any) -> Any:
-        recorder = twin._recorder
+    def call(twin: Any, *arguments: Any, **named: Any) -> Any:
+        if outside_callbacks is not None:
+            twin._stepper.refuse_inside_callback(outside_callbacks)
+        recorder: Recorder = twin._recorder
         if recorder.start is None and not recorder.listeners:
             return method(twin, *arguments, **named)
         given = signature.bind(twin, *arguments, **named)

@@ -16,7 +16,7 @@ from drake_twin.findings import Finding, Kind
 from drake_twin.planning.robot_plan import RobotPlan
 from drake_twin.scenario import Scenario, ScenarioError
 from drake_twin.scenario.absolute_files import with_files_found
-from drake_twin.scenario.scenario_file import scenario_from_yaml, scenario_to_yaml
+from drake_twin.scenario.scenario_file import ScenarioFile, scenario_to_yaml
 from drake_twin.twin.alarm import Alarm
 from drake_twin.twin.clock import Clock
 from drake_twin.twin.commands import Commands
@@ -203,8 +203,9 @@ class Session:
             InputError: If the snapshot cannot be used.
         """
         before = self.clock.time
-        known, text = self._text
-        scenario = known if known and text == snapshot.scenario else scenario_from_yaml(snapshot.scenario, "snapshot")
+        scenario, text = self._text
+        if scenario is None or text != snapshot.scenario:
+            scenario = ScenarioFile(snapshot.scenario, "snapshot").as_written
         if snapshot.time_step != scenario.time_step:
             raise InputError(f"the saved state has steps of {snapshot.time_step} s, and its scenario others")
         self.goals.drop_all()

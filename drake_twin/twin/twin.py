@@ -21,7 +21,7 @@ from drake_twin.twin.control import Control
 from drake_twin.twin.endpoints import MoreTopics
 from drake_twin.twin.entities import Entities
 from drake_twin.twin.graph import Graph
-from drake_twin.twin.group import outside_callbacks
+from drake_twin.twin.group import Group
 from drake_twin.twin.inbox import Inbox
 from drake_twin.twin.old_names import OldNames
 from drake_twin.twin.real_time import Frames, run_in_real_time
@@ -41,7 +41,7 @@ class Closable(Protocol):
         """End it."""
 
 
-class Twin(OldNames):
+class Twin(Group, OldNames):
     """A scenario, running.
 
     Args:
@@ -75,14 +75,15 @@ class Twin(OldNames):
         plans: Iterable[RobotPlan] = (),
         extensions: Sequence[Extension] = (),
     ):
-        self.recorder = self._recorder = Recorder(lambda: self.time, self.snapshot)
-        self._session = session = Session(scenario, meshcat, plans, extensions, self.recorder.note)
+        self.recorder = Recorder(lambda: self.time, self.snapshot)
+        session = Session(scenario, meshcat, plans, extensions, self.recorder.note)
         self.inbox, self.frames, self.alarm = Inbox(), Frames(), session.alarm
         self.more_findings: list[Finding] = []
         self.companions: list[Closable] = []
         self.more_topics: MoreTopics | None = None
-        self._stepper = Stepper(session, lambda topic, data: self.graph.deliver(topic, data), self.inbox)
-        parts = session, self._stepper, self.recorder
+        stepper = Stepper(session, lambda topic, data: self.graph.deliver(topic, data), self.inbox)
+        parts = session, stepper, self.recorder
+        super().__init__(*parts)
         self.entities, self.control = Entities(*parts), Control(*parts)
         self.graph, self.clock = Graph(*parts), TwinClock(*parts)
         session.subscriptions.read, session.subscriptions.draft = self.graph.read, self.graph.draft
@@ -305,8 +306,7 @@ class Twin(OldNames):
         """Let time continue."""
         self._stepper.paused = False
 
-    @outside_callbacks("reset")
-    @recorded("reset")
+    @recorded("reset", outside_callbacks="reset")
     def reset(self, scenario: Scenario | None = None) -> None:
         """Return to the start: time zero, start positions, no commands, the scenario's commands ahead again.
 
@@ -322,7 +322,6 @@ class Twin(OldNames):
         """
         self._session.reset(scenario, self.graph.check)
 
-    @outside_callbacks("close")
     def close(self) -> None:
         """Free the memory of the twin's diagram; neither can be used afterwards, nor a plant or context of it.
 
@@ -332,6 +331,7 @@ class Twin(OldNames):
         Raises:
             InputError: If called inside a callback.
         """
+        self._stepper.refuse_inside_callback("close")
         while self.companions:
             self.companions.pop().close()
         if not self._session.physics.is_discarded:
@@ -363,8 +363,7 @@ class Twin(OldNames):
         self._stepper.refuse_inside_callback("take a snapshot of")
         return self._session.snapshot()
 
-    @outside_callbacks("restore")
-    @recorded("restore")
+    @recorded("restore", outside_callbacks="restore")
     def restore(self, snapshot: Snapshot) -> None:
         """Return to a moment: robots, time, states, controllers and commands are as they were then.
 

@@ -72,7 +72,7 @@ def test_restoring_resolves_no_path_again(arm, monkeypatch, tmp_path):
 def test_the_present_scenario_is_not_read_again(arm, monkeypatch):
     snapshot = arm.snapshot()
     first = on(arm, 0.1)
-    monkeypatch.setattr(session, "scenario_from_yaml", lambda *_: pytest.fail("it is read again"))
+    monkeypatch.setattr(session, "ScenarioFile", lambda *_: pytest.fail("it is read again"))
     arm.restore(snapshot)
     assert on(arm, 0.1) == first
 

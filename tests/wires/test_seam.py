@@ -118,8 +118,8 @@ def test_wires_that_nobody_uses_change_no_bit(wired):
 def test_a_command_from_another_thread_is_done_in_the_thread_that_advances(wired):
     twin, wire, _ = wired
     threads = []
-    publish = twin._topics.publish
-    twin._topics.publish = lambda *arguments: (threads.append(threading.current_thread()), publish(*arguments))
+    publish = twin.graph.deliver
+    twin.graph.deliver = lambda *arguments: (threads.append(threading.current_thread()), publish(*arguments))
     other = threading.Thread(target=lambda: wire.listeners[COMMANDS].call(command(1, 1, 1, 1)))
     other.start()
     other.join()
@@ -186,7 +186,7 @@ def test_an_inbox_that_is_full_keeps_stops_and_the_newest_of_each_topic(wired):
     twin, wire, _ = wired
     other = "/robot_2/forward_velocity_controller/commands"
     published = []
-    twin._topics.publish = lambda topic, message: published.append((topic, tuple(message.data)))
+    twin.graph.deliver = lambda topic, message: published.append((topic, tuple(message.data)))
     wire.listeners[other].call(command(7, 7, 7, 7))
     wire.listeners[COMMANDS].call(command(0, 0, 0, 0))
     for index in range(3000):
